@@ -1,0 +1,46 @@
+"""The one tree of errors of both packages: what was wrong with the input, and what to do next."""
+
+
+class CompensatorError(ValueError):
+    """Base of every error that this project raises on purpose.
+
+    Catch it to catch them all; each message names the offending input and the next step.
+
+    Examples
+    --------
+    >>> from compensator_theory import CompensatorError, place_poles, transfer_function
+    >>> plant = transfer_function("(s + 1)/((s + 1)*(s + 2))")
+    >>> try:
+    ...     place_poles(plant, ["-3", "-4", "-5"], feedback=-1)
+    ... except CompensatorError as error:
+    ...     print(type(error).__name__)
+    NotCoprimeError
+    """
+
+
+class InputError(CompensatorError):
+    """An argument has the wrong type, shape, range or value (NaN and infinity included)."""
+
+
+class NotCoprimeError(CompensatorError):
+    """Numerator and denominator share a root, so some poles cannot be moved."""
+
+
+class ImproperError(CompensatorError):
+    """A transfer function has more zeros than poles, or a loop is not well posed."""
+
+
+class NoSolutionError(CompensatorError):
+    """The design equation has no solution for this order of compensator."""
+
+
+class NotReachableTargetError(CompensatorError):
+    """No controller of this structure makes the intercalated transfer function equal the target."""
+
+
+class UnitCircleError(CompensatorError):
+    """A zero or a pole lies on the unit circle where none may."""
+
+
+class DivergedError(CompensatorError):
+    """A closed loop left the range of float64; what came before is kept in the result."""

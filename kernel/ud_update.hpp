@@ -1,0 +1,130 @@
+// The retrospective cost update with P = U D U' factorised (Bierman 1977, Thornton 1976).
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "update.hpp"
+
+namespace rcac {
+
+// U is unit upper triangular, its columns above the diagonal packed one after another; D > 0.
+// d_j is multiplied by ratios alpha_{j-1}/alpha_j and never reduced by a subtraction, so P stays
+// positive definite for R_theta = 1e-40 where (2.43) as printed does not.
+class UdUpdate final : public Update {
+public:
+    UdUpdate(const double* P0, std::size_t l_theta)
+        : n_(l_theta), U_(l_theta * (l_theta - 1) / 2), D_(l_theta), gain_(l_theta), row_(l_theta) {
+        factorise(P0);
+    }
+
+    bool operator()(const Data& data, std::int64_t step, double* theta) override {
+        // With W = R_z + R_u = L L', the rows of L' Phi_f carry uncorrelated noise of variance
+        // lambda, so l_z scalar updates do what (2.42)-(2.44) do with one l_z x l_z inverse.
+        const std::size_t m = data.l_z;
+        L_.resize(m * m);
+        rhs_.assign(m, 0.0);
+        for (std::size_t i = 0; i < m * m; ++i) L_[i] = data.R_z[i] + data.R_u[i];
+        if (!cholesky(L_.data(), m))
+            throw std::domain_error("R_z + R_u is not positive definite");
+        for (std::size_t i = 0; i < m; ++i)
+            for (std::size_t j = 0; j < m; ++j) rhs_[i] += data.R_z[i * m + j] * data.target[j];
+        for (std::size_t i = 0; i < m; ++i) {  // rhs <- L^{-1} R_z (z - u_f) = L' W^{-1} R_z (..)
+            for (std::size_t j = 0; j < i; ++j) rhs_[i] -= L_[i * m + j] * rhs_[j];
+            rhs_[i] /= L_[i * m + i];
+        }
+        for (std::size_t r = 0; r < m; ++r) {
+            for (std::size_t j = 0; j < n_; ++j) row_[j] = L_[r * m + r] * data.Phi_f[r * n_ + j];
+            for (std::size_t i = r + 1; i < m; ++i)
+                for (std::size_t j = 0; j < n_; ++j)
+                    row_[j] += L_[i * m + r] * data.Phi_f[i * n_ + j];
+            if (!scalar_update(row_.data(), rhs_[r], data.lambda, step, theta)) return false;
+        }
+        if (data.lambda != 1.0)
+            for (double& d : D_) d /= data.lambda;
+        return finite(theta, n_) && finite(D_.data(), n_);
+    }
+
+    void covariance(double* P) const override {
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t j = i; j < n_; ++j) {
+                double sum = (i == j ? 1.0 : column(j)[i]) * D_[j];
+                for (std::size_t m = j + 1; m < n_; ++m) sum += column(m)[i] * D_[m] * column(m)[j];
+                P[i * n_ + j] = P[j * n_ + i] = sum;
+            }
+    }
+
+private:
+    double* column(std::size_t j) { return U_.data() + j * (j - 1) / 2; }
+    const double* column(std::size_t j) const { return U_.data() + j * (j - 1) / 2; }
+
+    // P(0) = U D U'; a diagonal P(0) costs nothing.
+    void factorise(const double* P0) {
+        std::vector<double> P(P0, P0 + n_ * n_);
+        for (std::size_t j = n_; j-- > 0;) {
+            D_[j] = P[j * n_ + j];
+            if (!(D_[j] > 0.0)) throw std::domain_error("P(0) is not positive definite");
+            for (std::size_t i = 0; i < j; ++i) column(j)[i] = P[i * n_ + j] / D_[j];
+            for (std::size_t i = 0; i < j; ++i)
+                for (std::size_t m = 0; m <= i; ++m)
+                    P[m * n_ + i] -= column(j)[m] * D_[j] * column(j)[i];
+        }
+    }
+
+    // One measurement  row * theta + rhs = 0  of variance r.
+    bool scalar_update(const double* row, double rhs, double r, std::int64_t step, double* theta) {
+        double innovation = rhs;
+#pragma omp simd reduction(+ : innovation)
+        for (std::size_t j = 0; j < n_; ++j) innovation += row[j] * theta[j];
+        double largest = 0.0;
+        for (std::size_t j = 0; j < n_; ++j) largest = std::max(largest, std::fabs(row[j]));
+        // The guard's full test costs another pass over a column; a variance below alpha / noise
+        // cannot need it.
+        const double noise = std::pow(1024.0 * epsilon * largest, 2);
+        double* gain = gain_.data();
+        double alpha = r;
+        for (std::size_t j = 0; j < n_; ++j) {
+            double* u = column(j);
+            double f = row[j];
+#pragma omp simd reduction(+ : f)
+            for (std::size_t i = 0; i < j; ++i) f += u[i] * row[i];
+            const double v = D_[j] * f;
+            gain[j] = v;
+            if (D_[j] * noise > alpha && lost_in_rounding(row, u, j, f, alpha)) guard_.raise(step);
+            if (f == 0.0) continue;
+            const double grown = alpha + v * f;
+            D_[j] *= alpha / grown;
+            const double factor = -f / alpha;
+#pragma omp simd
+            for (std::size_t i = 0; i < j; ++i) {
+                const double old = u[i];
+                u[i] = old + factor * gain[i];
+                gain[i] += v * old;
+            }
+            alpha = grown;
+        }
+        if (!std::isfinite(alpha)) return false;
+        const double scaled = innovation / alpha;
+#pragma omp simd
+        for (std::size_t j = 0; j < n_; ++j) theta[j] -= gain[j] * scaled;
+        return true;
+    }
+
+    // Whether f = row_j + sum U_ij row_i is no larger than the rounding errors of its terms while
+    // d_j is so large that an f of that size would decide the update: the data do not say whether
+    // this direction is excited, and with such a P(0) theta hangs on the answer.
+    bool lost_in_rounding(const double* row, const double* u, std::size_t j, double f,
+                          double alpha) const {
+        double size = std::fabs(row[j]);
+        for (std::size_t i = 0; i < j; ++i) size += std::fabs(u[i] * row[i]);
+        const double error = 16.0 * epsilon * size;
+        return std::fabs(f) <= error && D_[j] * error * error > alpha;
+    }
+
+    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    std::size_t n_;
+    std::vector<double> U_, D_, gain_, row_, L_, rhs_;
+};
+
+}  // namespace rcac

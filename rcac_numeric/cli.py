@@ -1,0 +1,106 @@
+"""The command `rcac`: list the examples, verify one of them or a case of one's own."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from compensator_theory.errors import CompensatorError, InputError
+
+if TYPE_CHECKING:
+    from rcac_numeric.verdicts import Verification
+
+EXIT_STATUS = """
+Exit status: 0 done, and every verdict of record holds; 1 a verdict has changed; 2 bad input;
+3 a loop diverged (what came before it is kept and drawn).
+"""
+
+
+@click.group(epilog=EXIT_STATUS)
+@click.version_option(package_name="compensator-theory", prog_name="rcac")
+def main() -> None:
+    """Retrospective cost adaptive control, held against exact compensator theory."""
+
+
+@main.command("list")
+def list_command() -> None:
+    """List the examples that can be verified."""
+    from rcac_numeric.experiment_files import example_titles  # noqa: PLC0415
+
+    for number, title in example_titles():
+        click.echo(f"{number:<5} {title}")
+
+
+@main.command(epilog=EXIT_STATUS)
+@click.argument("case")
+@click.option(
+    "--plot", "picture", type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw response, poles and zeros, and the intercalated match into this file.",
+)  # fmt: skip
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a report.")
+def verify(case: str, picture: Path | None, as_json: bool) -> None:
+    """Run CASE and hold it against the exact prediction.
+
+    CASE is the number of an example (see `rcac list`) or the path of a TOML file.
+    """
+    try:
+        status = _verify(case, picture, as_json)
+    except CompensatorError as error:
+        click.echo(f"rcac: {error}", err=True)
+        status = 2
+    sys.exit(status)
+
+
+def _verify(case: str, picture: Path | None, as_json: bool) -> int:
+    # Imported here, after the command line is known to be right: NumPy, SciPy and SymPy take
+    # most of a second to load.
+    from rcac_numeric.experiment_builder import load_example, load_experiment  # noqa: PLC0415
+    from rcac_numeric.verdicts import verify  # noqa: PLC0415
+
+    if picture is not None:
+        _require_picture_format(picture)
+    is_file = case.endswith(".toml") or "/" in case or Path(case).is_file()
+    experiment = load_experiment(case) if is_file else load_example(case)
+    interactive = sys.stderr.isatty()
+    verification = verify(
+        experiment, lambda name: click.echo(f"\rrunning {name} ...\033[K", err=True, nl=False)
+        if interactive else None
+    )  # fmt: skip
+    if interactive:
+        click.echo("\r\033[K", err=True, nl=False)
+    if as_json:
+        from rcac_numeric.report import as_dict  # noqa: PLC0415
+
+        click.echo(json.dumps(as_dict(verification), indent=2))
+    else:
+        from rcac_numeric.report import print_report  # noqa: PLC0415
+
+        print_report(verification)
+    if picture is not None:
+        _draw(verification, picture)
+        if not as_json:
+            click.echo(f"\nPicture: {picture}")
+    return verification.exit_status
+
+
+def _require_picture_format(picture: Path) -> None:
+    formats = (".pdf", ".png", ".svg")
+    if picture.suffix.lower() not in formats:
+        raise InputError(f"--plot {picture}: the name must end in one of {', '.join(formats)}.")
+    if not picture.parent.is_dir():
+        raise InputError(f"--plot {picture}: there is no folder {picture.parent}.")
+
+
+def _draw(verification: Verification, picture: Path) -> None:
+    from rcac_numeric.plots import plot_sheet  # noqa: PLC0415
+
+    experiment = verification.experiment
+    title = f"{experiment.id}: {experiment.title}".strip(": ")
+    try:
+        plot_sheet(verification.main.first, title).savefig(picture, dpi=130)
+    except OSError as error:
+        raise InputError(f"--plot {picture} cannot be written: {error.strerror}.") from None

@@ -1,0 +1,177 @@
+"""A plant and a fixed compensator in a loop: state space and frequency responses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.compensators import Compensator
+from rcac_numeric.plants import Plant
+from rcac_numeric.target_models import TargetModel
+from rcac_numeric.validation import Array, signal_array
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLoop:
+    """The loop u = G_c y + u_tilde, with u_tilde injected inside the compensator.
+
+    The feedback is positive, as everywhere in chapters 2 and 4. The compensator is realised in
+    observer canonical form, whose states read u itself: adding u_tilde to u there is the
+    intercalated injection (4.5)-(4.8), so the response from u_tilde to z is the intercalated
+    transfer function (4.16). The state is [x; x_c], of order n + l_u n_c.
+
+    Parameters
+    ----------
+    plant : Plant
+    compensator : Compensator
+
+    Raises
+    ------
+    ImproperError
+        Where I - Q_0 D_0 is singular: the loop is not well posed.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> loop = ClosedLoop(plant, Compensator(P=[[[-1.0]]], Q=[[[0.0]], [[-2.5]]]))
+    >>> loop.poles().round(6)
+    array([0.5+0.5j, 0.5-0.5j])
+    >>> loop.is_stable
+    True
+    """
+
+    plant: Plant
+    compensator: Compensator
+
+    def __post_init__(self) -> None:
+        plant, compensator = self.plant, self.compensator
+        if (plant.l_u, plant.l_y) != (compensator.l_u, compensator.l_y):
+            raise InputError(
+                f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "
+                f"l_u = {compensator.l_u}, l_y = {compensator.l_y}."
+            )
+        loop = np.eye(plant.l_u) - compensator.Q[0] @ plant.D_0
+        if np.linalg.matrix_rank(loop) < plant.l_u:
+            raise ImproperError("I - Q_0 D_0 is singular: u and y depend on each other in a circle.")
+
+    @cached_property
+    def matrices(self) -> tuple[Array, Array, Array, Array]:
+        """(A, B, C, D) from [w; u_tilde] to [z; u]."""
+        p = self.plant
+        S, H, P, Q = self.compensator.observer_form()
+        Q_0 = self.compensator.Q[0]
+        n, n_c, l_w = p.n, len(S), p.l_w
+        # u = M (Q_0 C x + H x_c + Q_0 D_2 w + u_tilde)
+        M = np.linalg.inv(np.eye(p.l_u) - Q_0 @ p.D_0)
+        u_x, u_v = M @ np.hstack([Q_0 @ p.C, H]), M @ np.hstack([Q_0 @ p.D_2, np.eye(p.l_u)])
+        y_x = np.hstack([p.C, np.zeros((p.l_y, n_c))]) + p.D_0 @ u_x
+        y_v = np.hstack([p.D_2, np.zeros((p.l_y, p.l_u))]) + p.D_0 @ u_v
+        A = np.block([[p.A, np.zeros((n, n_c))], [np.zeros((n_c, n)), S]])
+        A = A + np.vstack([p.B, P]) @ u_x + np.vstack([np.zeros((n, p.l_y)), Q]) @ y_x
+        B = np.vstack([p.B, P]) @ u_v + np.vstack([np.zeros((n, p.l_y)), Q]) @ y_v
+        B[:n, :l_w] += p.D_1
+        C = np.vstack([np.hstack([p.E_1, np.zeros((p.l_z, n_c))]) + p.E_2 @ u_x, u_x])
+        D = np.vstack([p.E_2 @ u_v, u_v])
+        D[: p.l_z, :l_w] += p.E_0
+        return A, B, C, D
+
+    def poles(self) -> ComplexArray:
+        """The n + l_u n_c eigenvalues of the closed loop."""
+        return np.linalg.eigvals(self.matrices[0]).astype(np.complex128)
+
+    @property
+    def spectral_radius(self) -> float:
+        """Largest modulus of a pole."""
+        return float(np.abs(self.poles()).max(initial=0.0))
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every pole is inside the unit circle."""
+        return self.spectral_radius < 1
+
+    def frequency_response(self, omega: ArrayLike) -> ComplexArray:
+        """The response (2.9) from w to z; shape (len(omega), l_z, l_w), omega in rad/sample."""
+        return self._response(omega)[:, : self.plant.l_z, : self.plant.l_w]
+
+    def intercalated_response(self, omega: ArrayLike) -> ComplexArray:
+        """The intercalated transfer function (4.16); shape (len(omega), l_z, l_u)."""
+        return self._response(omega)[:, : self.plant.l_z, self.plant.l_w :]
+
+    def simulate(self, w: ArrayLike, u_tilde: ArrayLike) -> Array:
+        """z in response to w and to an intercalated u_tilde, from rest; shape (steps, l_z)."""
+        w = signal_array(w, "w", self.plant.l_w)
+        u_tilde = signal_array(u_tilde, "u_tilde", self.plant.l_u, len(w))
+        A, B, C, D = self.matrices
+        C, D = C[: self.plant.l_z], D[: self.plant.l_z]
+        inputs = np.hstack([w, u_tilde])
+        states = np.zeros((len(w) + 1, len(A)))
+        for k, drive in enumerate(inputs @ B.T):
+            states[k + 1] = A @ states[k] + drive
+        return np.asarray(states[:-1] @ C.T + inputs @ D.T)
+
+    def _response(self, omega: ArrayLike) -> ComplexArray:
+        A, B, C, D = self.matrices
+        z = np.exp(1j * np.atleast_1d(omega))
+        resolvent = np.linalg.solve(z[:, None, None] * np.eye(len(A)) - A, B[None])
+        return np.asarray(C @ resolvent + D)
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """How far the intercalated transfer function is from the target model, over frequency.
+
+    Attributes
+    ----------
+    omega : array
+        Frequencies, rad/sample.
+    reached, wanted : arrays, shape (len(omega), l_z, l_u)
+        The intercalated transfer function and G_f.
+    error : array
+        ||reached - wanted|| / ||wanted|| at each frequency (Frobenius norms).
+    """
+
+    omega: Array
+    reached: ComplexArray
+    wanted: ComplexArray
+
+    @property
+    def error(self) -> Array:
+        """Relative distance at each frequency."""
+        norms = np.linalg.norm(self.wanted, axis=(1, 2))
+        difference = np.linalg.norm(self.reached - self.wanted, axis=(1, 2))
+        return np.asarray(difference / np.maximum(norms, np.finfo(float).tiny))
+
+    @property
+    def worst(self) -> float:
+        """Largest relative distance."""
+        return float(self.error.max())
+
+    @property
+    def median(self) -> float:
+        """Median relative distance."""
+        return float(np.median(self.error))
+
+    def __repr__(self) -> str:
+        return f"Match(worst={self.worst:.3g}, median={self.median:.3g})"
+
+
+def intercalated_match(loop: ClosedLoop, target: TargetModel, points: int = 1000) -> Match:
+    """Compare the intercalated transfer function (4.16) with G_f on a grid in (0, pi).
+
+    Examples
+    --------
+    >>> from rcac_numeric import *
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> loop = ClosedLoop(plant, Compensator(P=[[[-2.0]]], Q=[[[0.0]], [[-4.0]]]))
+    >>> intercalated_match(loop, fir_target(plant))  # both poles at zero: G_f = 1/q
+    Match(worst=0, median=0)
+    """
+    omega = (np.arange(points) + 0.5) * np.pi / points
+    return Match(omega, loop.intercalated_response(omega), target.frequency_response(omega))

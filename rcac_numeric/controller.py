@@ -1,0 +1,265 @@
+"""One RCAC controller: its settings, checked, and the object that runs them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import DivergedError, InputError
+from rcac_numeric import _kernel
+from rcac_numeric.compensators import Compensator
+from rcac_numeric.structures import Structure
+from rcac_numeric.target_models import TargetModel
+from rcac_numeric.validation import Array, integer, matrix, number, one_of, real_array
+
+UPDATES = ("ud", "covariance")
+Weight = ArrayLike | Callable[[Array], ArrayLike]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ControllerSettings:
+    """Everything that determines an RCAC controller, as plain data.
+
+    Parameters
+    ----------
+    structure : Structure
+        What the regressor is made of, for example ``iir(n_c=4)``.
+    target : TargetModel
+        G_f, with l_z rows and l_u columns.
+    R_theta : float or array, shape (l_theta, l_theta)
+        Weight of theta - theta(0) in (2.41); P(0) is its inverse. A number stands for that
+        multiple of the identity.
+    R_z, R_u : float or array, shape (l_z, l_z)
+        Weights of (2.41); R_z positive definite, R_u positive semidefinite. R_u may be a
+        function of z(k).
+    lambda_ : float
+        Forgetting factor, in (0, 1].
+    k_w : int, optional
+        First step with u = Phi theta; u = 0 before. At least max(n_c, n_f), the default.
+    k_update : int, optional
+        First step of the update; k_w by default.
+    k_filter : int
+        First step that the target-model filter sees; 0 by default.
+    update : {"ud", "covariance"}
+        Arithmetic of (2.42)-(2.45): factorised P = U D U', or P as printed.
+    theta_0 : array, shape (l_theta,), optional
+        theta(0); zero by default.
+
+    Raises
+    ------
+    InputError
+        Where a setting is out of range or has the wrong shape.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ControllerSettings, TargetModel, iir
+    >>> settings = ControllerSettings(structure=iir(n_c=3), target=TargetModel([0, 1]), R_theta=0.2)
+    >>> settings.k_w, settings.k_update, settings.update
+    (3, 3, 'ud')
+    """
+
+    structure: Structure
+    target: TargetModel
+    R_theta: ArrayLike
+    R_z: ArrayLike = 1.0
+    R_u: Weight = 0.0
+    lambda_: float = 1.0
+    k_w: int | None = None
+    k_update: int | None = None
+    k_filter: int = 0
+    update: str = "ud"
+    theta_0: Array = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        set_ = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731
+        structure, target = self.structure, self.target
+        if target.l_u != structure.l_u:
+            raise InputError(
+                f"the target model has {target.l_u} columns and the structure {structure.l_u} "
+                "control inputs; G_f must be l_z x l_u."
+            )
+        l_z, l_theta = target.l_z, structure.l_theta
+        set_("R_theta", _weight(self.R_theta, "R_theta", l_theta, definite=True))
+        set_("R_z", _weight(self.R_z, "R_z", l_z, definite=True))
+        if not callable(self.R_u):
+            set_("R_u", _weight(self.R_u, "R_u", l_z, definite=False))
+        set_("lambda_", number(self.lambda_, "lambda"))
+        if not 0 < self.lambda_ <= 1:
+            raise InputError(f"lambda = {self.lambda_} is not in (0, 1].")
+        shortest = max(structure.n_c, target.n_f)
+        set_("k_w", shortest if self.k_w is None else integer(self.k_w, "k_w"))
+        if self.k_w < shortest:  # type: ignore[operator]
+            raise InputError(
+                f"k_w = {self.k_w} is shorter than max(n_c, n_f) = max({structure.n_c}, "
+                f"{target.n_f}) = {shortest}: the regressor and the target-model filter would not "
+                f"be filled with data. Use k_w >= {shortest}."
+            )
+        set_("k_update", self.k_w if self.k_update is None else integer(self.k_update, "k_update"))
+        set_("k_filter", integer(self.k_filter, "k_filter"))
+        one_of(self.update, "update", UPDATES)
+        theta_0 = real_array(self.theta_0, "theta_0").reshape(-1)
+        theta_0 = np.zeros(l_theta) if theta_0.size == 0 else theta_0
+        if theta_0.size != l_theta:
+            raise InputError(f"theta_0 has {theta_0.size} entries; l_theta = {l_theta} are needed.")
+        set_("theta_0", theta_0)
+
+    @property
+    def P_0(self) -> Array:
+        """P(0) = R_theta^{-1}, exactly diagonal where R_theta is."""
+        R = np.asarray(self.R_theta)
+        diagonal = np.diag(R)
+        if np.array_equal(R, np.diag(diagonal)):
+            return np.diag(1.0 / diagonal)
+        return np.ascontiguousarray(np.linalg.inv(R))
+
+    def kernel(self) -> _kernel.Controller:
+        """A compiled controller at step 0."""
+        structure, target = self.structure, self.target
+        regressor = [(structure.index(tap), tap.delay) for tap in structure.taps]
+        u_now = [(i, 0) for i in range(structure.l_u)]
+        if self.k_filter == 0:
+            # From zero initial conditions the filter commutes with the delays: one channel for
+            # each scalar signal serves all taps on it.
+            channels = [(i, 0) for i in range(structure.l_u + structure.l_y)]
+            filtered = regressor
+            control_channels = list(range(structure.l_u))
+        else:
+            # A filter that is switched on later does not: each tap is a channel of its own.
+            channels = [*u_now, *regressor]
+            filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
+            control_channels = list(range(structure.l_u))
+        return _kernel.controller(
+            l_u=structure.l_u,
+            l_y=structure.l_y,
+            l_z=target.l_z,
+            regressor=regressor,
+            channels=channels,
+            filtered=filtered,
+            control_channels=control_channels,
+            numerator=target.numerator,
+            denominator=target.denominator,
+            forgetting=self.lambda_,
+            R_z=self.R_z,
+            R_u=np.zeros((target.l_z, target.l_z)) if callable(self.R_u) else self.R_u,
+            R_u_of_z=self._checked_weight if callable(self.R_u) else None,
+            k_w=self.k_w,
+            k_update=self.k_update,
+            k_filter=self.k_filter,
+            update=self.update,
+            P_0=self.P_0,
+            theta_0=self.theta_0,
+        )
+
+    def _checked_weight(self, z: Array) -> Array:
+        return _weight(self.R_u(z), "R_u(z)", self.target.l_z, definite=False)  # type: ignore[operator]
+
+
+class Controller:
+    """An adaptive controller for any simulator or device.
+
+    One call of `step` is one step of RCAC in the order measure, control, filter, update.
+
+    Parameters
+    ----------
+    settings : ControllerSettings
+
+    Examples
+    --------
+    >>> from rcac_numeric import Controller, ControllerSettings, TargetModel, iir
+    >>> settings = ControllerSettings(structure=iir(n_c=1), target=TargetModel([0, 1]), R_theta=1)
+    >>> controller, x = Controller(settings), 0.0
+    >>> for k in range(200):  # x(k+1) = 0.9 x(k) + u(k) + 1
+    ...     u = controller.step(y=x, z=x)
+    ...     x = 0.9 * x + u[0] + 1
+    >>> abs(x) < 0.05
+    True
+    """
+
+    def __init__(self, settings: ControllerSettings) -> None:
+        self.settings = settings
+        self._kernel = settings.kernel()
+
+    def step(self, y: ArrayLike, z: ArrayLike) -> Array:
+        """One step of the controller.
+
+        Parameters
+        ----------
+        y : array, shape (l_y,), or a number
+            The measurement y(k).
+        z : array, shape (l_z,), or a number
+            The performance variable z(k).
+
+        Returns
+        -------
+        array, shape (l_u,)
+            The control u(k).
+
+        Raises
+        ------
+        InputError
+            Where y or z has the wrong size or is not finite; the controller has not moved.
+        DivergedError
+            Where the controller's own numbers have left float64.
+        """
+        structure = self.settings.structure
+        y, z = self._sized(y, "y", structure.l_y), self._sized(z, "z", self.settings.target.l_z)
+        u, finite = self._kernel.step(y, z)
+        if not (finite and np.isfinite(u).all()):
+            raise DivergedError(
+                f"the controller left the range of float64 at step {self.k - 1}; its coefficients "
+                "are no longer usable. Start a new one, with a larger R_theta or another target."
+            )
+        return np.asarray(u)
+
+    @property
+    def k(self) -> int:
+        """Number of steps taken."""
+        return int(self._kernel.k)
+
+    @property
+    def theta(self) -> Array:
+        """The controller coefficients theta(k); shape (l_theta,)."""
+        return np.asarray(self._kernel.theta)
+
+    @property
+    def P(self) -> Array:
+        """The covariance P(k); shape (l_theta, l_theta)."""
+        return np.asarray(self._kernel.P)
+
+    @property
+    def compensator(self) -> Compensator:
+        """The present controller as a fixed compensator."""
+        return self.settings.structure.compensator(self.theta)
+
+    @staticmethod
+    def _sized(value: ArrayLike, name: str, size: int) -> Array:
+        array = real_array(value, name).reshape(-1)
+        if array.size != size:
+            raise InputError(f"{name} has {array.size} entries; the controller expects {size}.")
+        return array
+
+
+def _weight(value: ArrayLike, name: str, size: int, *, definite: bool) -> Array:
+    """A symmetric weight, positive definite or semidefinite; a number means a multiple of I."""
+    array = real_array(value, name)
+    array = float(array) * np.eye(size) if array.ndim == 0 else matrix(array, name, (size, size))
+    if not np.array_equal(array, array.T):
+        raise InputError(f"{name} is not symmetric; use ({name} + {name}') / 2.")
+    diagonal = np.diag(array)
+    is_diagonal = np.array_equal(array, np.diag(diagonal))
+    eigenvalues = diagonal if is_diagonal else np.linalg.eigvalsh(array)
+    smallest = eigenvalues.min()
+    if definite and smallest <= 0:
+        raise InputError(f"{name} has the eigenvalue {smallest:.6g}; it must be positive definite.")
+    if smallest < -1e-12 * max(abs(eigenvalues.max()), np.finfo(float).tiny):
+        raise InputError(
+            f"{name} has the eigenvalue {smallest:.6g}; it must be positive semidefinite."
+        )
+    with np.errstate(over="ignore"):
+        invertible = not (definite and is_diagonal) or np.isfinite(1.0 / diagonal).all()
+    if not invertible:
+        raise InputError(f"{name} = {smallest:.3g} has no float64 inverse; use a larger weight.")
+    return np.ascontiguousarray(array)

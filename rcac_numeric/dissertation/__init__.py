@@ -1,0 +1,1 @@
+"""The numbered examples as data: plant, signals, settings and claims, one TOML file each."""

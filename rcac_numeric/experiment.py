@@ -1,0 +1,183 @@
+"""An experiment as data: a plant, its signals, the controllers to run and what is claimed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from rcac_numeric.closed_loop import ClosedLoop, Match, intercalated_match
+from rcac_numeric.comparison import Comparison, compare
+from rcac_numeric.controller import ControllerSettings
+from rcac_numeric.plants import Plant
+from rcac_numeric.residual_split import ResidualSplit, split_residual
+from rcac_numeric.signals import Signal, exogenous
+from rcac_numeric.simulation import Run, simulate
+
+
+@dataclass(frozen=True, eq=False)
+class RunSpecification:
+    """One run of an experiment; with its seed it determines every number of the run.
+
+    Attributes
+    ----------
+    arithmetic : {"ud", "covariance", "reference"}
+        "reference" is ball arithmetic with 250 digits.
+    repetitions, perturbation : int, float
+        The run is repeated with w multiplied by 1 + perturbation * (standard normal), to see
+        whether its outcome hangs on the last bits. The first repetition is unperturbed.
+    """
+
+    name: str
+    plant: Plant
+    settings: ControllerSettings
+    signals: tuple[Signal, ...]
+    steps: int
+    seed: int = 0
+    stride: int = 1
+    arithmetic: str = "ud"
+    repetitions: int = 1
+    perturbation: float = 0.0
+
+    def execute(self) -> RunResult:
+        """Run it, as often as it asks for."""
+        w = exogenous(self.signals, self.steps, self.seed)
+        rng = np.random.default_rng([self.seed, 1])
+        runs = []
+        for repetition in range(self.repetitions):
+            factor = 1 + self.perturbation * rng.standard_normal(w.shape) if repetition else 1.0
+            runs.append(self._run(w * factor))
+        return RunResult(self, tuple(Repetition(run) for run in runs))
+
+    def _run(self, w: np.ndarray) -> Run:
+        if self.arithmetic == "reference":
+            from rcac_numeric.reference import simulate_reference  # noqa: PLC0415
+
+            return simulate_reference(self.plant, self.settings, w)
+        return simulate(self.plant, self.settings, w, stride=self.stride)
+
+
+@dataclass(frozen=True, eq=False)
+class Repetition:
+    """A run with the analyses that claims ask of it, each made once and when it is needed."""
+
+    run: Run
+
+    @property
+    def is_scalar(self) -> bool:
+        """Whether the exact comparison applies."""
+        return (self.run.plant.l_u, self.run.plant.l_y, self.run.plant.l_z) == (1, 1, 1)
+
+    @cached_property
+    def loop(self) -> ClosedLoop:
+        """The loop closed with the final controller."""
+        return ClosedLoop(self.run.plant, self.run.compensator)
+
+    @cached_property
+    def comparison(self) -> Comparison:
+        """The final controller beside the exact prediction."""
+        return compare(self.run.plant, self.run.compensator, self.run.settings.target)
+
+    @cached_property
+    def match(self) -> Match:
+        """The intercalated transfer function of the final controller beside G_f."""
+        return intercalated_match(self.loop, self.run.settings.target)
+
+    @cached_property
+    def split(self) -> ResidualSplit:
+        """The retrospective residual of the whole run for the final controller."""
+        run = self.run
+        return split_residual(
+            run.plant, run.compensator, run.settings.target, u=run.u, y=run.y, z=run.z, w=run.w
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class RunResult:
+    """What a run specification produced."""
+
+    specification: RunSpecification
+    repetitions: tuple[Repetition, ...]
+
+    @property
+    def first(self) -> Repetition:
+        """The unperturbed run."""
+        return self.repetitions[0]
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the unperturbed run diverged."""
+        return self.first.run.outcome == "diverged"
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """A measure of one run and the interval in which it must lie.
+
+    Attributes
+    ----------
+    measure, arguments
+        A name of `measures.MEASURES` and its keyword arguments.
+    run, relative_to : names of runs
+        With `relative_to` the measure is divided by that of the other run, repetition by
+        repetition.
+    statistic : {"each", "median"}
+        Whether every repetition must lie in the interval, or the median.
+    """
+
+    measure: str
+    run: str
+    at_least: float = -np.inf
+    at_most: float = np.inf
+    relative_to: str = ""
+    statistic: str = "each"
+    arguments: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """Something said of an experiment, with the checks that decide whether it holds.
+
+    Attributes
+    ----------
+    text, claimed : str
+        What is said, and the number or behaviour that is claimed.
+    correction : str
+        What had to be read differently from the source for the checks to be the right ones.
+    recorded : str
+        The verdict of record; a run that computes another one has changed.
+    """
+
+    text: str
+    claimed: str
+    checks: tuple[Check, ...]
+    correction: str = ""
+    recorded: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A numbered example or a user's own case.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> experiment = load_example("4.8")
+    >>> list(experiment.runs)[:2], len(experiment.claims)
+    (['UD', 'exact'], 4)
+    """
+
+    id: str
+    title: str
+    source: str
+    runs: Mapping[str, RunSpecification]
+    claims: Sequence[Claim]
+    notes: str = ""
+    description: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def main_run(self) -> RunSpecification:
+        """The run that is plotted and compared in detail: the first one."""
+        return next(iter(self.runs.values()))

@@ -1,0 +1,198 @@
+"""Plants in the form of the standard problem (2.1)-(2.3), in float64."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric import _kernel
+from rcac_numeric.validation import Array, matrix, real_array
+
+if TYPE_CHECKING:
+    from sympy import Poly
+
+    from compensator_theory import StandardProblem
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """The linear plant of the standard problem.
+
+    x(k+1) = A x + B u + D_1 w,  y = C x + D_0 u + D_2 w,  z = E_1 x + E_2 u + E_0 w
+
+    Parameters
+    ----------
+    A, B, D_1 : arrays of shape (n, n), (n, l_u), (n, l_w)
+    C, D_0, D_2 : arrays of shape (l_y, n), (l_y, l_u), (l_y, l_w)
+    E_1, E_2, E_0 : arrays of shape (l_z, n), (l_z, l_u), (l_z, l_w)
+        D_0, D_2, E_2 and E_0 are zero and E_1 is C where they are left out.
+    blocks : mapping from names to widths
+        How w is divided, for example {"r": 1, "d": 1, "v": 1} for the servo problem.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Plant
+    >>> plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[2.0]])
+    >>> plant
+    Plant(n=1, l_u=1, l_w=1, l_y=1, l_z=1)
+    """
+
+    A: Array
+    B: Array
+    D_1: Array
+    C: Array
+    D_0: Array | None = None
+    D_2: Array | None = None
+    E_1: Array | None = None
+    E_2: Array | None = None
+    E_0: Array | None = None
+    blocks: Mapping[str, int] = field(default_factory=dict)
+    exact: StandardProblem | None = None
+
+    def __post_init__(self) -> None:
+        set_ = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731
+        A = matrix(self.A, "A", (None, None))
+        n = A.shape[0]
+        set_("A", matrix(A, "A", (n, n)))
+        set_("B", matrix(self.B, "B", (n, None)))
+        set_("D_1", matrix(self.D_1, "D_1", (n, None)))
+        set_("C", matrix(self.C, "C", (None, n)))
+        set_("E_1", self.C if self.E_1 is None else matrix(self.E_1, "E_1", (None, n)))
+        rows = {"D_0": self.l_y, "D_2": self.l_y, "E_2": self.l_z, "E_0": self.l_z}
+        columns = {"D_0": self.l_u, "D_2": self.l_w, "E_2": self.l_u, "E_0": self.l_w}
+        for name, l_rows in rows.items():
+            value = getattr(self, name)
+            shape = (l_rows, columns[name])
+            set_(name, np.zeros(shape) if value is None else matrix(value, name, shape))
+        set_("blocks", dict(self.blocks) or {"w": self.l_w})
+        if sum(self.blocks.values()) != self.l_w:
+            raise InputError(f"the blocks {self.blocks} of w do not add up to l_w = {self.l_w}.")
+
+    @property
+    def n(self) -> int:
+        """Number of states."""
+        return int(self.A.shape[0])
+
+    @property
+    def l_u(self) -> int:
+        """Number of control inputs."""
+        return int(self.B.shape[1])
+
+    @property
+    def l_w(self) -> int:
+        """Number of exogenous inputs."""
+        return int(self.D_1.shape[1])
+
+    @property
+    def l_y(self) -> int:
+        """Number of measurements."""
+        return int(self.C.shape[0])
+
+    @property
+    def l_z(self) -> int:
+        """Number of performance variables."""
+        return int(self.E_1.shape[0])  # type: ignore[union-attr]
+
+    @cached_property
+    def problem(self) -> StandardProblem:
+        """The exact standard problem; float64 entries mean their shortest decimals."""
+        if self.exact is not None:
+            return self.exact
+        from compensator_theory import StandardProblem  # noqa: PLC0415
+
+        return StandardProblem(**{name: getattr(self, name).tolist() for name in MATRICES})
+
+    def scalar_map(self, name: str) -> tuple[Poly, Poly]:
+        """Numerator and common denominator det(qI - A) of G_zu, G_yu, ...; scalar maps only."""
+        sizes = {"z": self.l_z, "y": self.l_y, "u": self.l_u}
+        for letter in name:
+            if letter in sizes and sizes[letter] != 1:
+                raise InputError(
+                    f"G_{name} is not scalar: l_{letter} = {sizes[letter]}. Polynomials exist "
+                    "for scalar maps; pass the modelling information or a TargetModel yourself."
+                )
+        return self.problem.numerator(name), self.problem.denominator
+
+    def simulator(self, x_0: Array | None = None) -> Any:
+        """A compiled copy of the plant for a loop in Python.
+
+        `output(u, w)` returns (y, z) at the present state and `advance(u, w)` moves it; the
+        arithmetic is that of `simulate`, bit for bit.
+        """
+        start = np.zeros(self.n) if x_0 is None else real_array(x_0, "x_0").reshape(-1)
+        if start.size != self.n:
+            raise InputError(f"x_0 has {start.size} entries; the plant has {self.n} states.")
+        sizes = {name: getattr(self, name) for name in ("l_u", "l_w", "l_y", "l_z")}
+        matrices = {name: getattr(self, name) for name in MATRICES}
+        return _kernel.plant(**matrices, x_0=start, **sizes)
+
+    def __repr__(self) -> str:
+        sizes = (f"{name}={getattr(self, name)}" for name in ("n", "l_u", "l_w", "l_y", "l_z"))
+        return f"Plant({', '.join(sizes)})"
+
+
+MATRICES = tuple(f.name for f in fields(Plant) if f.name not in ("blocks", "exact"))
+
+
+def from_problem(problem: StandardProblem, blocks: Mapping[str, int] | None = None) -> Plant:
+    """An exact standard problem, each entry rounded once to float64."""
+    rounded = {
+        name: np.array(getattr(problem, name).tolist(), dtype=np.float64).reshape(
+            getattr(problem, name).shape
+        )
+        for name in MATRICES
+    }
+    return Plant(**rounded, blocks=dict(blocks or {}), exact=problem)
+
+
+def standard_plant(G: Any) -> Plant:
+    """The standard problem of a transfer function: y = z and w matched with u, (2.15).
+
+    Parameters
+    ----------
+    G : anything `compensator_theory.transfer_function` accepts
+        Strictly proper or exactly proper, in q or z.
+
+    Examples
+    --------
+    >>> from rcac_numeric import standard_plant
+    >>> standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")
+    Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
+    """
+    from compensator_theory import standard_problem  # noqa: PLC0415
+
+    return from_problem(standard_problem(G))
+
+
+def servo_plant(G: Any = None, **matrices: Any) -> Plant:
+    """The servo problem (2.16)-(2.27) of a transfer function (d and u colocated) or of matrices.
+
+    Parameters
+    ----------
+    G : transfer function, optional
+        Anything `compensator_theory.transfer_function` accepts.
+    **matrices
+        A, B, D_1, C and D_0 of (2.16)-(2.17) in place of G; and
+        performance="measured" (z = e_n, the default) or "true" (z = e_0).
+
+    Returns
+    -------
+    Plant
+        With w = [r; d; v] and y = e_n.
+
+    Examples
+    --------
+    >>> from rcac_numeric import servo_plant
+    >>> servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))").blocks
+    {'r': 1, 'd': 1, 'v': 1}
+    """
+    from compensator_theory import servo_problem  # noqa: PLC0415
+
+    problem = servo_problem(**matrices) if G is None else servo_problem(G, **matrices)
+    l_y = problem.C.shape[0]
+    return from_problem(problem, {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y})

@@ -1,0 +1,125 @@
+"""Pictures of a run: response, controller, poles and zeros, and the intercalated match."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rcac_numeric.closed_loop import Match
+from rcac_numeric.experiment import Repetition
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
+
+
+def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
+    """One sheet on one run.
+
+    Left, over the step k: performance z, control u and controller coefficients theta. Right:
+    closed-loop poles and zeros beside the poles that the target asks for, and the frequency
+    responses of G_f and of the intercalated transfer function of the final controller. A run
+    that diverged is drawn up to where it did.
+
+    Parameters
+    ----------
+    repetition : Repetition
+        ``verify(experiment).main.first``, for example.
+    title : str
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not attached to a window; ``figure.savefig("sheet.png")`` writes it.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example, plot_sheet, verify
+    >>> figure = plot_sheet(verify(load_example("4.7")).main.first, "Example 4.7")
+    >>> len(figure.axes)
+    6
+    """
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, paid only here
+
+    figure = Figure(figsize=(11, 8.5), layout="constrained")
+    axes = figure.subplots(3, 2, width_ratios=[1.25, 1], height_ratios=[1.25, 1, 1])
+    if title:
+        figure.suptitle(title, fontsize=12, fontweight="bold")
+    run = repetition.run
+    _history(axes[0, 0], run.z, "performance $z$", "z")
+    _history(axes[1, 0], run.u, "control $u$", "u")
+    k = np.arange(len(run.theta)) * run.stride
+    axes[2, 0].plot(k, run.theta, linewidth=1.0)
+    axes[2, 0].set(xlabel="step $k$", ylabel=r"coefficients $\theta$")
+    if run.outcome == "diverged":
+        for axis in axes[:, 0]:
+            axis.set_yscale("symlog")
+        axes[0, 0].set_title(f"diverged after step {run.steps - 1}", color=WANTED, fontsize=10)
+    _pole_zero(axes[0, 1], repetition)
+    _magnitude(axes[1, 1], repetition.match)
+    _phase(axes[2, 1], repetition.match)
+    for axis in axes.ravel():
+        axis.grid(alpha=0.25)
+    return figure
+
+
+def _history(axis: Axes, values: np.ndarray, label: str, symbol: str) -> None:
+    for i, column in enumerate(values.T):
+        axis.step(np.arange(len(column)), column, where="post", linewidth=1.1,
+                  label=f"${symbol}_{i + 1}$")  # fmt: skip
+    if values.shape[1] > 1:
+        axis.legend(fontsize=8)
+    axis.set_ylabel(label)
+
+
+def _pole_zero(axis: Axes, repetition: Repetition) -> None:
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    if repetition.is_scalar:
+        comparison = repetition.comparison
+        poles, wanted = comparison.poles, comparison.asked_poles
+        zeros = np.concatenate([np.zeros(0), *comparison.zeros.values()])
+        axis.plot(wanted.real, wanted.imag, "s", mfc="none", mec=WANTED, ms=10, label="asked for")
+        axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
+    else:
+        poles, zeros = repetition.loop.poles(), np.zeros(0)
+    axis.plot(poles.real, poles.imag, "x", color=REACHED, ms=7, mew=1.6, label="poles reached")
+    span = max(1.15, 1.1 * np.abs(poles).max(initial=0.0)) if np.isfinite(poles).all() else 1.15
+    span = min(span, 3.0)
+    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
+    axis.set_aspect("equal")
+    axis.set_title("closed loop with the final controller", fontsize=10)
+    axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
+    hidden = [
+        f"{count} {name} beyond"
+        for name, values in (("poles", poles), ("zeros", np.unique(zeros)))
+        if (count := int((np.abs(values) > span).sum()))
+    ]
+    axis.annotate(", ".join(hidden), (0.02, 0.02), xycoords="axes fraction", fontsize=8)
+
+
+def _magnitude(axis: Axes, match: Match) -> None:
+    for i, j in np.ndindex(match.wanted.shape[1:]):
+        axis.semilogy(match.omega, np.abs(match.wanted[:, i, j]), color=WANTED, linewidth=3.5,
+                      alpha=0.45, label="$G_f$" if i == j == 0 else None)  # fmt: skip
+        axis.semilogy(match.omega, np.abs(match.reached[:, i, j]), color=REACHED, linewidth=1.2,
+                      label=r"$\tilde G_{z\tilde u}$" if i == j == 0 else None)  # fmt: skip
+    axis.set_ylabel("magnitude")
+    axis.set_title(
+        f"intercalated match: worst {match.worst:.2g}, median {match.median:.2g}", fontsize=10
+    )
+    axis.legend(fontsize=9)
+
+
+def _phase(axis: Axes, match: Match) -> None:
+    for i, j in np.ndindex(match.wanted.shape[1:]):
+        for values, color, width, alpha in (
+            (match.wanted[:, i, j], WANTED, 3.5, 0.45),
+            (match.reached[:, i, j], REACHED, 1.2, 1.0),
+        ):
+            axis.plot(match.omega, np.unwrap(np.angle(values)), color=color, linewidth=width,
+                      alpha=alpha)  # fmt: skip
+    axis.set(xlabel=r"frequency $\omega$, rad/sample", ylabel="phase, rad")

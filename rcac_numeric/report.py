@@ -1,0 +1,215 @@
+"""A verification in words and numbers: for the terminal and as JSON."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from rcac_numeric.verdicts import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verification
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from rcac_numeric.comparison import Comparison
+    from rcac_numeric.experiment import Repetition
+
+COLOURS = {REPRODUCED: "green", CORRECTED: "yellow", NOT_REPRODUCED: "red"}
+
+
+def print_report(verification: Verification, console: Console | None = None) -> None:
+    """Print the problem, the claims with their verdicts, and the exact comparison."""
+    out = console or Console(highlight=False, soft_wrap=False)
+    experiment = verification.experiment
+    out.print(f"\n[bold]{escape(experiment.id)}  {escape(experiment.title)}[/bold]")
+    if experiment.source:
+        out.print(escape(experiment.source), style="dim")
+    for name, words in experiment.description.items():
+        if words:
+            out.print(f"  [dim]{name:<11}[/dim]{escape(words)}")
+    if verification.verdicts:
+        _print_claims(out, verification)
+    if len(verification.results) > 1:
+        _print_runs(out, verification)
+    main = verification.main
+    repetition = main.first
+    if main.diverged:
+        out.print(
+            f"\n[red]The loop diverged after step {repetition.run.steps - 1}; "
+            "what follows is the controller of that step.[/red]"
+        )
+    out.print(f"\n[bold]The controller of run {escape(repr(main.specification.name))}[/bold]")
+    if repetition.is_scalar:
+        _print_comparison(out, repetition.comparison)
+    else:
+        out.print(f"  closed-loop poles: {_complex_list(repetition.loop.poles())}")
+    _print_match(out, repetition)
+    if experiment.notes:
+        out.print(f"\n{escape(experiment.notes)}")
+
+
+def as_dict(verification: Verification) -> dict[str, Any]:
+    """The same as one JSON-ready dictionary."""
+    repetition = verification.main.first
+    result: dict[str, Any] = {
+        "id": verification.experiment.id,
+        "title": verification.experiment.title,
+        "claims": [
+            {
+                "text": v.claim.text,
+                "claimed": v.claim.claimed,
+                "measured": v.measured,
+                "verdict": v.verdict,
+                "correction": v.claim.correction or None,
+                "recorded": v.claim.recorded or None,
+            }
+            for v in verification.verdicts
+        ],
+        "runs": [
+            {
+                "name": name,
+                "arithmetic": r.specification.arithmetic,
+                "outcome": r.first.run.outcome,
+                "steps": r.first.run.steps,
+                "updates_decided_by_rounding": r.first.run.guard_count,
+                "theta": r.first.run.theta_final.tolist(),
+            }
+            for name, r in verification.results.items()
+        ],
+        "match": {"worst": _json(repetition.match.worst), "median": _json(repetition.match.median)},
+        "residual": {name: _json(v) for name, v in repetition.split.power().items()},
+    }
+    if repetition.is_scalar:
+        c = repetition.comparison
+        result |= {
+            "poles": [[p.real, p.imag] for p in c.poles],
+            "asked_poles": [[p.real, p.imag] for p in c.asked_poles],
+            "zeros": {name: [[v.real, v.imag] for v in zeros] for name, zeros in c.zeros.items()},
+            "characteristic_polynomial": {
+                "asked": None if c.asked is None else [str(v) for v in c.asked.all_coeffs()],
+                "reached": [float(v) for v in c.reached.all_coeffs()],
+                "obstacle": c.obstacle or None,
+            },
+            "worst_pole_distance": c.worst_distance,
+            "controller_distance": _json(c.controller_distance),
+        }
+    else:
+        result["poles"] = [[p.real, p.imag] for p in repetition.loop.poles()]
+    return result
+
+
+def _print_claims(out: Console, verification: Verification) -> None:
+    table = _table("claim", "claimed", "measured", "verdict")
+    for v in verification.verdicts:
+        verdict = f"[{COLOURS.get(v.verdict, 'magenta')}]{v.verdict}[/]"
+        if v.claim.correction:
+            verdict += f"\n[dim]{escape(v.claim.correction)}[/dim]"
+        if v.has_changed:
+            verdict += f"\n[red bold]was: {v.claim.recorded}[/red bold]"
+        measured = "\n".join(map(str, v.results))
+        table.add_row(escape(v.claim.text), escape(v.claim.claimed), escape(measured), verdict)
+    out.print()
+    out.print(table)
+
+
+def _print_runs(out: Console, verification: Verification) -> None:
+    """Every run side by side: what each arithmetic makes of the same data."""
+    table = _table("run", "arithmetic", "worst pole distance", "decided by rounding", "outcome")
+    for name, result in verification.results.items():
+        runs = result.repetitions
+        distance = ""
+        if result.first.is_scalar:
+            values = sorted(r.comparison.worst_distance for r in runs)
+            middle = values[len(values) // 2]
+            distance = f"{middle:.3g}"
+            if len(values) > 1:
+                distance += f"  [dim]({values[0]:.2g} to {values[-1]:.2g} of {len(values)})[/dim]"
+        first = result.first.run
+        arithmetic = result.specification.arithmetic
+        digits = getattr(first, "digits", None)
+        if digits is not None:
+            arithmetic += f", {digits:.0f} digits certified"
+        guard = f"{first.guard_count} updates" if first.guard_count else "none"
+        outcome = first.outcome if not result.diverged else f"[red]diverged at {first.steps}[/red]"
+        table.add_row(escape(name), arithmetic, distance, guard, outcome)
+    out.print()
+    out.print(table)
+
+
+def _print_comparison(out: Console, c: Comparison) -> None:
+    degree = c.reached.degree()
+    table = _table("power of q", "asked for, exact", "reached", "difference")
+    for power in range(degree, -1, -1):
+        reached = float(c.reached.nth(power))
+        if c.asked is None:
+            table.add_row(str(power), "", f"{reached:.12g}", "")
+        else:
+            asked = c.asked.nth(power)
+            gap = float(c.reached.nth(power) - asked)
+            table.add_row(str(power), _short(asked), f"{reached:.12g}", f"{gap:.1e}")
+    out.print("Characteristic polynomial D D_c - N_yu N_c:")
+    out.print(table)
+    if c.asked is None:
+        out.print(f"  No exact prediction: {escape(c.obstacle)}", style="yellow")
+    table = _table("pole of G_f", "closed-loop pole", "distance")
+    for wanted, pole in c.assigned:
+        table.add_row(_complex(wanted), _complex(pole), f"{abs(wanted - pole):.2e}")
+    out.print(table)
+    out.print(f"  other closed-loop poles:  {_complex_list(c.unassigned)}")
+    for channel, zeros in c.zeros.items():
+        out.print(f"  zeros from {channel} to z:       {_complex_list(zeros)}")
+    out.print(f"  worst pole distance:      {c.worst_distance:.3g}")
+    if c.compensators is not None:
+        free = len(c.compensators.homogeneous)
+        family = "the one compensator" if not free else f"the {free}-parameter family"
+        out.print(f"  distance of (D_c, N_c) to {family} that places it: "
+                  f"{c.controller_distance:.3g}")  # fmt: skip
+
+
+def _print_match(out: Console, repetition: Repetition) -> None:
+    match, split = repetition.match, repetition.split
+    out.print(
+        f"  intercalated transfer function against G_f: worst relative error {match.worst:.3g}, "
+        f"median {match.median:.3g}"
+    )
+    power = ", ".join(f"{name} {value:.3g}" for name, value in split.power().items())
+    out.print(f"  mean squares of the split residual: {power}")
+    if repetition.loop.is_stable:
+        out.print(f"  the split holds to {split.identity_error:.1e} (4.14)")
+    if repetition.run.guard_count:
+        out.print(
+            f"  [yellow]{repetition.run.guard_count} updates, the first at step "
+            f"{repetition.run.guard_first_step}, were decided by rounding: the data cannot "
+            "support this R_theta. Use a larger R_theta.[/yellow]"
+        )
+
+
+def _table(*columns: str) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for column in columns:
+        table.add_column(column, overflow="fold")
+    return table
+
+
+def _complex(value: complex) -> str:
+    if abs(value.imag) < 1e-300:
+        return f"{value.real:.8f}"
+    return f"{value.real:.8f} {'+' if value.imag > 0 else '-'} {abs(value.imag):.8f}j"
+
+
+def _complex_list(values: np.ndarray) -> str:
+    return ", ".join(f"{v.real:.6g}" if v.imag == 0 else f"{v.real:.6g}{v.imag:+.6g}j"
+                     for v in values) or "none"  # fmt: skip
+
+
+def _short(value: Any) -> str:
+    text = str(value)
+    return text if len(text) <= 28 else f"{float(value):.12g}"
+
+
+def _json(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,136 @@
+"""Commands, disturbances and noise: scalar signals that can be added and scaled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.validation import Array, integer, number, real_array
+
+Sampler = Callable[[int, np.random.Generator], Array]
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A scalar discrete-time signal, defined for k = 0, 1, ....
+
+    Signals add and scale; random ones draw from the generator passed to `samples`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric import harmonic, step
+    >>> command = 2 * step() + harmonic(omega=np.pi)
+    >>> command.samples(4)
+    array([3., 1., 3., 1.])
+    """
+
+    description: str
+    sampler: Sampler
+
+    def samples(self, steps: int, rng: np.random.Generator | None = None) -> Array:
+        """The values at k = 0, ..., steps-1; shape (steps,)."""
+        return self.sampler(
+            integer(steps, "steps"), np.random.default_rng(0) if rng is None else rng
+        )
+
+    def __add__(self, other: Signal) -> Signal:
+        return Signal(
+            f"{self.description} + {other.description}",
+            lambda steps, rng: self.sampler(steps, rng) + other.sampler(steps, rng),
+        )
+
+    def __mul__(self, factor: float) -> Signal:
+        value = number(factor, "factor")
+        return Signal(
+            f"{value:g}*({self.description})", lambda steps, rng: value * self.sampler(steps, rng)
+        )
+
+    __rmul__ = __mul__
+
+
+def step(height: float = 1.0, start: int = 0) -> Signal:
+    """A step of `height` that begins at step `start`.
+
+    Examples
+    --------
+    >>> from rcac_numeric import step
+    >>> step(height=2, start=1).samples(3)
+    array([0., 2., 2.])
+    """
+    value, first = number(height, "height"), integer(start, "start")
+    return Signal(
+        f"step({value:g})", lambda steps, _: np.where(np.arange(steps) >= first, value, 0.0)
+    )
+
+
+def harmonic(omega: float, amplitude: float = 1.0, phase: float = 0.0) -> Signal:
+    """The harmonic amplitude * cos(omega k + phase), with omega in rad/sample and phase in rad.
+
+    Examples
+    --------
+    >>> from rcac_numeric import harmonic
+    >>> harmonic(omega=0.5).samples(2).round(4)
+    array([1.    , 0.8776])
+    """
+    w, a, p = number(omega, "omega"), number(amplitude, "amplitude"), number(phase, "phase")
+    return Signal(f"{a:g}*cos({w:g} k)", lambda steps, _: a * np.cos(w * np.arange(steps) + p))
+
+
+def white_noise(std: float = 1.0) -> Signal:
+    """Zero-mean Gaussian white noise with standard deviation `std`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric import white_noise
+    >>> white_noise(std=0.1).samples(10_000, np.random.default_rng(1)).std().round(3)
+    np.float64(0.1)
+    """
+    deviation = number(std, "std")
+    if deviation < 0:
+        raise InputError(f"std = {deviation} is a standard deviation and cannot be negative.")
+    return Signal(
+        f"white noise({deviation:g})", lambda steps, rng: deviation * rng.standard_normal(steps)
+    )
+
+
+def sequence(values: Sequence[float], hold: int = 1) -> Signal:
+    """The recorded `values`, each held for `hold` steps; the last one stays.
+
+    Examples
+    --------
+    >>> from rcac_numeric import sequence
+    >>> sequence([1, -1], hold=2).samples(5)
+    array([ 1.,  1., -1., -1., -1.])
+    """
+    levels, length = real_array(values, "values"), integer(hold, "hold", at_least=1)
+    if levels.ndim != 1 or levels.size == 0:
+        raise InputError(f"values has shape {levels.shape}; a sequence needs at least one number.")
+    return Signal(
+        f"sequence of {levels.size}",
+        lambda steps, _: levels[np.minimum(np.arange(steps) // length, levels.size - 1)],
+    )
+
+
+def exogenous(signals: Sequence[Signal], steps: int, seed: int | None = 0) -> Array:
+    """The exogenous input w of shape (steps, len(signals)), one signal for each channel.
+
+    Each channel has its own random stream, spawned from `seed`, so adding a channel does not
+    change the others.
+
+    Examples
+    --------
+    >>> from rcac_numeric import exogenous, step
+    >>> exogenous([step(), step(2)], steps=2)
+    array([[1., 2.],
+           [1., 2.]])
+    """
+    streams = np.random.default_rng(seed).spawn(len(signals))
+    columns = [
+        signal.samples(steps, stream) for signal, stream in zip(signals, streams, strict=True)
+    ]
+    return np.ascontiguousarray(np.column_stack(columns)) if columns else np.zeros((steps, 0))

@@ -1,0 +1,266 @@
+"""Target models G_f: what the intercalated transfer function is to become."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.validation import Array, integer, number, real_array
+
+if TYPE_CHECKING:
+    from sympy import Poly
+
+    from compensator_theory import TransferFunction
+    from rcac_numeric.plants import Plant
+
+
+@dataclass(frozen=True, eq=False)
+class TargetModel:
+    """The filter G_f = D_f^{-1} N_f of (2.38), with coefficients in powers of q^{-1}.
+
+    Parameters
+    ----------
+    numerator : array, shape (n_f + 1, l_z, l_u)
+        numerator[i] multiplies q^{-i}; a 1-D array stands for a scalar filter.
+    denominator : array, shape (n_f + 1, l_z, l_z), optional
+        denominator[0] is the identity; an FIR filter by default.
+
+    Examples
+    --------
+    >>> from rcac_numeric import TargetModel
+    >>> delayed_gain = TargetModel([0.0, 2.0])
+    >>> delayed_gain.relative_degree, delayed_gain.n_f
+    (1, 1)
+    """
+
+    numerator: Array
+    denominator: Array = field(default_factory=lambda: np.zeros(0))
+    exact: TransferFunction | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        N, D = real_array(self.numerator, "numerator"), real_array(self.denominator, "denominator")
+        N = N.reshape(-1, 1, 1) if N.ndim == 1 else N
+        if N.ndim != 3 or N.size == 0:
+            raise InputError(
+                f"the numerator of the target model has shape {N.shape}; (n_f + 1, l_z, l_u), or "
+                "(n_f + 1,) for a scalar filter, is needed."
+            )
+        identity = np.eye(N.shape[1])[None]
+        D = identity if D.size == 0 else D.reshape(-1, 1, 1) if D.ndim == 1 else D
+        if D.ndim != 3 or D.shape[1:] != identity.shape[1:]:
+            raise InputError(
+                f"the denominator of the target model has shape {D.shape}; (n_f + 1, l_z, l_z) "
+                f"with l_z = {N.shape[1]} is needed."
+            )
+        if not np.array_equal(D[0], identity[0]):
+            raise InputError(
+                "the leading coefficient of the target model's denominator must be the identity; "
+                "divide numerator and denominator by it."
+            )
+        order = max(len(N), len(D)) - 1
+        for name, value in (("numerator", N), ("denominator", D)):
+            padding = [(0, order + 1 - len(value)), (0, 0), (0, 0)]
+            object.__setattr__(self, name, np.ascontiguousarray(np.pad(value, padding)))
+        if not self.numerator.any():
+            raise InputError("the target model is zero: no controller could be adapted with it.")
+
+    @property
+    def l_z(self) -> int:
+        """Number of performance variables."""
+        return int(self.numerator.shape[1])
+
+    @property
+    def l_u(self) -> int:
+        """Number of control inputs."""
+        return int(self.numerator.shape[2])
+
+    @property
+    def n_f(self) -> int:
+        """Order of the filter."""
+        return int(self.numerator.shape[0]) - 1
+
+    @property
+    def relative_degree(self) -> int:
+        """Number of steps after which the output first reacts to the input."""
+        return int(np.flatnonzero(self.numerator.any(axis=(1, 2)))[0])
+
+    def frequency_response(self, omega: ArrayLike) -> NDArray[np.complex128]:
+        """G_f(exp(j omega)); shape (len(omega), l_z, l_u), omega in rad/sample."""
+        powers = np.exp(-1j * np.outer(np.atleast_1d(omega), np.arange(self.n_f + 1)))
+        numerator = np.einsum("wi,izu->wzu", powers, self.numerator)
+        return np.asarray(
+            np.linalg.solve(np.einsum("wi,izy->wzy", powers, self.denominator), numerator)
+        )
+
+
+@dataclass(frozen=True)
+class ModellingInformation:
+    """What RCAC needs to know about G_zu (section 2.4); scalar z and u.
+
+    Parameters
+    ----------
+    d_zu : int
+        Relative degree, in steps.
+    H : float
+        First nonzero Markov parameter, the leading numerator coefficient. For the servo problem
+        it is minus that of G_u, since G_zu = -G_u.
+    nmp_zeros : sequence of complex
+        Zeros on or outside the unit circle, in conjugate pairs, with multiplicity.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ModellingInformation
+    >>> ModellingInformation(d_zu=1, H=-1.0, nmp_zeros=(1.2,))
+    ModellingInformation(d_zu=1, H=-1.0, nmp_zeros=(1.2,))
+    """
+
+    d_zu: int
+    H: Any
+    nmp_zeros: Sequence[Any] = ()
+
+    def __post_init__(self) -> None:
+        from compensator_theory import exact_number  # noqa: PLC0415 - sympy is imported on use
+
+        integer(self.d_zu, "d_zu")
+        if not exact_number(self.H):
+            raise InputError("H = 0: the first nonzero Markov parameter cannot be zero.")
+        for zero in self.nmp_zeros:
+            modulus = abs(complex(exact_number(zero)))
+            if modulus < 1:
+                raise InputError(
+                    f"the zero {zero} has modulus {modulus:.6g} < 1 and is minimum phase; only "
+                    "zeros on or outside the unit circle belong in nmp_zeros."
+                )
+
+    def nmp_polynomial(self) -> Poly:
+        """The monic polynomial N_zu,u in q with these zeros, exactly."""
+        from compensator_theory import polynomial_from_roots  # noqa: PLC0415
+
+        return polynomial_from_roots(self.nmp_zeros, "q")
+
+
+def modelling_information(plant: Plant) -> ModellingInformation:
+    """Relative degree, leading coefficient and NMP zeros of a plant's G_zu; scalar z and u.
+
+    The zeros come from certified root isolation of the exact numerator over the unreduced
+    denominator det(qI - A), so an uncontrollable or unobservable unstable mode counts as one.
+
+    Examples
+    --------
+    >>> from rcac_numeric import modelling_information, servo_plant
+    >>> plant = servo_plant("(q - 0.9)*(q - 1.1)/((q - 0.99)*(q**2 - 1.9*q + 0.9925))")
+    >>> modelling_information(plant)
+    ModellingInformation(d_zu=1, H=-1, nmp_zeros=(11/10,))
+    """
+    from compensator_theory import certified_roots  # noqa: PLC0415
+
+    numerator, denominator = plant.scalar_map("zu")
+    if numerator.is_zero:
+        raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
+    zeros: list[Any] = []
+    for factor, multiplicity in numerator.factor_list()[1]:
+        outside = [root for root in certified_roots(factor) if abs(root.value) + root.radius >= 1]
+        exact = (
+            [-factor.monic().nth(0)]
+            if outside and factor.degree() == 1
+            else [root.value.real if root.is_real else root.value for root in outside]
+        )
+        zeros += multiplicity * exact
+    return ModellingInformation(
+        denominator.degree() - numerator.degree(), numerator.LC(), tuple(zeros)
+    )
+
+
+def fir_target(information: ModellingInformation | Plant) -> TargetModel:
+    """The FIR target model (2.49), or (2.50) where there are NMP zeros.
+
+    G_f(q) = H N_zu,u(q) / q^(d_zu + deg N_zu,u)
+
+    Examples
+    --------
+    >>> from rcac_numeric import ModellingInformation, fir_target
+    >>> fir_target(ModellingInformation(d_zu=1, H=2.0, nmp_zeros=(1.5,))).numerator.ravel()
+    array([ 0.,  2., -3.])
+    """
+    return pole_placement_target(information, ())
+
+
+def pole_placement_target(
+    information: ModellingInformation | Plant, poles: Sequence[Any] | Poly | str
+) -> TargetModel:
+    """The pole-placement target model (4.38), or (4.39) where there are NMP zeros.
+
+    G_f(q) = H q^(n_p - d_zu - deg N_zu,u) N_zu,u(q) / D_p(q)
+
+    Parameters
+    ----------
+    information : ModellingInformation or Plant
+        What is known of G_zu.
+    poles : sequence of roots, or the polynomial D_p itself
+        The n_p poles to place; exact where they are given as strings or rationals.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ModellingInformation, pole_placement_target
+    >>> target = pole_placement_target(ModellingInformation(1, 1.0), ["1/2", "-1/2"])
+    >>> target.denominator.ravel()
+    array([ 1.  ,  0.  , -0.25])
+    """
+    from sympy import Poly, symbols  # noqa: PLC0415
+
+    from compensator_theory import (  # noqa: PLC0415
+        TransferFunction,
+        exact_number,
+        polynomial,
+        polynomial_from_roots,
+    )
+
+    known = (
+        information
+        if isinstance(information, ModellingInformation)
+        else modelling_information(information)
+    )
+    is_polynomial = isinstance(poles, str | Poly)
+    D_p = polynomial(poles, "q") if is_polynomial else polynomial_from_roots(poles, "q")
+    D_p = D_p.monic()
+    N_u = known.nmp_polynomial()
+    q = Poly(symbols("q"), symbols("q"))
+    surplus = D_p.degree() - known.d_zu - N_u.degree()
+    numerator = N_u * exact_number(known.H) * q ** max(surplus, 0)
+    return _from_exact(TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
+
+
+def target_model(filter: Any) -> TargetModel:
+    """Any scalar filter as a target model: an expression in q, coefficients, a control object.
+
+    Examples
+    --------
+    >>> from rcac_numeric import target_model
+    >>> target_model("2/(q - 0.5)").numerator.ravel()
+    array([0., 2.])
+    """
+    from compensator_theory import transfer_function  # noqa: PLC0415
+
+    if isinstance(filter, TargetModel):
+        return filter
+    return _from_exact(transfer_function(filter))
+
+
+def _from_exact(exact: TransferFunction) -> TargetModel:
+    if exact.denominator.degree() < exact.numerator.degree():
+        raise ImproperError(
+            f"the target model {exact} has more zeros than poles; it would use future values. "
+            "Multiply its denominator by a power of q."
+        )
+    order = exact.denominator.degree()
+    padded = [0] * (order - exact.numerator.degree()) + exact.numerator.all_coeffs()
+    return TargetModel(
+        np.array([number(float(c), "numerator") for c in padded]),
+        np.array([number(float(c), "denominator") for c in exact.denominator.all_coeffs()]),
+        exact=exact,
+    )

@@ -1,0 +1,83 @@
+"""Turning what a user passes into float64 arrays of a known shape, or saying what is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compensator_theory.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+def real_array(value: ArrayLike, name: str) -> Array:
+    """`value` as a C-contiguous float64 array with finite entries."""
+    try:
+        array = np.asarray(value, dtype=np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"{name} must be an array of real numbers, not {value!r}: {error}."
+        ) from None
+    if not np.all(np.isfinite(array)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        raise InputError(
+            f"{name} has the entry {array[where]} at index {where}; every entry must be finite. "
+            "Remove or replace it first."
+        )
+    return array
+
+
+def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) -> Array:
+    """`value` as a matrix of `shape`, in which None leaves a dimension free.
+
+    A scalar stands for a 1 x 1 matrix; nothing else is reshaped.
+    """
+    array = real_array(value, name)
+    if array.ndim == 0:
+        array = array.reshape(1, 1)
+    fits = array.ndim == 2 and all(
+        want in (None, have) for want, have in zip(shape, array.shape, strict=True)
+    )
+    if not fits:
+        wanted = " x ".join("any" if size is None else str(size) for size in shape)
+        raise InputError(f"{name} has shape {array.shape}; a matrix of size {wanted} is needed.")
+    return array
+
+
+def signal_array(value: ArrayLike, name: str, width: int, steps: int | None = None) -> Array:
+    """`value` as an array of shape (steps, width); a 1-D array is a scalar signal."""
+    array = real_array(value, name)
+    if array.ndim == 1 and width == 1:
+        array = array.reshape(-1, 1)
+    if array.ndim != 2 or array.shape[1] != width:
+        raise InputError(
+            f"{name} has shape {array.shape}; (steps, {width}) is needed, one row for each step."
+        )
+    if steps is not None and array.shape[0] != steps:
+        raise InputError(f"{name} has {array.shape[0]} rows where {steps} steps are needed.")
+    return array
+
+
+def integer(value: object, name: str, at_least: int = 0) -> int:
+    """`value` as an int that is at least `at_least`; booleans and fractions are refused."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer):
+        raise InputError(f"{name} must be an integer, not {value!r}.")
+    if value < at_least:
+        raise InputError(f"{name} = {value} must be at least {at_least}.")
+    return int(value)
+
+
+def number(value: object, name: str) -> float:
+    """`value` as a finite float."""
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(f"{name} must be a real number, not {value!r}.")
+    return float(real_array(value, name))
+
+
+def one_of(value: str, name: str, choices: Sequence[str]) -> str:
+    """`value` if it is among `choices`."""
+    if value not in choices:
+        raise InputError(f"{name} = {value!r} is not known; choose one of {', '.join(choices)}.")
+    return value

@@ -1,0 +1,24 @@
+"""Hypothesis profiles: `dev` by default, `ci` derandomised, `thorough` for long hunts.
+
+Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in full.
+"""
+
+import os
+
+import hypothesis
+import pytest
+
+hypothesis.settings.register_profile("dev", max_examples=30, deadline=None)
+hypothesis.settings.register_profile("ci", max_examples=60, deadline=None, derandomize=True)
+hypothesis.settings.register_profile("thorough", max_examples=1000, deadline=None)
+hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
+
+
+def pytest_addoption(parser):
+    parser.addoption("--long", action="store_true", help="run the long statistics in full")
+
+
+@pytest.fixture
+def in_full(request):
+    """Whether a long statistic runs in full or in reduced form."""
+    return request.config.getoption("--long")
