@@ -113,6 +113,8 @@ std::pair<nb::ndarray<nb::numpy, double>, bool> controller_step(Controller& cont
 }  // namespace
 
 NB_MODULE(_kernel, m) {
+    nb::set_leak_warnings(false);  // objects alive at interpreter exit are not leaks
+
     nb::class_<Controller>(m, "Controller")
         .def("step", &controller_step, nb::arg("y"), nb::arg("z"))
         .def_prop_ro("theta",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensator_theory.errors import InputError
-from rcac_numeric.validation import Array, real_array
+from rcac_numeric.validation import Array, Read, real_array
 
 if TYPE_CHECKING:
     import control
@@ -36,8 +36,8 @@ class Compensator:
     (array([ 1., -1.]), array([0. , 0.5]))
     """
 
-    P: Array
-    Q: Array
+    P: Read
+    Q: Read
 
     def __post_init__(self) -> None:
         P, Q = real_array(self.P, "P"), real_array(self.Q, "Q")

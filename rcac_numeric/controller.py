@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,10 +13,9 @@ from rcac_numeric import _kernel
 from rcac_numeric.compensators import Compensator
 from rcac_numeric.structures import Structure
 from rcac_numeric.target_models import TargetModel
-from rcac_numeric.validation import Array, integer, matrix, number, one_of, real_array
+from rcac_numeric.validation import Array, Read, integer, matrix, number, one_of, real_array
 
 UPDATES = ("ud", "covariance")
-Weight = ArrayLike | Callable[[Array], ArrayLike]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -63,18 +62,18 @@ class ControllerSettings:
 
     structure: Structure
     target: TargetModel
-    R_theta: ArrayLike
-    R_z: ArrayLike = 1.0
-    R_u: Weight = 0.0
+    R_theta: Read
+    R_z: Read = 1.0
+    R_u: Read = 0.0
     lambda_: float = 1.0
-    k_w: int | None = None
-    k_update: int | None = None
+    k_w: Read = None
+    k_update: Read = None
     k_filter: int = 0
     update: str = "ud"
-    theta_0: Array = field(default_factory=lambda: np.zeros(0))
+    theta_0: Read = None
 
     def __post_init__(self) -> None:
-        set_ = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731
+        set_ = partial(object.__setattr__, self)
         structure, target = self.structure, self.target
         if target.l_u != structure.l_u:
             raise InputError(
@@ -91,7 +90,7 @@ class ControllerSettings:
             raise InputError(f"lambda = {self.lambda_} is not in (0, 1].")
         shortest = max(structure.n_c, target.n_f)
         set_("k_w", shortest if self.k_w is None else integer(self.k_w, "k_w"))
-        if self.k_w < shortest:  # type: ignore[operator]
+        if self.k_w < shortest:
             raise InputError(
                 f"k_w = {self.k_w} is shorter than max(n_c, n_f) = max({structure.n_c}, "
                 f"{target.n_f}) = {shortest}: the regressor and the target-model filter would not "
@@ -100,8 +99,8 @@ class ControllerSettings:
         set_("k_update", self.k_w if self.k_update is None else integer(self.k_update, "k_update"))
         set_("k_filter", integer(self.k_filter, "k_filter"))
         one_of(self.update, "update", UPDATES)
-        theta_0 = real_array(self.theta_0, "theta_0").reshape(-1)
-        theta_0 = np.zeros(l_theta) if theta_0.size == 0 else theta_0
+        theta_0 = np.zeros(l_theta) if self.theta_0 is None else self.theta_0
+        theta_0 = real_array(theta_0, "theta_0").reshape(-1)
         if theta_0.size != l_theta:
             raise InputError(f"theta_0 has {theta_0.size} entries; l_theta = {l_theta} are needed.")
         set_("theta_0", theta_0)
@@ -154,7 +153,7 @@ class ControllerSettings:
         )
 
     def _checked_weight(self, z: Array) -> Array:
-        return _weight(self.R_u(z), "R_u(z)", self.target.l_z, definite=False)  # type: ignore[operator]
+        return _weight(self.R_u(z), "R_u(z)", self.target.l_z, definite=False)
 
 
 class Controller:
@@ -169,12 +168,13 @@ class Controller:
     Examples
     --------
     >>> from rcac_numeric import Controller, ControllerSettings, TargetModel, iir
-    >>> settings = ControllerSettings(structure=iir(n_c=1), target=TargetModel([0, 1]), R_theta=1)
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=TargetModel([0, 1]), R_theta=1e-6)
     >>> controller, x = Controller(settings), 0.0
-    >>> for k in range(200):  # x(k+1) = 0.9 x(k) + u(k) + 1
-    ...     u = controller.step(y=x, z=x)
-    ...     x = 0.9 * x + u[0] + 1
-    >>> abs(x) < 0.05
+    >>> for k in range(100):  # x(k+1) = 0.9 x(k) + u(k) + 1
+    ...     (u,) = controller.step(y=x, z=x)
+    ...     x = 0.9 * x + u + 1
+    >>> bool(abs(x) < 1e-6)
     True
     """
 

@@ -156,9 +156,7 @@ def _structure(section: Section, plant: Plant) -> Structure:
 
 def _target(section: Section, plant: Plant) -> TargetModel:
     """The target model; what the file does not say of G_zu is taken from the plant."""
-    model = one_of(
-        str(section.require("model")), "model", ("fir", "pole placement", "filter")
-    )
+    model = one_of(str(section.require("model")), "model", ("fir", "pole placement", "filter"))
     if model == "filter":
         target = target_model(section.require("G_f"))
         if target.relative_degree != (wanted := modelling_information(plant).d_zu):
@@ -218,7 +216,12 @@ def _signals(section: Section, plant: Plant) -> tuple[Signal, ...]:
 def _signal(value: Any, name: str) -> Signal:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return step(value)
-    kinds = {"step": step, "harmonic": harmonic, "white_noise": white_noise, "sequence": sequence}
+    kinds: dict[str, Any] = {
+        "step": step,
+        "harmonic": harmonic,
+        "white_noise": white_noise,
+        "sequence": sequence,
+    }
     if isinstance(value, dict):
         if set(value) == {"sum"}:
             parts = [_signal(part, name) for part in value["sum"]]
@@ -228,7 +231,8 @@ def _signal(value: Any, name: str) -> Signal:
                 first = {"step": "height", "harmonic": "omega", "white_noise": "std"}
                 rest = {key: v for key, v in value.items() if key != kind}
                 try:
-                    return make(**{first.get(kind, "values"): _real(value[kind]), **rest})
+                    signal: Signal = make(**{first.get(kind, "values"): _real(value[kind]), **rest})
+                    return signal
                 except TypeError as error:
                     raise InputError(f"[signals] {name}: {error}.") from None
     raise InputError(

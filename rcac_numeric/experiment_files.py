@@ -111,7 +111,9 @@ def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> Table:
     result = dict(base)
     for key, value in override.items():
         old = result.get(key)
-        result[key] = merged(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+        result[key] = (
+            merged(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
+        )
     return result
 
 

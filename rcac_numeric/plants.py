@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
-from rcac_numeric.validation import Array, matrix, real_array
+from rcac_numeric.validation import Array, Read, matrix, real_array
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -42,20 +42,20 @@ class Plant:
     Plant(n=1, l_u=1, l_w=1, l_y=1, l_z=1)
     """
 
-    A: Array
-    B: Array
-    D_1: Array
-    C: Array
-    D_0: Array | None = None
-    D_2: Array | None = None
-    E_1: Array | None = None
-    E_2: Array | None = None
-    E_0: Array | None = None
+    A: Read
+    B: Read
+    D_1: Read
+    C: Read
+    D_0: Read = None
+    D_2: Read = None
+    E_1: Read = None
+    E_2: Read = None
+    E_0: Read = None
     blocks: Mapping[str, int] = field(default_factory=dict)
     exact: StandardProblem | None = None
 
     def __post_init__(self) -> None:
-        set_ = lambda name, value: object.__setattr__(self, name, value)  # noqa: E731
+        set_ = partial(object.__setattr__, self)
         A = matrix(self.A, "A", (None, None))
         n = A.shape[0]
         set_("A", matrix(A, "A", (n, n)))
@@ -96,7 +96,7 @@ class Plant:
     @property
     def l_z(self) -> int:
         """Number of performance variables."""
-        return int(self.E_1.shape[0])  # type: ignore[union-attr]
+        return int(self.E_1.shape[0])
 
     @cached_property
     def problem(self) -> StandardProblem:

@@ -100,7 +100,7 @@ def _run(plant: Plant, settings: ControllerSettings, w: Array) -> ReferenceRun:
         if structure.measures_first:
             record["y"].append(m["C"] * x + m["D_2"] * w_k)
         Phi = _regressor(structure, record, k)
-        u = Phi * theta if k >= settings.k_w else arb_mat(l_u, 1)  # type: ignore[operator]
+        u = Phi * theta if k >= settings.k_w else arb_mat(l_u, 1)
         record["u"].append(u)
         if not structure.measures_first:
             record["y"].append(m["C"] * x + m["D_0"] * u + m["D_2"] * w_k)
@@ -117,7 +117,7 @@ def _run(plant: Plant, settings: ControllerSettings, w: Array) -> ReferenceRun:
                 if i > 0:
                     output = output - D[i] * past[f"{name}_f"][k - i]
             past[f"{name}_f"].append(output)
-        if k >= settings.k_update:  # type: ignore[operator]
+        if k >= settings.k_update:
             Phi_f, u_f = past["Phi_f"][k], past["u_f"][k]
             PPhi = P * Phi_f.transpose()
             try:

@@ -123,9 +123,7 @@ def simulate(
     controller = settings.kernel()
     u, y, z = (np.empty((steps, width)) for width in (plant.l_u, plant.l_y, plant.l_z))
     theta = np.empty((-(-steps // stride), settings.structure.l_theta))
-    done = _kernel.simulate(
-        controller, plant.simulator(x_0), w, limit, u, y, z, theta, stride
-    )
+    done = _kernel.simulate(controller, plant.simulator(x_0), w, limit, u, y, z, theta, stride)
     last = len(theta) if done == steps else done // stride + 1
     final = np.asarray(controller.theta)
     return Run(
@@ -157,7 +155,7 @@ def check_sizes(plant: Plant, settings: ControllerSettings) -> None:
             raise InputError(
                 f"the plant has {name} = {of_plant} and the controller {name} = {of_controller}."
             )
-    if structure.measures_first and np.any(plant.D_0):  # type: ignore[arg-type]
+    if structure.measures_first and np.any(plant.D_0):
         raise ImproperError(
             "the controller is exactly proper (k_c = 0) and D_0 is not zero, so u(k) and y(k) "
             "depend on each other. Use k_c = 1."

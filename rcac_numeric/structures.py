@@ -97,9 +97,7 @@ def iir(n_c: int, l_u: int = 1, l_y: int = 1, k_c: int = 1) -> Structure:
     """
     order, inputs, outputs, first = _sizes(n_c, l_u, l_y, k_c)
     past_u = [Tap("u", i, lag) for lag in range(1, order + 1) for i in range(inputs)]
-    return Structure(
-        (*past_u, *_past_y(order, outputs, first)), inputs, outputs, order, "IIR"
-    )
+    return Structure((*past_u, *_past_y(order, outputs, first)), inputs, outputs, order, "IIR")
 
 
 def fir(n_c: int, l_u: int = 1, l_y: int = 1, k_c: int = 1) -> Structure:

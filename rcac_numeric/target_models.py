@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import ImproperError, InputError
-from rcac_numeric.validation import Array, integer, number, real_array
+from rcac_numeric.validation import Read, integer, number, real_array
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -38,12 +38,12 @@ class TargetModel:
     (1, 1)
     """
 
-    numerator: Array
-    denominator: Array = field(default_factory=lambda: np.zeros(0))
+    numerator: Read
+    denominator: Read = None
     exact: TransferFunction | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        N, D = real_array(self.numerator, "numerator"), real_array(self.denominator, "denominator")
+        N = real_array(self.numerator, "numerator")
         N = N.reshape(-1, 1, 1) if N.ndim == 1 else N
         if N.ndim != 3 or N.size == 0:
             raise InputError(
@@ -51,7 +51,8 @@ class TargetModel:
                 "(n_f + 1,) for a scalar filter, is needed."
             )
         identity = np.eye(N.shape[1])[None]
-        D = identity if D.size == 0 else D.reshape(-1, 1, 1) if D.ndim == 1 else D
+        D = identity if self.denominator is None else real_array(self.denominator, "denominator")
+        D = D.reshape(-1, 1, 1) if D.ndim == 1 else D
         if D.ndim != 3 or D.shape[1:] != identity.shape[1:]:
             raise InputError(
                 f"the denominator of the target model has shape {D.shape}; (n_f + 1, l_z, l_z) "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 from compensator_theory.errors import InputError
 
 Array = NDArray[np.float64]
+
+# A field that takes whatever can be read as an array or a number and holds what was read.
+Read = Any
 
 
 def real_array(value: ArrayLike, name: str) -> Array:

@@ -28,7 +28,9 @@ class CheckResult:
     @property
     def holds(self) -> bool | None:
         """Whether the check holds; None where it hangs on the last bits of the input."""
-        judged = [float(np.median(self.values))] if self.check.statistic == "median" else self.values
+        judged = (
+            [float(np.median(self.values))] if self.check.statistic == "median" else self.values
+        )
         inside = [self.check.at_least <= value <= self.check.at_most for value in judged]
         return True if all(inside) else None if any(inside) else False
 

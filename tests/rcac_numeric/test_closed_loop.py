@@ -151,9 +151,7 @@ def test_an_exactly_placed_loop_matches_its_target():
     D_c = [Fraction(str(c)) for c in asked.denominator.all_coeffs()]
     N_c = [Fraction(str(c)) for c in asked.numerator.all_coeffs()]
     N_c = [Fraction(0)] * (len(D_c) - len(N_c)) + N_c
-    ideal = Compensator(
-        P=[[[-float(c)]] for c in D_c[1:]], Q=[[[float(c)]] for c in N_c]
-    )
+    ideal = Compensator(P=[[[-float(c)]] for c in D_c[1:]], Q=[[[float(c)]] for c in N_c])
     assert intercalated_match(ClosedLoop(plant, ideal), target).worst < 1e-9
     assert compare(plant, ideal, target).worst_distance < 1e-9
 

@@ -44,9 +44,7 @@ def test_pole_placement_is_4_38_and_4_39():
     D_p = (Q - 0.1) * (Q - 0.3) * (Q**2 + 0.09)
     poles = ["0.1", "0.3", "0.3j", "-0.3j"]
     information = ModellingInformation(d_zu=2, H=-1.5)
-    assert response(pole_placement_target(information, poles)) == pytest.approx(
-        -1.5 * Q**2 / D_p
-    )
+    assert response(pole_placement_target(information, poles)) == pytest.approx(-1.5 * Q**2 / D_p)
     information = ModellingInformation(d_zu=1, H=1.0, nmp_zeros=["1.2", "-2"])
     assert response(pole_placement_target(information, poles)) == pytest.approx(
         Q * (Q - 1.2) * (Q + 2) / D_p

@@ -114,6 +114,7 @@ def test_the_covariance_is_the_inverse_information(seed):
         structure=iir(2), target=TargetModel([0.0, 1.0]), R_theta=(R_theta + R_theta.T) / 2
     )
     for update in ("ud", "covariance"):
-        assert Controller(replace(settings, update=update)).P == pytest.approx(
-            np.linalg.inv(R_theta), rel=1e-10, abs=1e-12
+        assert (
+            pytest.approx(np.linalg.inv(R_theta), rel=1e-10, abs=1e-12)
+            == Controller(replace(settings, update=update)).P
         )
