@@ -135,8 +135,6 @@ class Match:
         Frequencies, rad/sample.
     reached, wanted : arrays, shape (len(omega), l_z, l_u)
         The intercalated transfer function and G_f.
-    error : array
-        ||reached - wanted|| / ||wanted|| at each frequency (Frobenius norms).
     """
 
     omega: Array
@@ -145,7 +143,7 @@ class Match:
 
     @property
     def error(self) -> Array:
-        """Relative distance at each frequency."""
+        """Distance at each frequency, relative to G_f there (Frobenius norms)."""
         norms = np.linalg.norm(self.wanted, axis=(1, 2))
         difference = np.linalg.norm(self.reached - self.wanted, axis=(1, 2))
         return np.asarray(difference / np.maximum(norms, np.finfo(float).tiny))

@@ -133,7 +133,12 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
     >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
     (4e-06, 1e-06)
     """
-    from compensator_theory import place_poles, target_characteristic_polynomial  # noqa: PLC0415
+    from compensator_theory import (  # noqa: PLC0415
+        closed_loop_polynomial,
+        closed_loop_zero_polynomial,
+        place_poles,
+        target_characteristic_polynomial,
+    )
 
     if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
         raise InputError(
@@ -142,7 +147,7 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
         )
     problem = plant.problem
     N_c, D_c = exact_polynomials(compensator)
-    reached = problem.characteristic_polynomial(N_c, D_c)
+    reached = closed_loop_polynomial(problem, N_c, D_c)
     asked, placed, obstacle = None, None, ""
     try:
         if target.exact is None:
@@ -165,7 +170,7 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
     ]
     zeros = {}
     for index, name in enumerate(channels):
-        polynomial = problem.closed_loop_zero_polynomial(N_c, D_c, index)
+        polynomial = closed_loop_zero_polynomial(problem, N_c, D_c, index)
         if not polynomial.is_zero:
             zeros[name] = _roots(polynomial)
     return Comparison(

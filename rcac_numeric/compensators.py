@@ -80,7 +80,7 @@ class Compensator:
     def numerator(self) -> Array:
         """N_c of (2.33) with n_c + 1 coefficients, descending powers of q; scalar only."""
         self._require_scalar()
-        return self.Q[:, 0, 0].copy()
+        return np.concatenate(self.Q[:, 0])
 
     def state_space(self) -> tuple[Array, Array, Array, Array]:
         """The observer canonical realisation of D_c^{-1} N_c, of order l_u n_c.

@@ -59,14 +59,14 @@ def controller_pole_distance(r: Repetition, omega: float = 0.0, k: int | None = 
 
 @measure
 def settling_step(r: Repetition, band: float = 0.02) -> float:
-    """First step from which |z| stays within the band to the end of the run."""
+    """First step from which the size of z stays within the band to the end of the run."""
     outside = np.flatnonzero(np.abs(r.run.z).max(axis=1) > band)
     return float(outside[-1] + 1) if outside.size else 0.0
 
 
 @measure
 def peak(r: Repetition, start: int = 0, stop: int | None = None) -> float:
-    """Largest |z| over start <= k < stop."""
+    """Largest size of z over start <= k < stop."""
     return float(np.abs(_window(r, start, stop)).max())
 
 

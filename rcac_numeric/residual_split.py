@@ -44,7 +44,7 @@ class ResidualSplit:
 
     @property
     def identity_error(self) -> float:
-        """Largest |residual - matching - disturbance|, relative to the largest of them.
+        """Largest gap between the residual and its two parts together, relative to the largest.
 
         (4.14) makes it zero from rest; what is left is rounding.
         """

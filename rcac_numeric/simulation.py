@@ -96,7 +96,7 @@ def simulate(
     stride : int
         theta is kept at every stride-th step.
     divergence_limit : float
-        The loop counts as diverged where |u|, |y|, |z|, |x| or |theta| exceeds it.
+        The loop counts as diverged where an entry of u, y, z, x or theta exceeds it in size.
 
     Raises
     ------

@@ -1,0 +1,43 @@
+from . import strategies as strategies
+from .closed_loops import closed_loop_polynomial as closed_loop_polynomial
+from .closed_loops import closed_loop_transfer_matrix as closed_loop_transfer_matrix
+from .closed_loops import closed_loop_zero_polynomial as closed_loop_zero_polynomial
+from .compensators import compensator_polynomials as compensator_polynomials
+from .conversions import transfer_function as transfer_function
+from .errors import CompensatorError as CompensatorError
+from .errors import DivergedError as DivergedError
+from .errors import ImproperError as ImproperError
+from .errors import InputError as InputError
+from .errors import NoSolutionError as NoSolutionError
+from .errors import NotCoprimeError as NotCoprimeError
+from .errors import NotReachableTargetError as NotReachableTargetError
+from .errors import UnitCircleError as UnitCircleError
+from .expressions import parse_expression as parse_expression
+from .intercalation import (
+    control_perturbation_transfer_function as control_perturbation_transfer_function,
+)
+from .intercalation import (
+    control_perturbation_transfer_matrix as control_perturbation_transfer_matrix,
+)
+from .intercalation import intercalated_transfer_function as intercalated_transfer_function
+from .intercalation import intercalated_transfer_matrix as intercalated_transfer_matrix
+from .numbers import exact_number as exact_number
+from .placements import PolePlacement as PolePlacement
+from .plants import servo_problem as servo_problem
+from .plants import standard_problem as standard_problem
+from .pole_placement import place_poles as place_poles
+from .polynomials import monic as monic
+from .polynomials import polynomial as polynomial
+from .prescribed_roots import polynomial_from_roots as polynomial_from_roots
+from .reachable_targets import target_characteristic_polynomial as target_characteristic_polynomial
+from .roots import Root as Root
+from .roots import certified_roots as certified_roots
+from .standard_problems import StandardProblem as StandardProblem
+from .sylvester import number_of_common_roots as number_of_common_roots
+from .sylvester import resultant as resultant
+from .sylvester import sylvester_m as sylvester_m
+from .sylvester import sylvester_m1 as sylvester_m1
+from .sylvester import sylvester_m2 as sylvester_m2
+from .transfer_functions import TransferFunction as TransferFunction
+from .transfer_matrices import TransferMatrix as TransferMatrix
+from .unit_circle import split_at_unit_circle as split_at_unit_circle

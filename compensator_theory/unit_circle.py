@@ -1,0 +1,124 @@
+"""Inside, on or outside the unit circle: decided exactly."""
+
+from sympy import Poly
+
+from .errors import InputError, NoSolutionError, UnitCircleError
+from .polynomials import is_rational, monic
+from .roots import root_balls
+
+
+def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
+    r"""Split a rational polynomial at the unit circle into two monic rational factors.
+
+    .. math:: N = N_k\, N_s\, N_u, \qquad N_s(\lambda)=0 \Rightarrow |\lambda|<1, \qquad
+              N_u(\lambda)=0 \Rightarrow |\lambda|>1
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+
+    Returns
+    -------
+    tuple of sympy.Poly
+        :math:`(N_s, N_u)`; the leading coefficient of `poly` is left out.
+
+    Raises
+    ------
+    UnitCircleError
+        If a root has modulus exactly 1; the message names the irreducible factor.
+    NoSolutionError
+        If an irreducible factor has roots on both sides, so that the split is not rational.
+    InputError
+        If the polynomial is zero or has symbolic coefficients.
+
+    Notes
+    -----
+    No tolerance is involved. An irreducible factor with a root on the circle is its own reciprocal
+    up to sign; for such a factor :math:`\lambda + 1/\lambda` satisfies a polynomial of half the
+    degree, whose roots in :math:`[-2, 2]` are counted by Sturm's theorem. Roots of every other
+    factor are off the circle, so that balls of growing precision decide.
+
+    Source: the factors N_zu,s and N_zu,u of Section 2.3 and (4.39).
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial, split_at_unit_circle
+    >>> stable, unstable = split_at_unit_circle(polynomial("3*q*(q - 1/2)*(q - 2)"))
+    >>> stable.as_expr(), unstable.as_expr()
+    (q**2 - q/2, q - 2)
+    """
+    if not is_rational(poly):
+        raise InputError(
+            f"{poly.as_expr()} has coefficients that are not rational numbers, so its roots cannot "
+            "be located; substitute numbers for the symbols"
+        )
+    if poly.is_zero:
+        raise InputError("the zero polynomial cannot be split at the unit circle")
+    inside = outside = poly.one
+    for factor, multiplicity in poly.factor_list()[1]:
+        if lies_inside(factor):
+            inside *= monic(factor) ** multiplicity
+        else:
+            outside *= monic(factor) ** multiplicity
+    return inside, outside
+
+
+def lies_inside(factor: Poly) -> bool:
+    """Tell whether an irreducible rational polynomial has all its roots inside the unit circle.
+
+    Returns False if all are outside.
+
+    Raises
+    ------
+    UnitCircleError
+        If it has a root on the circle.
+    NoSolutionError
+        If it has roots on both sides.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.unit_circle import lies_inside
+    >>> lies_inside(polynomial("2*q - 1")), lies_inside(polynomial("q**2 + 2"))
+    (True, False)
+    """
+    name = monic(factor).as_expr()
+    mixed = NoSolutionError(
+        f"the irreducible factor {name} has roots on both sides of the unit circle, so no rational "
+        "factor contains exactly those inside; use certified_roots and work in floating point"
+    )
+    coefficients = factor.all_coeffs()
+    if coefficients in (coefficients[::-1], [-c for c in reversed(coefficients)]):
+        if _has_root_on_circle(factor):
+            raise UnitCircleError(
+                f"the factor {name} has a root exactly on the unit circle; it belongs neither to "
+                "the inside nor to the outside: move that root or treat it separately"
+            )
+        raise mixed
+    precision = 64
+    while True:
+        radii = [abs(ball) for ball, _ in root_balls(factor, precision)]
+        inside = [bool(radius < 1) for radius in radii]
+        if all(within or radius > 1 for within, radius in zip(inside, radii, strict=True)):
+            break
+        precision *= 2
+    if any(inside) and not all(inside):
+        raise mixed
+    return all(inside)
+
+
+def _has_root_on_circle(factor: Poly) -> bool:
+    """Decide it for a factor that equals its reciprocal up to sign and is irreducible."""
+    if factor.degree() == 1:
+        return True  # q - 1 or q + 1
+    half = factor.degree() // 2
+    descending = factor.all_coeffs()[: half + 1]  # c_half, ..., c_0 of sum c_j (q^j + q^-j)
+    t = factor.gen
+    chebyshev = [Poly(2, t), Poly(t, t)]  # q^j + q^-j as polynomials in t = q + 1/q
+    while len(chebyshev) <= half:
+        chebyshev.append(Poly(t, t) * chebyshev[-1] - chebyshev[-2])
+    folded = Poly(descending[half], t)
+    for j in range(1, half + 1):
+        folded += chebyshev[j].mul_ground(descending[half - j])
+    return bool(folded.count_roots(-2, 2) > 0)

@@ -1,0 +1,1 @@
+"""The statements of the dissertation and their evidence, checked by machine."""

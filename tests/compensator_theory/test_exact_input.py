@@ -1,0 +1,95 @@
+"""Numbers and text become exact, and nothing in a text is ever executed."""
+
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import InputError, exact_number, parse_expression
+from compensator_theory.expressions import parse_quotient
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_float_is_its_shortest_decimal_and_comes_back(x):
+    exact = exact_number(x)
+    assert Fraction(int(exact.p), int(exact.q)) == Fraction(repr(x))
+    assert int(exact.p) / int(exact.q) == x
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_binary_value_is_exact(x):
+    exact = exact_number(x, binary=True)
+    assert Fraction(int(exact.p), int(exact.q)) == Fraction(x)
+
+
+@given(st.fractions(), st.fractions())
+def test_fractions_strings_and_decimals(p, q):
+    assert exact_number(p) == sympy.Rational(p.numerator, p.denominator)
+    assert exact_number(f"({p}) - ({q})*j") == exact_number(p) - sympy.I * exact_number(q)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (True + 1, 2),
+        (Decimal("0.10"), "1/10"),
+        (np.float32(0.1), "1/10"),
+        (np.int8(-3), -3),
+        (np.array(0.3), "3/10"),
+        (0.5 - 0.8j, "1/2 - 4*I/5"),
+        (np.complex128(0.1 + 1j), "1/10 + I"),
+        (sympy.Float(0.1), "1/10"),
+        (0.1 * sympy.Symbol("a"), "a/10"),
+        (".5e1", 5),
+        ("2^3*a", "8*a"),
+        ("-0.8j", "-4*I/5"),
+        ("sqrt(8)", "2*sqrt(2)"),
+    ],
+)
+def test_readable_values(value, expected):
+    assert exact_number(value) == sympy.sympify(expected)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [float("nan"), float("inf"), -np.inf, np.float32("nan"), Decimal("NaN"), Decimal("-Infinity"),
+     sympy.nan, sympy.oo, sympy.zoo, complex("nan"), "nan", "-inf", "oo", "Infinity", True, None,
+     object(), np.array([1, 2]), [1]],
+)  # fmt: skip
+def test_not_a_finite_number(value):
+    with pytest.raises(InputError):
+        exact_number(value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["__import__('os').system('true')", "().__class__", "a.b", "x[0]", "f(x)", "eval(1)", "a__b",
+     "__a", "lambda: 1", "[1, 2]", "1, 2", "'s'", "1 if a else 2", "a < b", "a == b", "not a",
+     "a // b", "a % b", "a @ b", "a := 1", "9**9**9", "s**1001", "((s + 1)**500)**500",
+     "((s + 1)**900 + 1)*(s + 2)**900", "2**s", "1e99999999", "0x10", "1_000", "2s", "2(s + 1)", "",
+     "   ", "1/0", "s/(2 - 2)", "0**-1", "(" * 500, "+".join(["1"] * 9999), "1" * 30000, "i", "s;1",
+     "sqrt(1, 2)", "sqrt(x=2)", "\x00", "True", "yield", "s\n)"],
+)  # fmt: skip
+def test_refused_text(text):
+    with pytest.raises(InputError):
+        parse_expression(text)
+
+
+@given(st.text(max_size=40))
+def test_arbitrary_text_is_read_or_refused(text):
+    try:
+        parse_expression(text)
+    except InputError as error:
+        assert str(error)
+
+
+def test_sides_of_a_quotient_are_not_cancelled():
+    s = sympy.Symbol("s")
+    assert parse_quotient("(s + 1)/((s + 1)*(s + 2))") == (s + 1, (s + 1) * (s + 2))
+    numerator, denominator = parse_quotient("1/(s + 1) + 1/(s + 2)")
+    assert sympy.expand(numerator) == 2 * s + 3
+    assert sympy.expand(denominator - (s + 1) * (s + 2)) == 0

@@ -1,0 +1,33 @@
+"""Importing the package is cheap; its names arrive on demand."""
+
+import subprocess
+import sys
+
+import pytest
+
+import compensator_theory
+
+
+@pytest.mark.parametrize(
+    "statement", ["import compensator_theory", "import compensator_theory.errors"]
+)
+def test_import_leaves_heavy_packages_alone(statement):
+    heavy = "{'sympy', 'numpy', 'control', 'hypothesis', 'flint', 'scipy', 'matplotlib'}"
+    code = f"import sys; {statement}; print(sorted({heavy} & set(sys.modules)))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_every_public_name_exists_and_is_documented():
+    for name in compensator_theory.__all__:
+        assert getattr(compensator_theory, name).__doc__, name
+
+
+@pytest.mark.parametrize("first", ["TransferFunction", "StandardProblem", "PolePlacement"])
+def test_no_submodule_shadows_a_function(first):
+    code = (
+        f"from compensator_theory import {first}\n"
+        "import compensator_theory as c\n"
+        "assert all(callable(getattr(c, n)) for n in c.__all__ if n != 'strategies')"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
