@@ -157,6 +157,8 @@ def _structure(section: Section, plant: Plant) -> Structure:
 def _target(section: Section, plant: Plant) -> TargetModel:
     """The target model; what the file does not say of G_zu is taken from the plant."""
     model = one_of(str(section.require("model")), "model", ("fir", "pole placement", "filter"))
+    if model == "filter" and "numerator" in section.table:
+        return TargetModel(**section.given("numerator", "denominator"))
     if model == "filter":
         target = target_model(section.require("G_f"))
         if target.relative_degree != (wanted := modelling_information(plant).d_zu):

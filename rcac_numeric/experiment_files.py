@@ -23,7 +23,9 @@ KEYS: dict[str, set[str]] = {
         "problem", "G", "performance", "A", "B", "C", "D_0", "D_1", "D_2", "E_0", "E_1", "E_2",
     },
     "signals": {"w", "r", "d", "v"},
-    "target": {"model", "poles", "G_f", "d_zu", "H", "nmp_zeros"},
+    "target": {
+        "model", "poles", "G_f", "numerator", "denominator", "d_zu", "H", "nmp_zeros",
+    },
     "controller": {
         "structure", "n_c", "k_c", "k_w", "k_update", "k_filter", "R_theta", "R_z", "R_u",
         "lambda", "theta_0",

@@ -107,6 +107,44 @@ def test_a_users_case(rcac, case):
     assert result.exit_code == 0 and "My plant" in result.output
 
 
+VECTOR_CASE = """
+[plant]
+problem = "servo"
+A = [[0.5, 0.1], [0.0, 0.7]]
+B = [[1, 0], [0.2, 1]]
+C = [[1, 0], [0, 1]]
+D_1 = [[1, 0], [0.2, 1]]
+
+[signals]
+r = [{ step = 1 }, { step = -1, start = 50 }]
+
+[target]
+model = "filter"
+numerator = [[[0, 0], [0, 0]], [[-1, 0], [-0.2, -1]]]
+
+[controller]
+n_c = 3
+R_theta = 1e-3
+
+[run]
+steps = 300
+
+[[claims]]
+text = "Both commands are followed."
+checks = [{ measure = "rms", start = 250, at_most = 0.01 }]
+verdict = "reproduced"
+"""
+
+
+def test_vector_signals(rcac, case, tmp_path):
+    """Poles, match and picture of a 2 x 2 loop; the exact comparison is for scalar ones."""
+    result = rcac("verify", case(VECTOR_CASE), "--plot", tmp_path / "sheet.pdf")
+    assert result.exit_code == 0 and "closed-loop poles" in result.output
+    assert len(json.loads(rcac("verify", case(VECTOR_CASE), "--json").output)["poles"]) == 8
+    bad = rcac("verify", case(VECTOR_CASE, ("r = [{ step = 1 }, ", "r = [")))
+    assert bad.exit_code == 2 and "r has 1 components; 2 are needed" in bad.stderr
+
+
 def test_a_changed_verdict_is_status_1(rcac, case):
     path = case(USER_CASE, ("at_most = 0.05", "at_most = 1e-30"))
     result = rcac("verify", path)
