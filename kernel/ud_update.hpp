@@ -1,10 +1,9 @@
 // The retrospective cost update with P = U D U' factorised (Bierman 1977, Thornton 1976).
 #pragma once
 
-#include <algorithm>
-#include <limits>
 #include <stdexcept>
 
+#include "ud_rank_one.hpp"
 #include "update.hpp"
 
 namespace rcac {
@@ -72,57 +71,20 @@ private:
         }
     }
 
-    // One measurement  row * theta + rhs = 0  of variance r.
+    // One measurement  row * theta + rhs = 0  of variance r; false where alpha overflows.
     bool scalar_update(const double* row, double rhs, double r, std::int64_t step, double* theta) {
         double innovation = rhs;
-#pragma omp simd reduction(+ : innovation)
         for (std::size_t j = 0; j < n_; ++j) innovation += row[j] * theta[j];
-        double largest = 0.0;
-        for (std::size_t j = 0; j < n_; ++j) largest = std::max(largest, std::fabs(row[j]));
-        // The guard's full test costs another pass over a column; a variance below alpha / noise
-        // cannot need it.
-        const double noise = std::pow(1024.0 * epsilon * largest, 2);
-        double* gain = gain_.data();
-        double alpha = r;
-        for (std::size_t j = 0; j < n_; ++j) {
-            double* u = column(j);
-            double f = row[j];
-#pragma omp simd reduction(+ : f)
-            for (std::size_t i = 0; i < j; ++i) f += u[i] * row[i];
-            const double v = D_[j] * f;
-            gain[j] = v;
-            if (D_[j] * noise > alpha && lost_in_rounding(row, u, j, f, alpha)) guard_.raise(step);
-            if (f == 0.0) continue;
-            const double grown = alpha + v * f;
-            D_[j] *= alpha / grown;
-            const double factor = -f / alpha;
-#pragma omp simd
-            for (std::size_t i = 0; i < j; ++i) {
-                const double old = u[i];
-                u[i] = old + factor * gain[i];
-                gain[i] += v * old;
-            }
-            alpha = grown;
-        }
+        bool lost = false;
+        const double alpha =
+            ud_rank_one({n_, U_.data(), D_.data()}, row, r, gain_.data(), lost);
+        if (lost) guard_.raise(step);
         if (!std::isfinite(alpha)) return false;
         const double scaled = innovation / alpha;
-#pragma omp simd
-        for (std::size_t j = 0; j < n_; ++j) theta[j] -= gain[j] * scaled;
+        for (std::size_t j = 0; j < n_; ++j) theta[j] -= gain_[j] * scaled;
         return true;
     }
 
-    // Whether f = row_j + sum U_ij row_i is no larger than the rounding errors of its terms while
-    // d_j is so large that an f of that size would decide the update: the data do not say whether
-    // this direction is excited, and with such a P(0) theta hangs on the answer.
-    bool lost_in_rounding(const double* row, const double* u, std::size_t j, double f,
-                          double alpha) const {
-        double size = std::fabs(row[j]);
-        for (std::size_t i = 0; i < j; ++i) size += std::fabs(u[i] * row[i]);
-        const double error = 16.0 * epsilon * size;
-        return std::fabs(f) <= error && D_[j] * error * error > alpha;
-    }
-
-    static constexpr double epsilon = std::numeric_limits<double>::epsilon();
     std::size_t n_;
     std::vector<double> U_, D_, gain_, row_, L_, rhs_;
 };
