@@ -1,5 +1,6 @@
 // The door between NumPy and the kernel. Shapes and ranges are checked in Python, where the
-// messages can name the user's arguments; here sizes are only asserted.
+// messages can name the user's arguments; here every size is checked once more, so that no call
+// can reach beyond an array.
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/pair.h>
@@ -19,10 +20,14 @@ using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Output = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
 using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
+void require(std::size_t found, std::size_t wanted, const char* name) {
+    if (found != wanted)
+        throw std::invalid_argument(std::string(name) + ": " + std::to_string(found) +
+                                    " numbers where " + std::to_string(wanted) + " belong");
+}
+
 std::vector<double> copied(const Array& array, std::size_t size, const char* name) {
-    if (array.size() != size)
-        throw std::invalid_argument(std::string(name) + ": " + std::to_string(array.size()) +
-                                    " numbers where " + std::to_string(size) + " belong");
+    require(array.size(), size, name);
     return std::vector<double>(array.data(), array.data() + size);
 }
 
@@ -41,13 +46,11 @@ std::vector<Tap> taps(const Pairs& pairs) {
 
 Controller make_controller(std::size_t l_u, std::size_t l_y, std::size_t l_z, const Pairs& regressor,
                            const Pairs& channels, const Pairs& filtered,
-                           std::vector<std::size_t> control_channels, const Array& numerator,
-                           const Array& denominator, double lambda, const Array& R_z,
+                           const Array& numerator, const Array& denominator, double lambda, const Array& R_z,
                            const Array& R_u, nb::object R_u_of_z, std::int64_t k_w,
                            std::int64_t k_update, std::int64_t k_filter, const std::string& update,
                            const Array& P_0, const Array& theta_0) {
-    Structure structure{l_u, l_y, taps(regressor), taps(channels), taps(filtered),
-                        std::move(control_channels)};
+    Structure structure{l_u, l_y, taps(regressor), taps(channels), taps(filtered)};
     const std::size_t l_theta = regressor.size() * l_u;
     const std::size_t order = numerator.size() / (l_z * l_u) - 1;
     TargetModel model{l_z, l_u, order, copied(numerator, (order + 1) * l_z * l_u, "numerator"),
@@ -99,8 +102,8 @@ Plant make_plant(const Array& A, const Array& B, const Array& D_1, const Array& 
 // u(k), and whether the update stayed in the range of float64.
 std::pair<nb::ndarray<nb::numpy, double>, bool> controller_step(Controller& controller,
                                                                 const Array& y, const Array& z) {
-    if (y.size() != controller.structure().l_y || z.size() != controller.l_z())
-        throw std::invalid_argument("y or z has the wrong size");
+    require(y.size(), controller.structure().l_y, "y");
+    require(z.size(), controller.l_z(), "z");
     controller.begin();
     controller.measure(y.data());
     const double* u = controller.control();
@@ -137,7 +140,7 @@ NB_MODULE(_kernel, m) {
                      [](const Controller& self) { return self.arithmetic().guard().first_step; });
     m.def("controller", &make_controller, nb::kw_only(), nb::arg("l_u"), nb::arg("l_y"),
           nb::arg("l_z"), nb::arg("regressor"), nb::arg("channels"), nb::arg("filtered"),
-          nb::arg("control_channels"), nb::arg("numerator"), nb::arg("denominator"),
+          nb::arg("numerator"), nb::arg("denominator"),
           nb::arg("forgetting"), nb::arg("R_z"), nb::arg("R_u"), nb::arg("R_u_of_z").none(),
           nb::arg("k_w"), nb::arg("k_update"), nb::arg("k_filter"), nb::arg("update"),
           nb::arg("P_0"), nb::arg("theta_0"));
@@ -148,6 +151,8 @@ NB_MODULE(_kernel, m) {
         .def("output",
              [](const Plant& self, const Array& u, const Array& w) {
                  const PlantMatrices& size = self.matrices();
+                 require(u.size(), size.l_u, "u");
+                 require(w.size(), size.l_w, "w");
                  std::vector<double> y(size.l_y), z(size.l_z);
                  self.y(u.data(), w.data(), y.data());
                  self.z(u.data(), w.data(), z.data());
@@ -156,7 +161,11 @@ NB_MODULE(_kernel, m) {
              },
              nb::arg("u"), nb::arg("w"))
         .def("advance",
-             [](Plant& self, const Array& u, const Array& w) { self.advance(u.data(), w.data()); },
+             [](Plant& self, const Array& u, const Array& w) {
+                 require(u.size(), self.matrices().l_u, "u");
+                 require(w.size(), self.matrices().l_w, "w");
+                 self.advance(u.data(), w.data());
+             },
              nb::arg("u"), nb::arg("w"));
     m.def("plant", &make_plant, nb::kw_only(), nb::arg("A"), nb::arg("B"), nb::arg("D_1"),
           nb::arg("C"), nb::arg("D_0"), nb::arg("D_2"), nb::arg("E_1"), nb::arg("E_2"),
@@ -166,7 +175,18 @@ NB_MODULE(_kernel, m) {
     m.def("simulate",
           [](Controller& controller, Plant& plant, const Array& w, double limit, const Output& u,
              const Output& y, const Output& z, const Output& theta, std::int64_t stride) {
+              const PlantMatrices& size = plant.matrices();
               const auto steps = static_cast<std::int64_t>(u.shape(0));
+              if (stride < 1) throw std::invalid_argument("stride must be at least 1");
+              require(controller.structure().l_u, size.l_u, "l_u");
+              require(controller.structure().l_y, size.l_y, "l_y");
+              require(controller.l_z(), size.l_z, "l_z");
+              require(w.size(), steps * size.l_w, "w");
+              require(u.size(), steps * size.l_u, "u");
+              require(y.size(), steps * size.l_y, "y");
+              require(z.size(), steps * size.l_z, "z");
+              require(theta.size(), (steps + stride - 1) / stride * controller.theta().size(),
+                      "theta");
               const Record record{u.data(), y.data(), z.data(), theta.data(), stride};
               nb::gil_scoped_release release;
               return simulate(controller, plant, w.data(), steps, limit, record);

@@ -14,9 +14,8 @@ namespace rcac {
 struct Structure {
     std::size_t l_u, l_y;
     std::vector<Tap> regressor;  // phi(k), and Phi(k) = phi(k)' (x) I as in (2.30)
-    std::vector<Tap> channels;   // what the target-model filter is fed with
+    std::vector<Tap> channels;   // what the target-model filter is fed with; u(k) comes first
     std::vector<Tap> filtered;   // phi_f: (channel, delay) for every entry of phi
-    std::vector<std::size_t> control_channels;  // the channels that carry u(k)
 };
 
 struct Weights {
@@ -99,7 +98,7 @@ private:
         for (std::size_t r = 0; r < l_z; ++r) {
             target_[r] = z[r];
             for (std::size_t i = 0; i < l_u; ++i)
-                target_[r] -= filter_(structure_.control_channels[i], 0, r, i);
+                target_[r] -= filter_(i, 0, r, i);
             for (std::size_t j = 0; j < structure_.filtered.size(); ++j) {
                 const Tap tap = structure_.filtered[j];
                 for (std::size_t i = 0; i < l_u; ++i)

@@ -31,9 +31,6 @@ public:
 
     const std::vector<double>& x() const { return x_; }
     const PlantMatrices& matrices() const { return m_; }
-    bool y_depends_on_u() const {
-        return std::any_of(m_.D_0.begin(), m_.D_0.end(), [](double d) { return d != 0.0; });
-    }
 
 private:
     void output(const std::vector<double>& S, const std::vector<double>& T,

@@ -22,8 +22,7 @@ public:
         : model_(std::move(model)),
           block_(model_.l_z * model_.l_u),
           inputs_(channels, model_.order),
-          outputs_(channels * block_, std::max(model_.order, max_tap_delay)),
-          channels_(channels) {}
+          outputs_(channels * block_, std::max(model_.order, max_tap_delay)) {}
 
     void advance() {
         inputs_.advance();
@@ -44,7 +43,6 @@ public:
     }
 
     const TargetModel& model() const { return model_; }
-    std::size_t channels() const { return channels_; }
 
 private:
     std::size_t at(std::size_t channel, std::size_t row, std::size_t column) const {
@@ -66,7 +64,6 @@ private:
     TargetModel model_;
     std::size_t block_;
     DelayLine inputs_, outputs_;
-    std::size_t channels_;
 };
 
 }  // namespace rcac

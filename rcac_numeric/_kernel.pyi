@@ -33,7 +33,6 @@ def controller(
     regressor: Pairs,
     channels: Pairs,
     filtered: Pairs,
-    control_channels: Sequence[int],
     numerator: Array,
     denominator: Array,
     forgetting: float,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 EXIT_STATUS = """
 Exit status: 0 done, and every verdict of record holds; 1 a verdict has changed; 2 bad input;
-3 a loop diverged (what came before it is kept and drawn).
+3 a loop diverged, which goes before 1 (what came before it is kept and drawn); 4 a defect of rcac.
 """
 
 
@@ -52,10 +53,16 @@ def verify(case: str, picture: Path | None, as_json: bool) -> None:
     except CompensatorError as error:
         click.echo(f"rcac: {error}", err=True)
         status = 2
+    except Exception:  # never let a defect of ours look like a changed verdict
+        traceback.print_exc()
+        click.echo("rcac: this is a defect of rcac itself; please report it.", err=True)
+        status = 4
     sys.exit(status)
 
 
 def _verify(case: str, picture: Path | None, as_json: bool) -> int:
+    import numpy as np  # noqa: PLC0415
+
     # Imported here, after the command line is known to be right: NumPy, SciPy and SymPy take
     # most of a second to load.
     from rcac_numeric.experiment_builder import load_example, load_experiment  # noqa: PLC0415
@@ -66,6 +73,7 @@ def _verify(case: str, picture: Path | None, as_json: bool) -> int:
     is_file = case.endswith(".toml") or "/" in case or Path(case).is_file()
     experiment = load_experiment(case) if is_file else load_example(case)
     interactive = sys.stderr.isatty()
+    np.seterr(all="ignore")  # a loop that leaves float64 is reported as such, not by warnings
     verification = verify(
         experiment, lambda name: click.echo(f"\rrunning {name} ...\033[K", err=True, nl=False)
         if interactive else None

@@ -12,7 +12,7 @@ from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.compensators import Compensator
 from rcac_numeric.plants import Plant
 from rcac_numeric.target_models import TargetModel
-from rcac_numeric.validation import Array, signal_array
+from rcac_numeric.validation import Array, integer, signal_array
 
 ComplexArray = NDArray[np.complex128]
 
@@ -107,7 +107,7 @@ class ClosedLoop:
         return self._response(omega)[:, : self.plant.l_z, self.plant.l_w :]
 
     def simulate(self, w: ArrayLike, u_tilde: ArrayLike) -> Array:
-        """Z in response to w and to an intercalated u_tilde, from rest; shape (steps, l_z)."""
+        """The response z to w and to an intercalated u_tilde, from rest; shape (steps, l_z)."""
         w = signal_array(w, "w", self.plant.l_w)
         u_tilde = signal_array(u_tilde, "u_tilde", self.plant.l_u, len(w))
         A, B, C, D = self.matrices
@@ -121,8 +121,18 @@ class ClosedLoop:
     def _response(self, omega: ArrayLike) -> ComplexArray:
         A, B, C, D = self.matrices
         z = np.exp(1j * np.atleast_1d(omega))
-        resolvent = np.linalg.solve(z[:, None, None] * np.eye(len(A)) - A, B[None])
-        return np.asarray(C @ resolvent + D)
+        pencils = z[:, None, None] * np.eye(len(A)) - A
+        try:
+            return np.asarray(C @ np.linalg.solve(pencils, B[None]) + D)
+        except np.linalg.LinAlgError:  # a pole on the grid, or numbers too large to tell
+            return np.asarray(C @ np.stack([_solved(pencil, B) for pencil in pencils]) + D)
+
+
+def _solved(pencil: ComplexArray, B: Array) -> ComplexArray:
+    try:
+        return np.asarray(np.linalg.solve(pencil, B), dtype=np.complex128)
+    except np.linalg.LinAlgError:
+        return np.full(B.shape, np.nan, dtype=np.complex128)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,5 +183,6 @@ def intercalated_match(loop: ClosedLoop, target: TargetModel, points: int = 1000
     >>> intercalated_match(loop, fir_target(plant)).worst < 1e-12  # both poles at zero: 1/q
     True
     """
+    integer(points, "points", at_least=1)
     omega = (np.arange(points) + 0.5) * np.pi / points
     return Match(omega, loop.intercalated_response(omega), target.frequency_response(omega))

@@ -75,6 +75,12 @@ class ControllerSettings:
     def __post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
         structure, target = self.structure, self.target
+        if not isinstance(structure, Structure):
+            raise InputError(f"structure = {structure!r}: use iir(...) or fir(...).")
+        if not isinstance(target, TargetModel):
+            raise InputError(
+                f"target = {target!r}: use fir_target, pole_placement_target or target_model."
+            )
         if target.l_u != structure.l_u:
             raise InputError(
                 f"the target model has {target.l_u} columns and the structure {structure.l_u} "
@@ -118,18 +124,15 @@ class ControllerSettings:
         """A compiled controller at step 0."""
         structure, target = self.structure, self.target
         regressor = [(structure.index(tap), tap.delay) for tap in structure.taps]
-        u_now = [(i, 0) for i in range(structure.l_u)]
         if self.k_filter == 0:
             # From zero initial conditions the filter commutes with the delays: one channel for
             # each scalar signal serves all taps on it.
             channels = [(i, 0) for i in range(structure.l_u + structure.l_y)]
             filtered = regressor
-            control_channels = list(range(structure.l_u))
         else:
             # A filter that is switched on later does not: each tap is a channel of its own.
-            channels = [*u_now, *regressor]
+            channels = [*((i, 0) for i in range(structure.l_u)), *regressor]
             filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
-            control_channels = list(range(structure.l_u))
         return _kernel.controller(
             l_u=structure.l_u,
             l_y=structure.l_y,
@@ -137,7 +140,6 @@ class ControllerSettings:
             regressor=regressor,
             channels=channels,
             filtered=filtered,
-            control_channels=control_channels,
             numerator=target.numerator,
             denominator=target.denominator,
             forgetting=self.lambda_,
@@ -159,7 +161,9 @@ class ControllerSettings:
 class Controller:
     """An adaptive controller for any simulator or device.
 
-    One call of `step` is one step of RCAC in the order measure, control, filter, update.
+    One call of `step` is one step of RCAC in the order measure, control, filter, update. It takes
+    y(k) and z(k) before u(k) is known, so neither may depend on u(k): D_0 = 0 and E_2 = 0, as for
+    every sampled plant without feedthrough. (`simulate` knows the plant and allows both.)
 
     Parameters
     ----------
@@ -262,4 +266,4 @@ def _weight(value: ArrayLike, name: str, size: int, *, definite: bool) -> Array:
         invertible = not (definite and is_diagonal) or np.isfinite(1.0 / diagonal).all()
     if not invertible:
         raise InputError(f"{name} = {smallest:.3g} has no float64 inverse; use a larger weight.")
-    return np.ascontiguousarray(array)
+    return real_array(array, name)

@@ -108,8 +108,8 @@ class RunResult:
 
     @property
     def diverged(self) -> bool:
-        """Whether the unperturbed run diverged."""
-        return self.first.run.outcome == "diverged"
+        """Whether the run, or one of its repetitions, diverged."""
+        return any(r.run.outcome == "diverged" for r in self.repetitions)
 
 
 @dataclass(frozen=True, eq=False)

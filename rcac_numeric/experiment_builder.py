@@ -1,4 +1,4 @@
-"""From the tables of an experiment file to plants, signals, controllers and claims."""
+"""From the tables of an experiment file to an experiment: plant, target models, runs."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.controller import UPDATES, ControllerSettings
-from rcac_numeric.experiment import Check, Claim, Experiment, RunSpecification
+from rcac_numeric.experiment import Experiment, RunSpecification
+from rcac_numeric.experiment_claims import claim
 from rcac_numeric.experiment_files import Section, Table, merged, named, read_example, read_file
-from rcac_numeric.plants import MATRICES, Plant, servo_plant, standard_plant
-from rcac_numeric.signals import Signal, exogenous, harmonic, sequence, step, white_noise
+from rcac_numeric.experiment_signals import signals
+from rcac_numeric.plants import MATRICES, Plant, from_problem, servo_plant, standard_plant
 from rcac_numeric.structures import Structure, fir, iir
 from rcac_numeric.target_models import (
     ModellingInformation,
@@ -23,9 +24,16 @@ from rcac_numeric.target_models import (
     target_model,
 )
 from rcac_numeric.validation import Array, integer, number, one_of
-from rcac_numeric.verdicts import VERDICTS
 
-CHECK_KEYS = ("measure", "run", "relative_to", "statistic", "at_least", "at_most")
+# What a run may keep in memory before it is refused.
+MAX_BYTES = 8 * 2**30
+
+# The keys that each target model reads.
+TARGET_KEYS = {
+    "fir": ("d_zu", "H", "nmp_zeros"),
+    "pole placement": ("poles", "d_zu", "H", "nmp_zeros"),
+    "filter": ("G_f", "numerator", "denominator"),
+}
 
 
 def load_example(number: str) -> Experiment:
@@ -69,37 +77,45 @@ def build(table: Table, file: str) -> Experiment:
 def _experiment(table: Table, file: str) -> Experiment:
     top = Section(table, "", file)
     plant = _plant(Section(top.require("plant"), "plant", file))
-    overrides = [Section(t, "runs", file) for t in top.get("runs", [{"name": "main"}])]
+    overrides = [Section(t, "runs", file) for t in top.tables("runs") or [{"name": "main"}]]
     runs = {}
     for override in overrides:
-        name = str(override.require("name"))
+        name = override.text("name")
         if name in runs:
             raise InputError(f"two runs are named {name!r}; give each its own name.")
         runs[name] = _run(name, merged(table, override.table), plant, file)
-    claims = [_claim(Section(t, "claims", file), next(iter(runs))) for t in top.get("claims", [])]
     return Experiment(
-        id=str(top.get("id", Path(file).stem)),
-        title=str(top.get("title", "")),
-        source=str(top.get("source", "")),
-        notes=str(top.get("notes", "")).strip(),
+        id=top.text("id", Path(file).stem),
+        title=top.text("title", ""),
+        source=top.text("source", ""),
+        notes=top.text("notes", "").strip(),
         runs=runs,
-        claims=claims,
+        claims=[claim(Section(t, "claims", file), next(iter(runs))) for t in top.tables("claims")],
         description=_description(table),
     )
 
 
 def _plant(section: Section) -> Plant:
-    problem = one_of(str(section.require("problem")), "problem", ("standard", "servo"))
-    if "G" in section.table:
-        _require_coprime(section.table["G"])
+    problem = one_of(section.text("problem"), "problem", ("standard", "servo"))
     if problem == "servo":
-        section.given("G") or [section.require(key) for key in ("A", "B", "C", "D_1")]
-        return servo_plant(**section.given("G", "performance", "A", "B", "C", "D_0", "D_1"))
+        one_of(section.text("performance", "measured"), "performance", ("measured", "true"))
+    performance = ("performance",) if problem == "servo" else ()
     if "G" in section.table:
-        return standard_plant(section.table["G"])
-    for key in ("A", "B", "D_1", "C"):
+        section.only(f'problem = "{problem}" with G', "problem", "G", *performance)
+        _require_coprime(section.table["G"])
+        make = servo_plant if problem == "servo" else standard_plant
+        return make(**section.given("G", *performance))
+    allowed = ("A", "B", "D_1", "C", "D_0") if problem == "servo" else MATRICES
+    section.only(f'problem = "{problem}"', "problem", *allowed, *performance)
+    for key in ("A", "B", "C") if problem == "servo" else ("A", "B", "D_1", "C"):
         section.require(key)
-    return Plant(**section.given(*MATRICES))
+    matrices = section.given(*allowed)
+    if problem == "servo":
+        return servo_plant(**matrices, **section.given(*performance))
+    from compensator_theory import StandardProblem  # noqa: PLC0415
+
+    left_out = {"D_0": None, "D_2": None, "E_1": matrices["C"], "E_2": None, "E_0": None}
+    return from_problem(StandardProblem(**{**left_out, **matrices}))
 
 
 def _require_coprime(G: Any) -> None:
@@ -120,7 +136,7 @@ def _run(name: str, table: Table, plant: Plant, file: str) -> RunSpecification:
     settings = Section(table.get("controller", {}), "controller", file)
     structure = _structure(settings, plant)
     target = _target(Section(table.get("target", {}), "target", file), plant)
-    arithmetic = one_of(str(run.get("arithmetic", "ud")), "arithmetic", (*UPDATES, "reference"))
+    arithmetic = one_of(run.text("arithmetic", "ud"), "arithmetic", (*UPDATES, "reference"))
     options = settings.given("R_z", "k_w", "k_update", "k_filter", "theta_0")
     if "lambda" in settings.table:
         options["lambda_"] = settings.table["lambda"]
@@ -135,7 +151,7 @@ def _run(name: str, table: Table, plant: Plant, file: str) -> RunSpecification:
             update=arithmetic if arithmetic in UPDATES else "ud",
             **options,
         ),
-        signals=_signals(Section(table.get("signals", {}), "signals", file), plant),
+        signals=signals(Section(table.get("signals", {}), "signals", file), plant),
         steps=integer(run.require("steps"), "steps", at_least=1),
         seed=integer(run.get("seed", 0), "seed"),
         stride=integer(run.get("stride", 1), "stride", at_least=1),
@@ -143,20 +159,38 @@ def _run(name: str, table: Table, plant: Plant, file: str) -> RunSpecification:
         repetitions=integer(run.get("repetitions", 1), "repetitions", at_least=1),
         perturbation=number(run.get("perturbation", 0.0), "perturbation"),
     )
-    exogenous(specification.signals, 1)  # a signal that cannot be sampled is refused here
+    _require_sense(specification)
     return specification
+
+
+def _require_sense(run: RunSpecification) -> None:
+    """Refuse a run that could not adapt or would not fit into memory."""
+    for name in ("k_w", "k_update"):
+        if (start := getattr(run.settings, name)) >= run.steps:
+            raise InputError(
+                f"{name} = {start} is not before the end of the run of {run.steps} steps, so "
+                "nothing would be adapted. Use more steps."
+            )
+    plant, kept = run.plant, run.settings.structure.l_theta / run.stride
+    size = 8 * run.steps * (2 * plant.l_w + plant.l_u + plant.l_y + plant.l_z + kept)
+    if size > MAX_BYTES:
+        raise InputError(
+            f"the run of {run.steps} steps would keep {size / 2**30:.3g} GiB; at most "
+            f"{MAX_BYTES / 2**30:.0f} are allowed. Use fewer steps or a larger stride."
+        )
 
 
 def _structure(section: Section, plant: Plant) -> Structure:
     kinds = {"iir": iir, "fir": fir}
-    kind = one_of(str(section.get("structure", "iir")), "structure", tuple(kinds))
+    kind = one_of(section.text("structure", "iir"), "structure", tuple(kinds))
     order = section.require("n_c")
     return kinds[kind](order, plant.l_u, plant.l_y, **section.given("k_c"))
 
 
 def _target(section: Section, plant: Plant) -> TargetModel:
     """The target model; what the file does not say of G_zu is taken from the plant."""
-    model = one_of(str(section.require("model")), "model", ("fir", "pole placement", "filter"))
+    model = one_of(section.text("model"), "model", tuple(TARGET_KEYS))
+    section.only(f'model = "{model}"', "model", *TARGET_KEYS[model])
     if model == "filter" and "numerator" in section.table:
         return TargetModel(**section.given("numerator", "denominator"))
     if model == "filter":
@@ -193,100 +227,6 @@ def _control_weight(value: Any) -> Any:
         return np.asarray(factor * (z @ z) * np.eye(z.size))
 
     return weight
-
-
-def _signals(section: Section, plant: Plant) -> tuple[Signal, ...]:
-    """One signal for each channel of w; a block that the file does not name is zero."""
-    for key in section.table:
-        if key not in plant.blocks:
-            raise InputError(
-                f"[signals] sets {key!r}; this plant's exogenous input has "
-                f"{', '.join(plant.blocks)}."
-            )
-    channels: list[Signal] = []
-    for name, width in plant.blocks.items():
-        value = section.get(name, 0.0)
-        parts = value if isinstance(value, list) else [value]
-        if len(parts) == 1 and not isinstance(value, list):
-            parts = parts * width if value == 0.0 else parts
-        if len(parts) != width:
-            raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
-        channels += [_signal(part, name) for part in parts]
-    return tuple(channels)
-
-
-def _signal(value: Any, name: str) -> Signal:
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return step(value)
-    kinds: dict[str, Any] = {
-        "step": step,
-        "harmonic": harmonic,
-        "white_noise": white_noise,
-        "sequence": sequence,
-    }
-    if isinstance(value, dict):
-        if set(value) == {"sum"}:
-            parts = [_signal(part, name) for part in value["sum"]]
-            return sum(parts[1:], parts[0])
-        for kind, make in kinds.items():
-            if kind in value:
-                first = {"step": "height", "harmonic": "omega", "white_noise": "std"}
-                rest = {key: v for key, v in value.items() if key != kind}
-                try:
-                    signal: Signal = make(**{first.get(kind, "values"): _real(value[kind]), **rest})
-                    return signal
-                except TypeError as error:
-                    raise InputError(f"[signals] {name}: {error}.") from None
-    raise InputError(
-        f"[signals] {name} = {value!r} is not a signal; use a number, or a table with one of "
-        f"{', '.join(kinds)} or sum."
-    )
-
-
-def _real(value: Any) -> Any:
-    """A number; a string such as "pi/8" is evaluated exactly and rounded once."""
-    if not isinstance(value, str):
-        return value
-    from compensator_theory import parse_expression  # noqa: PLC0415
-
-    expression = parse_expression(value)
-    if not expression.is_real:
-        raise InputError(f"{value!r} is not a real number.")
-    return float(expression)
-
-
-def _claim(section: Section, main_run: str) -> Claim:
-    recorded = str(section.get("verdict", ""))
-    if recorded:
-        one_of(recorded, "verdict", VERDICTS)
-    checks = section.require("checks")
-    if not isinstance(checks, list) or not checks:
-        raise InputError("a claim needs a list of at least one check.")
-    return Claim(
-        text=str(section.require("text")),
-        claimed=str(section.get("claimed", "")),
-        checks=tuple(_check(entry, main_run) for entry in checks),
-        correction=str(section.get("correction", "")),
-        recorded=recorded,
-    )
-
-
-def _check(entry: Any, main_run: str) -> Check:
-    if not isinstance(entry, dict) or "measure" not in entry:
-        raise InputError(f"the check {entry!r} of a claim must be a table with the key 'measure'.")
-    if not {"at_least", "at_most"} & entry.keys():
-        raise InputError(
-            f"the check of {entry['measure']!r} needs at_least, at_most or both: a check without "
-            "a bound cannot fail."
-        )
-    own = {key: value for key, value in entry.items() if key in CHECK_KEYS}
-    one_of(str(own.get("statistic", "each")), "statistic", ("each", "median"))
-    arguments = {
-        key: _real(value) if key == "omega" else value
-        for key, value in entry.items()
-        if key not in CHECK_KEYS
-    }
-    return Check(**{"run": main_run, **own}, arguments=arguments)
 
 
 def _description(table: Table) -> dict[str, str]:

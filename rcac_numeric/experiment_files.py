@@ -13,7 +13,7 @@ from compensator_theory.errors import CompensatorError, InputError
 
 Table = dict[str, Any]
 
-# The keys of each table; None where anything goes because another function reads it.
+# The keys of each table; which of them fit together is decided where they are read.
 KEYS: dict[str, set[str]] = {
     "": {
         "id", "title", "source", "notes", "plant", "signals", "target", "controller", "run",
@@ -65,6 +65,29 @@ class Section:
             raise InputError(f"{self.file}: {self.where} needs the key {key!r}.")
         return self.table[key]
 
+    def text(self, key: str, default: str | None = None) -> str:
+        """The string under a key, which must be there unless there is a default."""
+        value = self.require(key) if default is None else self.get(key, default)
+        if not isinstance(value, str):
+            raise InputError(f"{self.where} {key} = {value!r} must be a string.")
+        return value
+
+    def tables(self, key: str) -> list[Any]:
+        """The array of tables under a key; empty where there is none."""
+        value = self.get(key, [])
+        if not isinstance(value, list):
+            raise InputError(f"{key} must be an array of tables, [[{key}]].")
+        return value
+
+    def only(self, case: str, *keys: str) -> None:
+        """Refuse keys that would be ignored in this case."""
+        for key in self.table:
+            if key not in keys:
+                raise InputError(
+                    f"{self.where} sets {key!r}, which {case} does not read. "
+                    f"It reads {', '.join(keys)}."
+                )
+
     def given(self, *keys: str) -> Table:
         """Those of `keys` that the file sets."""
         return {key: self.table[key] for key in keys if key in self.table}
@@ -109,10 +132,16 @@ def read_file(path: str | Path) -> tuple[Table, str]:
 
 
 def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> Table:
-    """`base` with the entries of `override`, table by table."""
+    """`base` with the entries of `override`, table by table.
+
+    A run that names another target model replaces the whole table: the keys of the old model
+    would mean nothing to the new one.
+    """
     result = dict(base)
     for key, value in override.items():
         old = result.get(key)
+        if key == "target" and isinstance(value, dict) and "model" in value:
+            old = None
         result[key] = (
             merged(old, value) if isinstance(old, dict) and isinstance(value, dict) else value
         )

@@ -11,7 +11,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
-from rcac_numeric.validation import Array, Read, matrix, real_array
+from rcac_numeric.validation import Array, Read, matrix, real_array, rounded
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -141,13 +141,11 @@ MATRICES = tuple(f.name for f in fields(Plant) if f.name not in ("blocks", "exac
 
 def from_problem(problem: StandardProblem, blocks: Mapping[str, int] | None = None) -> Plant:
     """An exact standard problem, each entry rounded once to float64."""
-    rounded = {
-        name: np.array(getattr(problem, name).tolist(), dtype=np.float64).reshape(
-            getattr(problem, name).shape
-        )
+    matrices = {
+        name: rounded(list(getattr(problem, name)), name).reshape(getattr(problem, name).shape)
         for name in MATRICES
     }
-    return Plant(**rounded, blocks=dict(blocks or {}), exact=problem)
+    return Plant(**matrices, blocks=dict(blocks or {}), exact=problem)
 
 
 def standard_plant(G: Any) -> Plant:
@@ -166,7 +164,7 @@ def standard_plant(G: Any) -> Plant:
     """
     from compensator_theory import standard_problem  # noqa: PLC0415
 
-    return from_problem(standard_problem(G))
+    return from_problem(_discrete(standard_problem(G)))
 
 
 def servo_plant(G: Any = None, **matrices: Any) -> Plant:
@@ -193,6 +191,15 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     """
     from compensator_theory import servo_problem  # noqa: PLC0415
 
-    problem = servo_problem(**matrices) if G is None else servo_problem(G, **matrices)
+    problem = _discrete(servo_problem(G, **matrices))
     l_y = problem.C.shape[0]
     return from_problem(problem, {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y})
+
+
+def _discrete(problem: StandardProblem) -> StandardProblem:
+    if str(problem.variable) not in ("q", "z"):
+        raise InputError(
+            f"the plant is a transfer function in {problem.variable}; RCAC runs in discrete time. "
+            "Discretise it first, for example with control.c2d, and write it in q."
+        )
+    return problem

@@ -54,6 +54,8 @@ class ResidualSplit:
 
     def power(self, start: int = 0) -> dict[str, float]:
         """Mean square of each signal from step `start` on."""
+        if start >= len(self.residual):
+            return dict.fromkeys(self.parts, float("nan"))
         with np.errstate(over="ignore"):  # an unstable loop may leave float64: then infinity
             return {
                 name: float(np.mean(np.sum(v[start:] ** 2, axis=1)))
@@ -148,9 +150,9 @@ def pseudo_control(compensator: Compensator, u: Array, y: Array) -> Array:
     """u*(k) = Phi(k) theta* of (4.3): what the fixed controller answers to the recorded past."""
     result = np.zeros_like(u)
     for i, P in enumerate(compensator.P, start=1):
-        result[i:] += u[:-i] @ P.T
+        result[i:] += u[: max(len(u) - i, 0)] @ P.T
     for i, Q in enumerate(compensator.Q):
-        result[i:] += y[: len(y) - i] @ Q.T
+        result[i:] += y[: max(len(y) - i, 0)] @ Q.T
     return result
 
 
@@ -158,7 +160,7 @@ def filtered(target: TargetModel, u: Array) -> Array:
     """G_f(q) u from zero initial conditions; shape (steps, l_z)."""
     output = np.zeros((len(u), target.l_z))
     for i, N in enumerate(target.numerator):
-        output[i:] += u[: len(u) - i] @ N.T
+        output[i:] += u[: max(len(u) - i, 0)] @ N.T
     if target.denominator[1:].any():
         for k in range(len(u)):
             for i in range(1, min(k, target.n_f) + 1):

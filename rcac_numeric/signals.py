@@ -129,6 +129,8 @@ def exogenous(signals: Sequence[Signal], steps: int, seed: int | None = 0) -> Ar
     array([[1., 2.],
            [1., 2.]])
     """
+    if seed is not None:
+        integer(seed, "seed")
     streams = np.random.default_rng(seed).spawn(len(signals))
     columns = [
         signal.samples(steps, stream) for signal, stream in zip(signals, streams, strict=True)

@@ -120,6 +120,8 @@ def simulate(
     check_sizes(plant, settings)
     steps, stride = len(w), integer(stride, "stride", at_least=1)
     limit = number(divergence_limit, "divergence_limit")
+    if limit <= 0:
+        raise InputError(f"divergence_limit = {limit} must be positive.")
     controller = settings.kernel()
     u, y, z = (np.empty((steps, width)) for width in (plant.l_u, plant.l_y, plant.l_z))
     theta = np.empty((-(-steps // stride), settings.structure.l_theta))

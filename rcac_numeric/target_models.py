@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import ImproperError, InputError
-from rcac_numeric.validation import Read, integer, number, real_array
+from rcac_numeric.validation import Read, integer, real_array, rounded
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -66,7 +66,7 @@ class TargetModel:
         order = max(len(N), len(D)) - 1
         for name, value in (("numerator", N), ("denominator", D)):
             padding = [(0, order + 1 - len(value)), (0, 0), (0, 0)]
-            object.__setattr__(self, name, np.ascontiguousarray(np.pad(value, padding)))
+            object.__setattr__(self, name, real_array(np.pad(value, padding), name))
         if not self.numerator.any():
             raise InputError("the target model is zero: no controller could be adapted with it.")
 
@@ -127,7 +127,12 @@ class ModellingInformation:
     def __post_init__(self) -> None:
         from compensator_theory import exact_number  # noqa: PLC0415 - sympy is imported on use
 
-        integer(self.d_zu, "d_zu")
+        integer(self.d_zu, "d_zu", at_most=10_000)
+        if not isinstance(self.nmp_zeros, Sequence) or isinstance(self.nmp_zeros, str):
+            raise InputError(f"nmp_zeros = {self.nmp_zeros!r} must be a list of zeros.")
+        for name, value in (("H", self.H), *(("nmp_zeros", zero) for zero in self.nmp_zeros)):
+            if not exact_number(value).is_number:
+                raise InputError(f"{name} = {value} contains symbols; give numbers.")
         if not exact_number(self.H):
             raise InputError("H = 0: the first nonzero Markov parameter cannot be zero.")
         for zero in self.nmp_zeros:
@@ -226,8 +231,16 @@ def pole_placement_target(
         if isinstance(information, ModellingInformation)
         else modelling_information(information)
     )
-    is_polynomial = isinstance(poles, str | Poly)
-    D_p = polynomial(poles, "q") if is_polynomial else polynomial_from_roots(poles, "q")
+    if isinstance(poles, str | Poly):
+        D_p = polynomial(poles, "q")
+    elif isinstance(poles, Sequence):
+        D_p = polynomial_from_roots(poles, "q")
+    else:
+        raise InputError(f"poles = {poles!r} must be a list of roots or the polynomial D_p.")
+    if D_p.is_zero:
+        raise InputError("the polynomial D_p of the poles is zero.")
+    if D_p.free_symbols_in_domain:
+        raise InputError(f"D_p = {D_p.as_expr()} must be a polynomial in q without other symbols.")
     D_p = D_p.monic()
     N_u = known.nmp_polynomial()
     q = Poly(symbols("q"), symbols("q"))
@@ -258,10 +271,12 @@ def _from_exact(exact: TransferFunction) -> TargetModel:
             f"the target model {exact} has more zeros than poles; it would use future values. "
             "Multiply its denominator by a power of q."
         )
+    if str(exact.variable) not in ("q", "z"):
+        raise InputError(f"the target model {exact} is not a transfer function in q.")
     order = exact.denominator.degree()
     padded = [0] * (order - exact.numerator.degree()) + exact.numerator.all_coeffs()
     return TargetModel(
-        np.array([number(float(c), "numerator") for c in padded]),
-        np.array([number(float(c), "denominator") for c in exact.denominator.all_coeffs()]),
+        rounded(padded, "the target model's numerator"),
+        rounded(exact.denominator.all_coeffs(), "the target model's denominator"),
         exact=exact,
     )

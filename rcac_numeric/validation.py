@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -17,13 +18,20 @@ Read = Any
 
 
 def real_array(value: ArrayLike, name: str) -> Array:
-    """`value` as a C-contiguous float64 array with finite entries."""
+    """`value` as a new read-only C-contiguous float64 array with finite entries.
+
+    A copy, so that what has been checked cannot be changed from outside.
+    """
     try:
-        array = np.asarray(value, dtype=np.float64, order="C")
-    except (TypeError, ValueError) as error:
+        given = np.asarray(value)
+        if given.dtype.kind not in "iuf" and not _all_real(given):
+            raise TypeError(f"its entries are of type {given.dtype}")
+        array = np.array(given, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError) as error:
         raise InputError(
             f"{name} must be an array of real numbers, not {value!r}: {error}."
         ) from None
+    array.setflags(write=False)
     if not np.all(np.isfinite(array)):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
         raise InputError(
@@ -31,6 +39,24 @@ def real_array(value: ArrayLike, name: str) -> Array:
             "Remove or replace it first."
         )
     return array
+
+
+def rounded(entries: Sequence[Any], name: str) -> Array:
+    """Exact numbers, each rounded once to float64; the one door from the exact half."""
+    for entry in entries:
+        if not getattr(entry, "is_number", True):
+            raise InputError(
+                f"{name} contains {entry}, which is not a number; give every symbol a value."
+            )
+        if getattr(entry, "is_rational", True) is not True:
+            raise InputError(
+                f"{name} contains the irrational number {entry}; write it as a decimal, so that "
+                "the exact comparison knows what was meant."
+            )
+    try:
+        return real_array([float(entry) for entry in entries], name)
+    except OverflowError:
+        raise InputError(f"{name} has an entry beyond the range of float64.") from None
 
 
 def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) -> Array:
@@ -64,20 +90,29 @@ def signal_array(value: ArrayLike, name: str, width: int, steps: int | None = No
     return array
 
 
-def integer(value: object, name: str, at_least: int = 0) -> int:
-    """`value` as an int that is at least `at_least`; booleans and fractions are refused."""
+def _all_real(values: NDArray[Any]) -> bool:
+    """Whether an array of objects holds real numbers only, such as fractions."""
+    return values.dtype.kind == "O" and all(
+        isinstance(v, Real) and not isinstance(v, bool) for v in values.ravel()
+    )
+
+
+def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -> int:
+    """`value` as an int in a range; booleans and fractions are refused."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer):
         raise InputError(f"{name} must be an integer, not {value!r}.")
     if value < at_least:
         raise InputError(f"{name} = {value} must be at least {at_least}.")
+    if value > at_most:
+        raise InputError(f"{name} = {value} must be at most {at_most}.")
     return int(value)
 
 
 def number(value: object, name: str) -> float:
     """`value` as a finite float."""
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+    if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{name} must be a real number, not {value!r}.")
-    return float(real_array(value, name))
+    return float(real_array(value, name))  # type: ignore[arg-type]
 
 
 def one_of(value: str, name: str, choices: Sequence[str]) -> str:

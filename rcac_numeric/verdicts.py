@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.experiment import Check, Claim, Experiment, RunResult
+from rcac_numeric.experiment import Check, Claim, Experiment, Repetition, RunResult
 from rcac_numeric.measures import MEASURES
 
 REPRODUCED = "reproduced"
@@ -106,7 +106,7 @@ class Verification:
 
     @property
     def exit_status(self) -> int:
-        """0: done; 1: a verdict of record has changed; 3: a loop diverged."""
+        """0: done; 1: a verdict of record has changed; 3: a loop diverged, which goes before 1."""
         if self.diverged:
             return 3
         return 1 if any(v.has_changed for v in self.verdicts) else 0
@@ -142,7 +142,6 @@ def verify(
     for name, specification in experiment.runs.items():
         progress(name)
         results[name] = specification.execute()
-    # A run that diverged early has nothing to measure at its end; its claims do not hold.
     verdicts = tuple(
         Verdict(claim, tuple(_evaluate(check, results) for check in claim.checks))
         for claim in experiment.claims
@@ -159,12 +158,12 @@ def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
 
 
 def _values(check: Check, result: RunResult) -> tuple[float, ...]:
-    def value(repetition: object) -> float:
+    def value(repetition: Repetition) -> float:
         try:
             return MEASURES[check.measure](repetition, **check.arguments)
         except CompensatorError:
-            if result.diverged:
-                return float("nan")
+            if repetition.run.outcome == "diverged":
+                return float("nan")  # nothing to measure at the end; the check fails
             raise
         except TypeError as error:
             raise InputError(f"the check {check.measure!r} of a claim: {error}.") from None

@@ -122,6 +122,8 @@ def test_the_split_explains_a_run():
     power = split.power()
     assert split.identity_error < 1e-11
     assert power["matching error"] < 1e-6 * power["disturbance response"]
+    late = np.mean(split.residual[40:] ** 2)
+    assert split.power(start=40)["residual"] == pytest.approx(late, rel=1e-12)
     omega, density = split.spectrum()
     width = omega[1] - omega[0]
     assert density["residual"].sum() * width == pytest.approx(power["residual"])
@@ -136,10 +138,25 @@ def test_certified_poles_are_the_eigenvalues():
     assert max(abs(a - b) for a, b in pairing(comparison.poles, eigenvalues)) < 1e-8
     assert comparison.worst_distance < 1e-5
     assert comparison.spectrum_distance < 1e-5
+    # Strictly proper: deg N_c <= 3 leaves one parameter; an exactly proper set would have two.
+    assert len(comparison.compensators.homogeneous) == 1
     assert comparison.controller_distance < 1e-3
     # w is matched with u, so (2.15) gives the zeros: those of N D_c.
     zeros = np.roots(np.convolve(run.compensator.denominator, [1, -1.44, 0.81]))
     assert max(abs(a - b) for a, b in pairing(comparison.zeros["w"], zeros)) < 1e-6
+
+
+def test_zeros_from_each_channel_of_the_servo_problem():
+    """(2.27): from r and v the zeros are those of D D_c, from d those of N D_c."""
+    specification = load_example("4.6").main_run
+    run = simulate(specification.plant, specification.settings, exogenous(
+        specification.signals, 100))  # fmt: skip
+    zeros = compare(run.plant, run.compensator, run.settings.target).zeros
+    N, D = [1, -1.4, 0.85], np.poly([1.05, 0.8 + 0.5j, 0.8 - 0.5j]).real
+    for channel, plant_part in (("r", D), ("v", D), ("d", N)):
+        expected = np.roots(np.convolve(run.compensator.denominator, plant_part))
+        assert len(zeros[channel]) == len(expected)
+        assert max(abs(a - b) for a, b in pairing(zeros[channel], expected)) < 1e-5
 
 
 def test_an_exactly_placed_loop_matches_its_target():

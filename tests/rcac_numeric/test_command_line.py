@@ -185,6 +185,18 @@ def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
         (('"reproduced"', '"proved"'), "verdict = 'proved' is not known"),
         (('"(q - 0.5)/((q - 0.9)*(q - 0.3))"', "'__import__(\"os\")'"), "__import__"),
         (("[plant]", "[plant"), "is not valid TOML"),
+        (("steps = 400", "steps = 3"), "k_w = 4 is not before the end of the run of 3 steps"),
+        (("steps = 400", "steps = 100000000000"), "would keep"),
+        (("steps = 400", "steps = 400\nstride = 9223372036854775808"), "must be at most"),
+        (("R_theta = 1e-3", "R_theta = true"), "R_theta must be an array of real numbers"),
+        (("R_theta = 1e-3", 'R_theta = "1e-3"'), "R_theta must be an array of real numbers"),
+        (('model = "fir"', 'model = "fir"\npoles = []'), "does not read"),
+        (('model = "fir"', 'model = "pole placement"\npoles = {}'), "must be a list of roots"),
+        (('problem = "servo"', 'problem = "servo"\nA = [[1]]'), "does not read"),
+        (('problem = "servo"', 'problem = "servo"\nperformance = "nice"'), "is not known"),
+        (("r = { step = 1 }", "r = { sum = [] }"), "must be a list of signals"),
+        (("(q - 0.5)/", "a*(q - 0.5)/"), "not a number"),
+        (('title = "My plant"', "title = []"), "title = [] must be a string"),
     ],
 )
 def test_bad_files_are_status_2_and_name_the_fault(rcac, case, change, message):

@@ -23,6 +23,8 @@ def test_noise_is_reproducible_and_channels_are_independent():
     assert abs(np.corrcoef(w.T)[0, 1]) < 0.025
     alone = exogenous([white_noise(2.0)], 40_000, seed=3)
     assert np.array_equal(alone[:, 0], w[:, 0])
+    beside_a_step = exogenous([step(), white_noise(1.0)], 40_000, seed=3)
+    assert np.array_equal(beside_a_step[:, 1], w[:, 1]), "a channel does not disturb the others"
 
 
 @pytest.mark.parametrize(

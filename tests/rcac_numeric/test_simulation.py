@@ -15,6 +15,7 @@ from rcac_numeric import (
     Plant,
     TargetModel,
     exogenous,
+    fir,
     fir_target,
     iir,
     load_example,
@@ -113,6 +114,52 @@ def test_divergence_keeps_what_came_before():
     assert np.isfinite(run.theta_final).all()
     shorter = simulate(plant, settings, w[: run.steps])
     assert shorter.outcome == "completed" and np.array_equal(shorter.z, run.z)
+    assert np.array_equal(shorter.theta_final, run.theta_final)
+
+
+def test_divergence_is_seen_in_coefficients_and_in_hidden_states():
+    """Signals of size one, but theta near -1000 or an unobserved state that doubles."""
+    small_y = Plant(A=[[0.0]], B=[[0.0]], D_1=[[1.0]], C=[[1e-3]], E_1=[[0.0]], E_0=[[1.0]])
+    settings = ControllerSettings(structure=fir(1), target=TargetModel([0, 1.0]), R_theta=1e-9)
+    run = simulate(small_y, settings, np.ones((20, 1)), divergence_limit=100.0)
+    assert run.outcome == "diverged" and abs(run.theta_final).max() <= 100
+    hidden = Plant(A=[[2.0]], B=[[0.0]], D_1=[[1.0]], C=[[0.0]])
+    run = simulate(hidden, settings, np.ones((50, 1)), divergence_limit=1000.0)
+    assert run.outcome == "diverged" and run.steps == 9  # x(k) = 2^k - 1
+
+
+def test_what_was_checked_cannot_be_changed_from_outside():
+    A, R_theta, w = np.array([[0.5]]), np.eye(2), np.ones((5, 1))
+    plant = Plant(A=A, B=[[1.0]], D_1=[[1.0]], C=[[1.0]])
+    settings = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), R_theta=R_theta)
+    run = simulate(plant, settings, w)
+    A[:], R_theta[:], w[:] = 7.0, -1.0, 9.0
+    assert plant.A.item() == 0.5 and settings.R_theta[0, 0] == 1.0 and run.w[0, 0] == 1.0
+    for array in (plant.A, settings.R_theta, settings.theta_0, settings.target.numerator):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
+
+
+def test_the_kernel_checks_sizes_itself():
+    body = Plant(A=np.eye(3) / 2, B=np.ones((3, 2)), D_1=np.ones((3, 4)), C=np.ones((1, 3)))
+    for call in (body.simulator().output, body.simulator().advance):
+        with pytest.raises(ValueError, match="1 numbers where 2 belong"):
+            call(np.zeros(1), np.zeros(4))
+        with pytest.raises(ValueError, match="1 numbers where 4 belong"):
+            call(np.zeros(2), np.zeros(1))
+
+
+@pytest.mark.parametrize(("R_theta", "speaks"), [(1e-30, True), (1e-20, False)])
+def test_the_guard_sees_an_unexcited_direction(R_theta, speaks):
+    """y = 1 gives the rows (1, 1): nothing is known of theta_1 - theta_2, and rounding would
+    decide it once P(0) exceeds 1 / (16 eps)^2 by far."""
+    settings = ControllerSettings(
+        structure=fir(2), target=TargetModel([0, 1.0]), R_theta=R_theta, k_w=5
+    )
+    controller = Controller(settings)
+    for _ in range(8):
+        controller.step(1.0, 0.3)
+    assert (controller._kernel.guard_count > 0) is speaks
 
 
 @pytest.mark.parametrize("stride", [1, 3, 7])

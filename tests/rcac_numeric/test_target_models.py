@@ -71,6 +71,25 @@ def test_a_hidden_unstable_mode_counts_as_a_zero():
     assert [float(z) for z in modelling_information(plant).nmp_zeros] == [1.5]
 
 
+def test_multiple_zeros_count_with_multiplicity():
+    plant = standard_plant("(q - 2)**2*(q - 0.5)/(q*(q - 0.1)*(q - 0.2)*(q - 0.3))")
+    assert [float(z) for z in modelling_information(plant).nmp_zeros] == [2.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("numerator", "outside"),
+    [
+        ("q - 0.99999999999999999999", 0),
+        ("q - 1.00000000000000000001", 1),
+        ("q**2 - 1.9999999999999999999*q + 0.99999999999999999998", 0),
+        ("q**4 - 3*q**3 + 3*q**2 - 3*q + 1", 3),  # two on the circle, one on each side
+    ],
+)
+def test_the_unit_circle_is_decided_exactly(numerator, outside):
+    plant = standard_plant(f"({numerator})/(q*(q - 0.5)*(q - 0.2)*(q - 0.1)*(q - 0.3))")
+    assert len(modelling_information(plant).nmp_zeros) == outside
+
+
 def test_irrational_zeros_are_found():
     plant = standard_plant("(q**2 - 3*q + 1)/(q*(q - 0.5)*(q - 0.2))")
     (zero,) = modelling_information(plant).nmp_zeros
@@ -87,6 +106,17 @@ def test_irrational_zeros_are_found():
         (lambda: ModellingInformation(-1, 1.0), InputError, "d_zu = -1"),
         (lambda: ModellingInformation(1, float("nan")), CompensatorError, "NaN|nan"),
         (lambda: TargetModel([0.0, 0.0]), InputError, "target model is zero"),
+        (lambda: ModellingInformation(1, "a"), InputError, "contains symbols"),
+        (lambda: ModellingInformation(1, 1.0, ["a"]), InputError, "contains symbols"),
+        (lambda: ModellingInformation(1, 1.0, 1.5), InputError, "must be a list"),
+        (lambda: ModellingInformation(10**6, 1.0), InputError, "at most 10000"),
+        (lambda: pole_placement_target(ModellingInformation(1, 1.0), 0.5), InputError, "list of r"),
+        (lambda: pole_placement_target(ModellingInformation(1, 1.0), "0"), InputError, "is zero"),
+        (lambda: pole_placement_target(ModellingInformation(1, 1.0), "s - 1"), InputError, "in q"),
+        (lambda: target_model("a/q"), InputError, "contains a, which is not a number"),
+        (lambda: target_model("1/s"), InputError, "not a transfer function in q"),
+        (lambda: standard_plant("1/(q - sqrt(2))"), InputError, "irrational number sqrt"),
+        (lambda: standard_plant("1/(s + 1)"), InputError, "RCAC runs in discrete time"),
         (lambda: TargetModel([0.0, 1.0], [2.0, 1.0]), InputError, "must be the identity"),
         (lambda: TargetModel(np.ones((2, 2, 1)), np.ones((2, 1, 1))), InputError, "l_z = 2"),
         (

@@ -16,7 +16,8 @@ def regressors(settings, u, y):
     """Phi(k) of (2.30) for every step, written from the text and not from the taps."""
     structure = settings.structure
     has_u = structure.name == "IIR"
-    k_c = min(tap.delay for tap in structure.taps if tap.signal == "y")
+    k_c = structure.n_c + 1 - (structure.l_theta // structure.l_u - has_u * structure.l_u
+                               * structure.n_c) // structure.l_y  # fmt: skip
     for k in range(len(u)):
         past_u = [u[k - i] if k >= i else 0 * u[0] for i in range(1, structure.n_c + 1)]
         past_y = [y[k - i] if k >= i else 0 * y[0] for i in range(k_c, structure.n_c + 1)]

@@ -1,0 +1,73 @@
+"""The signals of an experiment file: one for each channel of the exogenous input."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from compensator_theory.errors import InputError
+from rcac_numeric.experiment_files import Section
+from rcac_numeric.plants import Plant
+from rcac_numeric.signals import Signal, harmonic, sequence, step, white_noise
+from rcac_numeric.validation import number
+
+# For each kind of signal the function that makes it and the argument that its key stands for.
+KINDS: dict[str, tuple[Any, str]] = {
+    "step": (step, "height"),
+    "harmonic": (harmonic, "omega"),
+    "white_noise": (white_noise, "std"),
+    "sequence": (sequence, "values"),
+}
+
+
+def signals(section: Section, plant: Plant) -> tuple[Signal, ...]:
+    """One signal for each channel of w; a block that the file does not name is zero."""
+    for key in section.table:
+        if key not in plant.blocks:
+            raise InputError(
+                f"[signals] sets {key!r}; this plant's exogenous input has "
+                f"{', '.join(plant.blocks)}."
+            )
+    channels: list[Signal] = []
+    for name, width in plant.blocks.items():
+        value = section.get(name, [0.0] * width)
+        parts = value if isinstance(value, list) else [value]
+        if len(parts) != width:
+            raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
+        channels += [_signal(part, name) for part in parts]
+    return tuple(channels)
+
+
+def real(value: Any, name: str) -> float:
+    """A number; a string such as "pi/8" is evaluated exactly and rounded once."""
+    if not isinstance(value, str):
+        return number(value, name)
+    from compensator_theory import parse_expression  # noqa: PLC0415
+
+    expression = parse_expression(value)
+    if not (expression.is_number and expression.is_real):
+        raise InputError(f"{name} = {value!r} is not a real number.")
+    return float(expression)
+
+
+def _signal(value: Any, name: str) -> Signal:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return step(value)
+    if isinstance(value, dict) and set(value) == {"sum"}:
+        if not isinstance(value["sum"], list) or not value["sum"]:
+            raise InputError(f"[signals] {name}: sum = {value['sum']!r} must be a list of signals.")
+        parts = [_signal(part, name) for part in value["sum"]]
+        return sum(parts[1:], parts[0])
+    for kind in KINDS.keys() & (value.keys() if isinstance(value, dict) else ()):
+        make, first = KINDS[kind]
+        arguments = {first if key == kind else key: entry for key, entry in value.items()}
+        if isinstance(arguments[first], str):
+            arguments[first] = real(arguments[first], f"[signals] {name}.{kind}")
+        try:
+            signal: Signal = make(**arguments)
+        except TypeError as error:
+            raise InputError(f"[signals] {name}: {error}.") from None
+        return signal
+    raise InputError(
+        f"[signals] {name} = {value!r} is not a signal; use a number, or a table with one of "
+        f"{', '.join(KINDS)} or sum."
+    )

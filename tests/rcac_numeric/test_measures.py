@@ -1,0 +1,91 @@
+"""Every measure of a hand-made run, against values computed by hand."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from compensator_theory import InputError
+from rcac_numeric import Compensator, iir, standard_plant
+from rcac_numeric.experiment_builder import build
+from rcac_numeric.measures import MEASURES
+
+
+def repetition(z, theta, stride=1):
+    """A run of x(k+1) = 0.5 x + u with the first-order controllers theta = (p, q)."""
+    theta = np.array(theta, dtype=float)
+    structure = iir(1)
+    run = SimpleNamespace(
+        z=np.array(z, dtype=float).reshape(-1, 1),
+        theta=theta,
+        theta_final=theta[-1],
+        stride=stride,
+        steps=len(z),
+        plant=standard_plant("1/(q - 0.5)"),
+        settings=SimpleNamespace(structure=structure),
+        compensator=structure.compensator(theta[-1]),
+        compensator_at=lambda k: structure.compensator(theta[k // stride]),
+        guard_count=3,
+    )
+    return SimpleNamespace(run=run)
+
+
+# The loop of (p, q) has the polynomial (z - 0.5)(z - p) - q: stable for (0, 0), unstable for
+# (2, 0), whose controller is unstable too, and for (0, 1), whose controller is stable.
+STABLE, BOTH, LOOP = (0.0, 0.0), (2.0, 0.0), (0.0, 1.0)
+
+
+def test_of_the_response():
+    r = repetition([1, -3, 0.5, 0.01, -0.03, 0.005], [STABLE] * 6)
+    assert MEASURES["settling_step"](r, band=0.02) == 5
+    assert MEASURES["settling_step"](r, band=5) == 0
+    assert MEASURES["peak"](r) == 3 and MEASURES["peak"](r, start=2) == 0.5
+    assert MEASURES["peak"](r, start=0, stop=1) == 1
+    assert MEASURES["rms"](r, start=0, stop=2) == pytest.approx(5**0.5)
+    with pytest.raises(InputError, match="no step in"):
+        MEASURES["rms"](r, start=6)
+
+
+@pytest.mark.parametrize("stride", [1, 5])
+def test_of_the_coefficients(stride):
+    r = repetition(np.zeros(6 * stride), [STABLE, BOTH, LOOP, STABLE, LOOP, STABLE], stride)
+    assert MEASURES["last_unstable_step"](r) == 4 * stride
+    assert MEASURES["first_unstable_controller"](r) == 1 * stride
+    assert MEASURES["unstable_fraction"](r) == pytest.approx(3 / 6)
+    assert MEASURES["unstable_fraction"](r, stop=2 * stride) == pytest.approx(1 / 2)
+    drifting = repetition(np.zeros(4 * stride), [(9, 0), (1, 0), (3, 0), (2, 0)], stride)
+    assert MEASURES["theta_drift"](drifting, start=2 * stride) == pytest.approx(1 / 2)
+    assert MEASURES["theta_drift"](drifting, start=0) == pytest.approx(7 / 2)
+    quiet = repetition(np.zeros(3), [STABLE] * 3)
+    assert MEASURES["last_unstable_step"](quiet) == -1
+    assert MEASURES["first_unstable_controller"](quiet) == -1
+
+
+def test_of_the_controller():
+    r = repetition(np.zeros(2), [(0.25, 0.0), (-0.75, 0.0)])
+    assert MEASURES["controller_spectral_radius"](r) == pytest.approx(0.75)
+    assert MEASURES["controller_pole_distance"](r) == pytest.approx(1.75)
+    assert MEASURES["controller_pole_distance"](r, omega=np.pi) == pytest.approx(0.25)
+    assert MEASURES["controller_pole_distance"](r, k=0) == pytest.approx(0.75)
+    assert MEASURES["guard_count"](r) == 3
+
+
+def test_an_fir_controller_may_be_exactly_proper():
+    from rcac_numeric import fir
+
+    assert fir(3, k_c=0).l_theta == 4
+    controller = fir(1, k_c=0).compensator([2.0, 3.0])
+    assert isinstance(controller, Compensator)
+    assert controller.numerator.tolist() == [2.0, 3.0]
+
+
+def test_a_weight_written_as_z_squared():
+    table = {
+        "plant": {"problem": "standard", "G": "1/(q - 0.5)"},
+        "target": {"model": "fir"},
+        "controller": {"n_c": 1, "R_theta": 1.0, "R_u": {"z_squared": 0.5}},
+        "run": {"steps": 10},
+    }
+    weight = build(table, "case").main_run.settings.R_u
+    assert weight(np.array([3.0])).tolist() == [[4.5]]
+    assert weight(np.array([1.0, -2.0])).tolist() == [[2.5, 0.0], [0.0, 2.5]]
