@@ -1,6 +1,7 @@
 """Real numbers and polynomials known to lie in balls with rational centres and radii."""
 
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 import flint
@@ -9,6 +10,8 @@ from sympy import Expr, Poly, Rational, Symbol
 
 from .errors import InputError
 from .numbers import exact_number
+
+SHOWN_DIGITS = 20
 
 
 @dataclass(frozen=True, repr=False)
@@ -56,12 +59,18 @@ class Enclosure:
     def __repr__(self) -> str:
         if self.radius == 0:
             return str(self.centre)
-        magnitude = abs(self.centre) + self.radius
-        digits = max(1, _decade(magnitude) - _decade(self.radius) + 1)
-        return f"{sympy.N(self.centre, digits)} ± {sympy.N(self.radius, 2):.1e}"
+        first = _decade(abs(self.centre) + self.radius)
+        last = max(_decade(self.radius), first - SHOWN_DIGITS)
+        error = self.radius + (Rational(10) ** last / 2 if last > _decade(self.radius) else 0)
+        rounded = round(self.centre / Rational(10) ** last)
+        return f"{Decimal(int(rounded)).scaleb(last)} ± {Decimal(float(error)):.1e}"
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {repr(self).replace('±', r'\pm')}$"
+        return rf"$\displaystyle {self.latex()}$"
+
+    def latex(self) -> str:
+        """Return the LaTeX of what is printed, without the dollars."""
+        return repr(self).replace("±", r"\pm")
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,7 +91,7 @@ class PolynomialEnclosure:
     >>> from compensator_theory import enclose_split_at_unit_circle, polynomial
     >>> inside, outside = enclose_split_at_unit_circle(polynomial("q**2 - 3*q + 1"))
     >>> print(inside)
-    q - 0.38196601125010515179541316563436
+    q - 0.38196601125010515180
     >>> inside.degree, polynomial("q - 1/2") in inside
     (1, False)
     """
@@ -114,7 +123,7 @@ class PolynomialEnclosure:
         )
 
     def __str__(self) -> str:
-        digits = max(3, -_decade(self.radius)) if self.radius else 20
+        digits = min(max(3, -_decade(self.radius)), SHOWN_DIGITS) if self.radius else SHOWN_DIGITS
         text = ""
         for power, ball in zip(range(self.degree, -1, -1), self.coefficients, strict=True):
             if ball.centre == 0 and ball.radius == 0:
@@ -130,11 +139,12 @@ class PolynomialEnclosure:
         return f"PolynomialEnclosure({self}, radius {sympy.N(self.radius, 2)})"
 
     def _repr_latex_(self) -> str:
-        rounded = sum(
-            sympy.N(c.centre, 8) * self.variable**k
-            for k, c in enumerate(reversed(self.coefficients))
-        )
-        return rf"$\displaystyle {sympy.latex(rounded)}$"
+        return rf"$\displaystyle {self.latex()}$"
+
+    def latex(self) -> str:
+        """Return the LaTeX of the centres to eight digits, without the dollars."""
+        powers = enumerate(reversed(self.coefficients))
+        return sympy.latex(sum(sympy.N(c.centre, 8) * self.variable**k for k, c in powers))
 
 
 def enclosure_of_ball(ball: Any) -> Enclosure:
@@ -170,6 +180,20 @@ def ball_of_number(number: Expr) -> Any:
     return flint.arb(flint.fmpq(int(number.p), int(number.q)))
 
 
+def ball_of_enclosure(enclosure: Enclosure) -> Any:
+    """Return a python-flint real ball, at its working precision, that contains an enclosure.
+
+    Examples
+    --------
+    >>> from sympy import Rational
+    >>> from compensator_theory.enclosures import Enclosure, ball_of_enclosure
+    >>> ball_of_enclosure(Enclosure(Rational(1), Rational(1, 8)))
+    [1e+0 +/- 0.126]
+    """
+    error = flint.arb(0, ball_of_number(enclosure.radius))
+    return ball_of_number(enclosure.centre) + error
+
+
 def _dyadic(value: Any) -> Rational:
     mantissa, exponent = value.man_exp()
     return sympy.Integer(int(mantissa)) * Rational(2) ** int(exponent)
@@ -177,4 +201,9 @@ def _dyadic(value: Any) -> Rational:
 
 def _decade(number: Rational) -> int:
     """Return the exponent of a positive number in scientific notation."""
-    return int(sympy.floor(sympy.log(sympy.N(number, 20), 10)))
+    exponent = (int(number.p).bit_length() - int(number.q).bit_length()) * 30103 // 100000
+    while number >= Rational(10) ** (exponent + 1):
+        exponent += 1
+    while number < Rational(10) ** exponent:
+        exponent -= 1
+    return exponent
