@@ -64,7 +64,7 @@ class BezoutIdentity:
         gcd, x, y, a, b = (
             sympy.latex(p.as_expr()) for p in (self.gcd, self.x, self.y, self.a, self.b)
         )
-        return rf"$\displaystyle \left({x}\right)\left({a}\right) + \left({y}\right)\left({b}\right) = {gcd}$"
+        return rf"$\displaystyle ({x})({a}) + ({y})({b}) = {gcd}$"
 
 
 def bezout_identity(

@@ -144,7 +144,7 @@ class PolynomialEnclosure:
     def latex(self) -> str:
         """Return the LaTeX of the centres to eight digits, without the dollars."""
         powers = enumerate(reversed(self.coefficients))
-        return sympy.latex(sum(sympy.N(c.centre, 8) * self.variable**k for k, c in powers))
+        return str(sympy.latex(sum(sympy.N(c.centre, 8) * self.variable**k for k, c in powers)))
 
 
 def enclosure_of_ball(ball: Any) -> Enclosure:

@@ -1,6 +1,7 @@
 """How many roots are real and how many left of the imaginary axis: Sturm and Routh, exactly."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 from sympy import QQ, Poly
 
@@ -177,4 +178,4 @@ def _positive_multiple(poly: Poly) -> Poly:
 def _variations(chain: tuple[Poly, ...], side: int) -> int:
     """Count the changes of sign along the chain at plus or minus infinity."""
     signs = [(1 if p.LC() > 0 else -1) * side ** int(p.degree()) for p in chain]
-    return sum(a != b for a, b in zip(signs, signs[1:], strict=False))
+    return sum(a != b for a, b in pairwise(signs))

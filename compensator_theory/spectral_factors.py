@@ -76,7 +76,7 @@ class SpectralFactor:
     @property
     def _half(self) -> int:
         """The m of the definition: the palindrome's centre."""
-        terms = [power for (power,) in self.palindrome.as_dict()]
+        terms = [int(power) for (power,) in self.palindrome.as_dict()]
         return (max(terms) + min(terms)) // 2
 
     def __str__(self) -> str:

@@ -1,6 +1,5 @@
 """Is every root stable: decided twice, from the coefficients and from certified roots."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -61,9 +60,11 @@ class StabilityDecision:
 
     def __str__(self) -> str:
         name = "Hurwitz" if self.region == "half plane" else "Schur"
-        verdict = {True: f"is {name}", False: f"is not {name}"}.get(
-            self.is_stable, f"is {name} or not, depending on its symbols"
-        )
+        verdict = {
+            True: f"is {name}",
+            False: f"is not {name}",
+            None: f"is {name} or not, depending on its symbols",
+        }[self.is_stable]
         lines = [f"{format_polynomial(self.polynomial)} {verdict}"]
         if self.counts_by_roots is not None:
             lines.append(f"from the coefficients: {self.counts_by_coefficients}")
@@ -72,7 +73,9 @@ class StabilityDecision:
 
     def _repr_latex_(self) -> str:
         name = "Hurwitz" if self.region == "half plane" else "Schur"
-        verdict = {True: f"is {name}", False: f"is not {name}"}.get(self.is_stable, "is undecided")
+        verdict = {True: f"is {name}", False: f"is not {name}", None: "is undecided"}[
+            self.is_stable
+        ]
         return rf"$\displaystyle {sympy.latex(self.polynomial.as_expr())} \text{{ {verdict}}}$"
 
 
@@ -111,10 +114,10 @@ def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:
     p = polynomial(poly)
     if is_rational(p):
         require_rational(p)
-        return _decision(
-            p, "half plane", hurwitz_determinants(p), count_half_plane_roots,
-            locate_half_plane_roots, None,
-        )  # fmt: skip
+        counts = count_half_plane_roots(p), locate_half_plane_roots(p)
+        by_coefficients, by_roots = (count.stable == p.degree() for count in counts)
+        evidence = hurwitz_determinants(p)
+        return StabilityDecision(p, "half plane", by_coefficients, by_roots, *counts, evidence)
     determinants = hurwitz_determinants(p)
     signs = [sympy.factor(d).is_positive for d in determinants]
     by_signs = False if False in signs else (None if None in signs else True)
@@ -150,12 +153,11 @@ def decide_schur(poly: PolynomialLike) -> StabilityDecision:
     p = polynomial(poly)
     if is_rational(p):
         require_rational(p)
-        reflections = reflection_coefficients(p)
-        by_reflections = all(abs(k) < 1 for k in reflections)
-        return _decision(
-            p, "unit disk", reflections, count_unit_disk_roots, locate_unit_disk_roots,
-            by_reflections,
-        )  # fmt: skip
+        counts = count_unit_disk_roots(p), locate_unit_disk_roots(p)
+        evidence = reflection_coefficients(p)
+        by_coefficients = all(abs(k) < 1 for k in evidence)
+        by_roots = counts[1].stable == p.degree()
+        return StabilityDecision(p, "unit disk", by_coefficients, by_roots, *counts, evidence)
     product = sympy.cancel(p.TC() / p.LC())
     outside = sympy.Ge(sympy.Abs(product), 1) == sympy.true
     answer = False if outside else None
@@ -200,18 +202,3 @@ def hurwitz_determinants(poly: PolynomialLike) -> tuple[Any, ...]:
         lambda i, j: a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= degree else sympy.Integer(0),
     )
     return tuple(determinant(H[:k, :k]) for k in range(1, degree + 1))
-
-
-def _decision(
-    poly: Poly,
-    region: Literal["half plane", "unit disk"],
-    evidence: tuple[Any, ...],
-    count: Callable[[Poly], RootCount],
-    locate: Callable[[Poly], RootCount],
-    by_coefficients: bool | None,
-) -> StabilityDecision:
-    counted, located = count(poly), locate(poly)
-    if by_coefficients is None:
-        by_coefficients = counted.stable == poly.degree()
-    by_roots = located.stable == poly.degree()
-    return StabilityDecision(poly, region, by_coefficients, by_roots, counted, located, evidence)

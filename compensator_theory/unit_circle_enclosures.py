@@ -6,8 +6,9 @@ from typing import Any
 import flint
 from sympy import Poly, Rational
 
-from .enclosures import Enclosure, PolynomialEnclosure, enclosure_of_ball
+from .enclosures import Enclosure, PolynomialEnclosure, ball_of_enclosure, enclosure_of_ball
 from .errors import InputError, NoSolutionError
+from .reciprocals import monic_reciprocal_polynomial
 from .root_counts import require_rational
 from .root_regions import decided_balls
 from .unit_circle import require_none_on_circle, split_at_unit_circle
@@ -129,3 +130,61 @@ def working_bits(digits: int) -> int:
     if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
         raise InputError(f"digits = {digits!r} must be an integer from 1 to {MAX_DIGITS}")
     return 32 + 4 * digits
+
+
+def multiply_enclosures(*factors: PolynomialEnclosure) -> PolynomialEnclosure:
+    """Multiply enclosures of polynomials in one variable.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.unit_circle_enclosures import exact_enclosure, multiply_enclosures
+    >>> print(multiply_enclosures(*[exact_enclosure(polynomial("q - 1/2"))] * 2))
+    q**2 - q + 1/4
+    """
+    if all(factor.radius == 0 for factor in factors):
+        return exact_enclosure(
+            math.prod((factor.centre for factor in factors[1:]), start=factors[0].centre)
+        )
+    finest = max(int(c.centre.q).bit_length() for factor in factors for c in factor.coefficients)
+    with flint.ctx.workprec(64 + 2 * finest):
+        product = flint.arb_poly([1])
+        for factor in factors:
+            product *= flint.arb_poly([ball_of_enclosure(c) for c in reversed(factor.coefficients)])
+        coefficients = tuple(enclosure_of_ball(c) for c in reversed(product.coeffs()))
+    return PolynomialEnclosure(coefficients, factors[0].variable)
+
+
+def monic_reciprocal_enclosure(factor: PolynomialEnclosure) -> PolynomialEnclosure:
+    """Enclose the monic polynomial with the reciprocals of the roots.
+
+    Parameters
+    ----------
+    factor : PolynomialEnclosure
+        Known not to vanish at 0.
+
+    Raises
+    ------
+    InputError
+        If its constant term may be zero.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.unit_circle_enclosures import (
+    ...     exact_enclosure, monic_reciprocal_enclosure)
+    >>> print(monic_reciprocal_enclosure(exact_enclosure(polynomial("q - 4"))))
+    q - 1/4
+    """
+    last = factor.coefficients[-1]
+    if 0 in last:
+        raise InputError(f"the constant term of {factor} may be zero; raise the number of digits")
+    if factor.radius == 0:
+        return exact_enclosure(monic_reciprocal_polynomial(factor.centre))
+    finest = max(int(c.centre.q).bit_length() for c in factor.coefficients)
+    with flint.ctx.workprec(64 + finest):
+        divisor = ball_of_enclosure(last)
+        rest = tuple(
+            enclosure_of_ball(ball_of_enclosure(c) / divisor) for c in factor.coefficients[-2::-1]
+        )
+    return PolynomialEnclosure((Enclosure(Rational(1), Rational(0)), *rest), factor.variable)

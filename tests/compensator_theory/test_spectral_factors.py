@@ -88,7 +88,7 @@ def test_an_irrational_split_is_where_the_radicals_are():
 
 def test_they_print():
     found = spectral_factor("(z - 2)*(z - 1/2)", "z**2", 3)
-    assert str(found).startswith("χ = z**2 - 0.45")
+    assert str(found).startswith("χ = z**2 - 0.507179")
     for thing in (found, spectral_factor("z - 2"), found.enclosure, found.constant):
         assert thing._repr_latex_().startswith(r"$\displaystyle")
     assert repr(Enclosure(sympy.Rational(1, 3), sympy.Integer(0))) == "1/3"
@@ -117,6 +117,6 @@ def test_bad_input():
         with pytest.raises(InputError):
             enclose_split_at_unit_circle(bad)
     with pytest.raises(InputError):
-        "a" in Enclosure(sympy.Integer(0), sympy.Integer(1))
+        assert "a" in Enclosure(sympy.Integer(0), sympy.Integer(1))
     with pytest.raises(InputError):
-        3 in enclose_split_at_unit_circle(polynomial("z - 2"))[0]
+        assert 3 in enclose_split_at_unit_circle(polynomial("z - 2"))[0]
