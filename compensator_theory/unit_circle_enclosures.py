@@ -1,6 +1,8 @@
 """The split at the unit circle where it is not rational: certified balls for the coefficients."""
 
+import operator
 from collections.abc import Iterable
+from functools import reduce
 from typing import Any
 
 import flint
@@ -143,9 +145,7 @@ def multiply_enclosures(*factors: PolynomialEnclosure) -> PolynomialEnclosure:
     q**2 - q + 1/4
     """
     if all(factor.radius == 0 for factor in factors):
-        return exact_enclosure(
-            math.prod((factor.centre for factor in factors[1:]), start=factors[0].centre)
-        )
+        return exact_enclosure(reduce(operator.mul, (factor.centre for factor in factors)))
     finest = max(int(c.centre.q).bit_length() for factor in factors for c in factor.coefficients)
     with flint.ctx.workprec(64 + 2 * finest):
         product = flint.arb_poly([1])
