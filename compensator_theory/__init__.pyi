@@ -2,17 +2,26 @@ from . import strategies as strategies
 from .closed_loops import closed_loop_polynomial as closed_loop_polynomial
 from .closed_loops import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .closed_loops import closed_loop_zero_polynomial as closed_loop_zero_polynomial
+from .common_factors import BezoutIdentity as BezoutIdentity
+from .common_factors import bezout_identity as bezout_identity
 from .compensators import compensator_polynomials as compensator_polynomials
 from .conversions import transfer_function as transfer_function
+from .enclosures import Enclosure as Enclosure
+from .enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError
 from .errors import ImproperError as ImproperError
 from .errors import InputError as InputError
 from .errors import NoSolutionError as NoSolutionError
+from .errors import NotControllableError as NotControllableError
 from .errors import NotCoprimeError as NotCoprimeError
 from .errors import NotReachableTargetError as NotReachableTargetError
 from .errors import UnitCircleError as UnitCircleError
 from .expressions import parse_expression as parse_expression
+from .high_authority import HighAuthorityLQG as HighAuthorityLQG
+from .high_authority import high_authority_lqg as high_authority_lqg
+from .high_authority_targets import HighAuthorityTarget as HighAuthorityTarget
+from .high_authority_targets import high_authority_target as high_authority_target
 from .intercalation import (
     control_perturbation_transfer_function as control_perturbation_transfer_function,
 )
@@ -30,8 +39,28 @@ from .polynomials import monic as monic
 from .polynomials import polynomial as polynomial
 from .prescribed_roots import polynomial_from_roots as polynomial_from_roots
 from .reachable_targets import target_characteristic_polynomial as target_characteristic_polynomial
+from .reciprocals import monic_reciprocal_polynomial as monic_reciprocal_polynomial
+from .reciprocals import reciprocal_polynomial as reciprocal_polynomial
+from .riccati_pencils import LQGPoles as LQGPoles
+from .riccati_pencils import lqg_poles as lqg_poles
+from .riccati_pencils import regulator_spectrum as regulator_spectrum
+from .riccati_solutions import RiccatiSolution as RiccatiSolution
+from .riccati_solutions import solve_riccati as solve_riccati
+from .root_counts import RootCount as RootCount
+from .root_counts import count_half_plane_roots as count_half_plane_roots
+from .root_counts import number_of_real_roots as number_of_real_roots
+from .root_regions import locate_half_plane_roots as locate_half_plane_roots
+from .root_regions import locate_unit_disk_roots as locate_unit_disk_roots
 from .roots import Root as Root
 from .roots import certified_roots as certified_roots
+from .schur_cohn import count_unit_disk_roots as count_unit_disk_roots
+from .schur_cohn import reflection_coefficients as reflection_coefficients
+from .spectral_factors import SpectralFactor as SpectralFactor
+from .spectral_factors import spectral_factor as spectral_factor
+from .stability import StabilityDecision as StabilityDecision
+from .stability import decide_hurwitz as decide_hurwitz
+from .stability import decide_schur as decide_schur
+from .stability import hurwitz_determinants as hurwitz_determinants
 from .standard_problems import StandardProblem as StandardProblem
 from .sylvester import number_of_common_roots as number_of_common_roots
 from .sylvester import resultant as resultant
@@ -41,3 +70,4 @@ from .sylvester import sylvester_m2 as sylvester_m2
 from .transfer_functions import TransferFunction as TransferFunction
 from .transfer_matrices import TransferMatrix as TransferMatrix
 from .unit_circle import split_at_unit_circle as split_at_unit_circle
+from .unit_circle_enclosures import enclose_split_at_unit_circle as enclose_split_at_unit_circle

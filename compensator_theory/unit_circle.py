@@ -3,7 +3,7 @@
 from sympy import Poly
 
 from .errors import InputError, NoSolutionError, UnitCircleError
-from .polynomials import is_rational, monic
+from .polynomials import canonical, is_rational, monic
 from .roots import root_balls
 
 
@@ -86,15 +86,10 @@ def lies_inside(factor: Poly) -> bool:
     name = monic(factor).as_expr()
     mixed = NoSolutionError(
         f"the irreducible factor {name} has roots on both sides of the unit circle, so no rational "
-        "factor contains exactly those inside; use certified_roots and work in floating point"
+        "factor contains exactly those inside; use enclose_split_at_unit_circle for certified balls"
     )
-    coefficients = factor.all_coeffs()
-    if coefficients in (coefficients[::-1], [-c for c in reversed(coefficients)]):
-        if _has_root_on_circle(factor):
-            raise UnitCircleError(
-                f"the factor {name} has a root exactly on the unit circle; it belongs neither to "
-                "the inside nor to the outside: move that root or treat it separately"
-            )
+    require_none_on_circle(factor)
+    if _is_self_reciprocal(factor):
         raise mixed
     precision = 64
     while True:
@@ -108,17 +103,65 @@ def lies_inside(factor: Poly) -> bool:
     return all(inside)
 
 
-def _has_root_on_circle(factor: Poly) -> bool:
-    """Decide it for a factor that equals its reciprocal up to sign and is irreducible."""
-    if factor.degree() == 1:
-        return True  # q - 1 or q + 1
-    half = factor.degree() // 2
-    descending = factor.all_coeffs()[: half + 1]  # c_half, ..., c_0 of sum c_j (q^j + q^-j)
-    t = factor.gen
+def fold_palindrome(poly: Poly) -> Poly:
+    r"""Return the polynomial in :math:`t = q + 1/q` that a palindromic polynomial is.
+
+    .. math:: q^{-h} a(q) = b(q + 1/q), \qquad \deg a = 2h
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Of even degree, equal to its reciprocal. A root on the unit circle is a root t in [-2, 2].
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.unit_circle import fold_palindrome
+    >>> fold_palindrome(polynomial("q**4 + 3*q**2 + 1")).as_expr()
+    q**2 + 1
+    """
+    half = int(poly.degree()) // 2
+    descending = poly.all_coeffs()[: half + 1]  # c_half, ..., c_0 of sum c_j (q^j + q^-j)
+    t = poly.gen
     chebyshev = [Poly(2, t), Poly(t, t)]  # q^j + q^-j as polynomials in t = q + 1/q
     while len(chebyshev) <= half:
         chebyshev.append(Poly(t, t) * chebyshev[-1] - chebyshev[-2])
     folded = Poly(descending[half], t)
     for j in range(1, half + 1):
         folded += chebyshev[j].mul_ground(descending[half - j])
-    return bool(folded.count_roots(-2, 2) > 0)
+    return canonical(folded)
+
+
+def require_none_on_circle(poly: Poly) -> None:
+    """Refuse a rational polynomial with a root of modulus exactly 1.
+
+    Raises
+    ------
+    UnitCircleError
+        The message names the irreducible factor.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.unit_circle import require_none_on_circle
+    >>> require_none_on_circle(polynomial("q**2 - 3*q + 1"))
+    """
+    for factor, _ in poly.factor_list()[1]:
+        if _is_self_reciprocal(factor) and _has_root_on_circle(factor):
+            raise UnitCircleError(
+                f"the factor {monic(factor).as_expr()} has a root exactly on the unit circle; it "
+                "belongs neither to the inside nor to the outside: move that root or treat it "
+                "separately"
+            )
+
+
+def _is_self_reciprocal(factor: Poly) -> bool:
+    coefficients = factor.all_coeffs()
+    return coefficients in (coefficients[::-1], [-c for c in reversed(coefficients)])
+
+
+def _has_root_on_circle(factor: Poly) -> bool:
+    """Decide it for a factor that equals its reciprocal up to sign and is irreducible."""
+    if factor.degree() == 1:
+        return True  # q - 1 or q + 1
+    return bool(fold_palindrome(factor).count_roots(-2, 2) > 0)

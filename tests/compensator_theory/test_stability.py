@@ -1,0 +1,189 @@
+"""Roots counted and located by routes that share nothing, against planted spectra and NumPy."""
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    InputError,
+    RootCount,
+    bezout_identity,
+    certified_roots,
+    count_half_plane_roots,
+    count_unit_disk_roots,
+    decide_hurwitz,
+    decide_schur,
+    hurwitz_determinants,
+    locate_half_plane_roots,
+    locate_unit_disk_roots,
+    monic_reciprocal_polynomial,
+    number_of_real_roots,
+    polynomial,
+    polynomial_from_roots,
+    reciprocal_polynomial,
+    reflection_coefficients,
+)
+from compensator_theory.strategies import polynomials, spectra
+
+ANY_SPECTRUM = st.integers(0, 6).flatmap(spectra)
+SYMMETRIC = st.sampled_from(["1", "s", "s**2", "s**2 + 1", "(s**2 + 4)**2", "s**2 - 1",
+                             "s**4 + 4", "s**4 - 5*s**2 + 4"])  # fmt: skip
+ON_CIRCLE = st.sampled_from(["1", "z - 1", "(z + 1)**2", "z**2 + 1", "(z - 2)*(z - 1/2)",
+                             "5*z**2 - 6*z + 5", "z**2 - 3*z + 1"])  # fmt: skip
+
+
+def planted_count(values):
+    return RootCount(
+        sum(bool(v < 0) for v in values),
+        sum(bool(v == 0) for v in values),
+        sum(bool(v > 0) for v in values),
+    )
+
+
+@given(ANY_SPECTRUM)
+def test_planted_spectra(planted):
+    poly = -3 * polynomial_from_roots(planted, "z")
+    half_plane = planted_count([sympy.re(root) for root in planted])
+    disk = planted_count([sympy.expand(root * root.conjugate()) - 1 for root in planted])
+    assert count_half_plane_roots(poly) == locate_half_plane_roots(poly) == half_plane
+    assert count_unit_disk_roots(poly) == locate_unit_disk_roots(poly) == disk
+    assert number_of_real_roots(poly) == sum(root.is_real for root in planted)
+
+
+@given(polynomials(max_degree=5), SYMMETRIC)
+def test_the_singular_cases_of_routh(p, symmetric):
+    poly = p * polynomial(symmetric, "s")
+    decision = decide_hurwitz(poly)
+    assert decision.is_unanimous and decision.counts_by_roots.total == poly.degree()
+    boundary = locate_half_plane_roots(poly).boundary
+    assert boundary >= 2 * symmetric.count("+ 1") + 4 * symmetric.count("s**2 + 4)**2")
+
+
+@given(polynomials("z", max_degree=5), ON_CIRCLE)
+def test_the_singular_cases_of_jury(p, special):
+    decision = decide_schur(p * polynomial(special, "z"))
+    assert decision.is_unanimous
+    assert decision.is_stable == (decision.counts_by_roots.unstable == 0 and
+                                  decision.counts_by_roots.boundary == 0)  # fmt: skip
+    assert decision.by_coefficients == decision.by_roots
+
+
+@given(polynomials(min_degree=1, max_degree=6))
+def test_decisions_agree_with_numpy_away_from_the_boundary(p):
+    roots = np.roots([float(c) for c in p.all_coeffs()])
+    if np.min(np.abs(roots.real)) > 1e-3:
+        assert decide_hurwitz(p).is_stable == (roots.real.max() < 0)
+    if np.min(np.abs(np.abs(roots) - 1)) > 1e-3:
+        assert decide_schur(p).is_stable == (np.abs(roots).max() < 1)
+
+
+@given(polynomials(max_degree=6, is_monic=True))
+def test_hurwitz_determinants_decide(p):
+    determinants = hurwitz_determinants(p)
+    assert len(determinants) == p.degree()
+    assert all(d > 0 for d in determinants) == decide_hurwitz(p).by_roots
+
+
+@given(polynomials("z", min_degree=1, max_degree=6))
+def test_reflection_coefficients_rebuild_the_polynomial(p):
+    found = reflection_coefficients(p)
+    if len(found) == p.degree() and abs(found[-1]) < 1:
+        z, rebuilt = p.gen, polynomial(1, "z")
+        for k in reversed(found):  # Levinson's recursion
+            rebuilt = rebuilt * z + k * polynomial(rebuilt.all_coeffs()[::-1], "z")
+        assert polynomial(rebuilt) == p.monic()
+    else:
+        assert abs(found[-1]) >= 1
+
+
+def test_classical_arrays():
+    # A zero in the first column, a row of zeros, and the one of Gantmacher with roots on the axis.
+    assert count_half_plane_roots(polynomial("s**4 + s**3 + 2*s**2 + 2*s + 3")).unstable == 2
+    assert count_half_plane_roots(polynomial("s**5 + s**4 + 2*s**3 + 2*s**2 + s + 1")) == RootCount(
+        1, 4, 0
+    )
+    assert number_of_real_roots(polynomial("(s + 1)**2*(s**2 + 1)**2")) == 2
+    assert number_of_real_roots(polynomial(5, "s")) == 0
+    assert decide_hurwitz(polynomial(5, "s")).is_stable
+
+
+def test_high_degrees():
+    p = polynomial_from_roots([sympy.Rational(-k, 7) for k in range(1, 41)], "s")
+    assert decide_hurwitz(p).counts_by_coefficients == RootCount(40, 0, 0)
+    near = polynomial([10**40, -(10**40) - 1], "z") * polynomial([10**40, -(10**40) + 1], "z")
+    decision = decide_schur(near * polynomial("z**2 + 1"))
+    assert decision.is_unanimous and decision.counts_by_roots == RootCount(1, 2, 1)
+
+
+def test_symbols():
+    a, b = sympy.symbols("a b", positive=True)
+    s = sympy.Symbol("s")
+    assert decide_hurwitz(s**3 + (a + 1) * s**2 + (b + 1) * s + b).is_stable is True
+    assert decide_hurwitz(s**3 + a * s**2 + b * s + 1).is_stable is None
+    assert decide_hurwitz(s**2 - a * s + b).is_stable is False
+    assert decide_schur("z**2 + a*z + 2").is_stable is False
+    assert decide_schur("z**2 + a*z + 1/2").is_stable is None
+    for decision in (decide_hurwitz("s + a"), decide_schur("(z - 1/2)"), decide_schur("z - a")):
+        assert str(decision) and decision._repr_latex_().startswith("$")
+
+
+@given(polynomials(max_degree=4), polynomials(max_degree=4))
+def test_reciprocals(p, other):
+    assert reciprocal_polynomial(p * other) == reciprocal_polynomial(p) * reciprocal_polynomial(
+        other
+    )
+    if p.TC() != 0:
+        assert reciprocal_polynomial(reciprocal_polynomial(p)) == p
+        reflected = monic_reciprocal_polynomial(p)
+        assert reflected.LC() == 1
+        inverse = [1 / root.value for root in certified_roots(p)]
+        found = [root.value for root in certified_roots(reflected)]
+        assert len(inverse) == len(found)
+        for value in inverse:
+            assert min(abs(value - x) for x in found) < 1e-6 * max(1, abs(value))
+
+
+@given(polynomials(max_degree=3), polynomials(max_degree=3), polynomials(max_degree=3))
+def test_bezout_identities(a, b, common):
+    found = bezout_identity(a * common, b * common)
+    assert found.residual.is_zero and found.gcd.is_monic
+    assert found.gcd == (a * common).gcd(b * common).monic()
+    assert found.gcd * found.quotients[0] == a * common
+    assert found.gcd * found.quotients[1] == b * common
+    assert found.is_coprime == (found.gcd.degree() == 0)
+
+
+def test_bezout_with_symbols():
+    found = bezout_identity("(s + a)*(s + b)", "(s + a)*s", "s")
+    assert found.residual.is_zero and found.is_coprime is False
+    assert bezout_identity("s + a", "s + b", "s").is_coprime is None
+    assert bezout_identity("s + 1", 0).gcd == polynomial("s + 1")
+    assert "gcd" in str(found) and found._repr_latex_().startswith("$")
+
+
+@pytest.mark.parametrize(
+    "function",
+    [number_of_real_roots, count_half_plane_roots, count_unit_disk_roots, locate_half_plane_roots,
+     locate_unit_disk_roots, reflection_coefficients],
+)  # fmt: skip
+@pytest.mark.parametrize("bad", [polynomial(0, "s"), polynomial("s + a"), "s + 1", None])
+def test_bad_input_of_counts(function, bad):
+    with pytest.raises(InputError):
+        function(bad)
+
+
+def test_bad_input():
+    for function in (decide_hurwitz, decide_schur, hurwitz_determinants):
+        for bad in (polynomial(0, "s"), "1/s", float("nan"), None, "s*z"):
+            with pytest.raises(InputError):
+                function(bad)
+    for bad in (polynomial(0, "s"), polynomial("s**2 + s")):
+        with pytest.raises(InputError):
+            monic_reciprocal_polynomial(bad)
+    with pytest.raises(InputError):
+        reciprocal_polynomial(polynomial(0, "s"))
+    for a, b in ((0, 0), ("s", "1/s"), (float("inf"), "s")):
+        with pytest.raises(InputError):
+            bezout_identity(a, b)
