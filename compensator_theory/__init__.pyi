@@ -1,18 +1,25 @@
 from . import strategies as strategies
+from .closed_loop_matrices import closed_loop_matrix as closed_loop_matrix
 from .closed_loops import closed_loop_polynomial as closed_loop_polynomial
 from .closed_loops import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .closed_loops import closed_loop_zero_polynomial as closed_loop_zero_polynomial
 from .compensators import compensator_polynomials as compensator_polynomials
+from .controllability import controllability_matrix as controllability_matrix
+from .controllability import is_controllable as is_controllable
+from .controllability import uncontrollable_polynomial as uncontrollable_polynomial
 from .conversions import transfer_function as transfer_function
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError
 from .errors import ImproperError as ImproperError
 from .errors import InputError as InputError
 from .errors import NoSolutionError as NoSolutionError
+from .errors import NotControllableError as NotControllableError
 from .errors import NotCoprimeError as NotCoprimeError
+from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
 from .errors import UnitCircleError as UnitCircleError
 from .expressions import parse_expression as parse_expression
+from .form_enumeration import observer_forms as observer_forms
 from .intercalation import (
     control_perturbation_transfer_function as control_perturbation_transfer_function,
 )
@@ -22,6 +29,12 @@ from .intercalation import (
 from .intercalation import intercalated_transfer_function as intercalated_transfer_function
 from .intercalation import intercalated_transfer_matrix as intercalated_transfer_matrix
 from .numbers import exact_number as exact_number
+from .observer_design import ObserverBasedCompensator as ObserverBasedCompensator
+from .observer_design import observer_based_compensator as observer_based_compensator
+from .observer_form import ObserverForm as ObserverForm
+from .observer_form_lists import ObserverForms as ObserverForms
+from .observer_gains import observer_gain as observer_gain
+from .observer_gains import regulator_gain as regulator_gain
 from .placements import PolePlacement as PolePlacement
 from .plants import servo_problem as servo_problem
 from .plants import standard_problem as standard_problem
@@ -30,6 +43,9 @@ from .polynomials import monic as monic
 from .polynomials import polynomial as polynomial
 from .prescribed_roots import polynomial_from_roots as polynomial_from_roots
 from .reachable_targets import target_characteristic_polynomial as target_characteristic_polynomial
+from .real_factors import count_observer_forms as count_observer_forms
+from .realisations import Realisation as Realisation
+from .realisations import realisation as realisation
 from .roots import Root as Root
 from .roots import certified_roots as certified_roots
 from .standard_problems import StandardProblem as StandardProblem

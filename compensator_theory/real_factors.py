@@ -49,8 +49,20 @@ def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
     """
     if isinstance(n, bool) or not isinstance(n, int) or n < 0:
         raise InputError(f"n = {n!r} must be the order of a plant, 0 or more")
+    return number_of_selections(real_multiplicities(polynomial(Dtilde)), n)
+
+
+def number_of_selections(factors: Iterable[tuple[int, int]], n: int) -> int:
+    """Count the products of degree n of factors given as (degree, multiplicity).
+
+    Examples
+    --------
+    >>> from compensator_theory.real_factors import number_of_selections
+    >>> number_of_selections([(1, 2), (2, 1)], 2)
+    2
+    """
     ways = [1] + [0] * n
-    for degree, multiplicity in real_multiplicities(polynomial(Dtilde)):
+    for degree, multiplicity in factors:
         ways = [
             sum(ways[k - degree * e] for e in range(min(multiplicity, k // degree) + 1))
             for k in range(n + 1)

@@ -78,7 +78,9 @@ class Realisation:
                 )
             object.__setattr__(self, name, matrix)
         if not (B.cols and C.rows):
-            raise InputError(f"a realisation needs inputs and outputs; it has {B.cols} and {C.rows}")
+            raise InputError(
+                f"a realisation needs inputs and outputs; it has {B.cols} and {C.rows}"
+            )
 
     @property
     def n(self) -> int:
