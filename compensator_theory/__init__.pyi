@@ -28,13 +28,19 @@ from .intercalation import (
 )
 from .intercalation import intercalated_transfer_function as intercalated_transfer_function
 from .intercalation import intercalated_transfer_matrix as intercalated_transfer_matrix
+from .lqg_suboptimality import is_lqg_suboptimal as is_lqg_suboptimal
 from .numbers import exact_number as exact_number
+from .observer_decisions import ObserverDecision as ObserverDecision
 from .observer_design import ObserverBasedCompensator as ObserverBasedCompensator
 from .observer_design import observer_based_compensator as observer_based_compensator
 from .observer_form import ObserverForm as ObserverForm
 from .observer_form_lists import ObserverForms as ObserverForms
 from .observer_gains import observer_gain as observer_gain
 from .observer_gains import regulator_gain as regulator_gain
+from .observer_questions import pair_is_observer_based as pair_is_observer_based
+from .observer_questions import (
+    transfer_function_is_observer_based as transfer_function_is_observer_based,
+)
 from .placements import PolePlacement as PolePlacement
 from .plants import servo_problem as servo_problem
 from .plants import standard_problem as standard_problem
@@ -44,6 +50,7 @@ from .polynomials import polynomial as polynomial
 from .prescribed_roots import polynomial_from_roots as polynomial_from_roots
 from .reachable_targets import target_characteristic_polynomial as target_characteristic_polynomial
 from .real_factors import count_observer_forms as count_observer_forms
+from .realisation_question import realisation_is_observer_based as realisation_is_observer_based
 from .realisations import Realisation as Realisation
 from .realisations import realisation as realisation
 from .roots import Root as Root
@@ -57,3 +64,5 @@ from .sylvester import sylvester_m2 as sylvester_m2
 from .transfer_functions import TransferFunction as TransferFunction
 from .transfer_matrices import TransferMatrix as TransferMatrix
 from .unit_circle import split_at_unit_circle as split_at_unit_circle
+from .youla_forms import YoulaForm as YoulaForm
+from .youla_forms import youla_forms as youla_forms

@@ -168,22 +168,22 @@ def form_of_subspace(
     >>> from compensator_theory.observer_form import form_of_subspace
     >>> plant, loop = Realisation([[1]], [[1]], [[1]]), Realisation([[-1]], [[0]], [[1]])
     >>> spectra = polynomial("s - 1"), polynomial("s + 1")
-    >>> form_of_subspace(plant, loop, Matrix([1, 0]), spectra)
-    'T has rank 0 and not 1: some compensator state follows no plant state (for SISO: ...'
+    >>> form_of_subspace(plant, loop, Matrix([1, 0]), spectra)[:23]
+    'T has rank 0 and not 1:'
     """
-    n, n_c = plant.n, compensator.n
+    n, n_c, siso = plant.n, compensator.n, plant.is_siso
     V_1, V_2 = subspace[:n, :], subspace[n:, :]
     try:
         T = solve(V_1.T, V_2.T).T
     except NoSolutionError:
         return (
             f"V_1 has rank {rank(V_1)} and not {n}: some compensator state in the subspace goes "
-            "with no plant state (for SISO: an unobservable mode of the compensator)"
+            "with no plant state" + (": an unobservable mode of the compensator" if siso else "")
         )
     if rank(T) < min(n, n_c):
         return (
             f"T has rank {rank(T)} and not {min(n, n_c)}: some compensator state follows no plant "
-            "state (for SISO: an uncontrollable mode outside the regulator)"
+            "state" + (": an uncontrollable mode outside the regulator" if siso else "")
         )
     return ObserverForm(plant, compensator, ImmutableMatrix(T), *spectra, parameters)
 

@@ -1,5 +1,6 @@
 """Invariant subspaces of an exact matrix, one primary component at a time."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -42,6 +43,14 @@ class PrimaryComponent:
     def is_derogatory(self) -> bool:
         """Whether there are several Jordan blocks, and so a continuum of invariant subspaces."""
         return self.kernels[1].cols > self.degree
+
+    @property
+    def block_lengths(self) -> tuple[int, ...]:
+        """Lengths of the Jordan blocks, longest first."""
+        steps = itertools.pairwise(kernel.cols for kernel in self.kernels)
+        blocks_at_least = [(high - low) // self.degree for low, high in steps]
+        longest_first = range(blocks_at_least[0])
+        return tuple(sum(count > i for count in blocks_at_least) for i in longest_first)
 
     def has_continuum(self, exponent: int) -> bool:
         r"""Tell whether several invariant subspaces have the polynomial :math:`f^e`."""

@@ -1,12 +1,11 @@
 """Continua of invariant subspaces, where a matrix has several Jordan blocks for one root."""
 
-import itertools
+import random
 from collections.abc import Iterator
 
 import sympy
 from sympy import ImmutableMatrix, Matrix, Symbol
 
-from .errors import NoSolutionError
 from .exact_linear_algebra import rank
 from .primary_components import PrimaryComponent, joined, kernel
 
@@ -88,15 +87,21 @@ def sample_subspaces(
     >>> next(sample_subspaces(null, part, 2)).shape
     (3, 2)
     """
-    size = exponent * component.degree
-    chosen = itertools.permutations(list(_combinations(component.kernels[exponent])), exponent)
-    for generators in itertools.islice(chosen, 500):
-        blocks = [krylov(matrix, v, size) for v in generators]
-        for count in range(1, exponent + 1):
-            span = joined(matrix.rows, blocks[:count])
-            if rank(span) == size:
-                yield _independent(span, size)
-                break
+    size, rows = exponent * component.degree, matrix.rows
+    lengths, rest = [], exponent
+    for longest in component.block_lengths:
+        lengths.append(min(rest, longest))
+        rest -= lengths[-1]
+    dice = random.Random(exponent)  # the same subspaces in every run
+    for _ in range(20):
+        blocks = []
+        for length in filter(None, lengths):
+            basis = component.kernels[length]
+            weights = Matrix(basis.cols, 1, [dice.randint(-3, 3) for _ in range(basis.cols)])
+            blocks.append(krylov(matrix, basis * weights, length * component.degree))
+        span = joined(rows, blocks)
+        if rank(span) == size:
+            yield span
 
 
 def krylov(matrix: Matrix, vector: Matrix, size: int) -> ImmutableMatrix:
@@ -123,11 +128,3 @@ def _combinations(basis: ImmutableMatrix) -> Iterator[ImmutableMatrix]:
         yield basis[:, column]
     for base in (1, 2, 3, -2):
         yield basis * Matrix([base**k + k for k in range(basis.cols)])
-
-
-def _independent(span: ImmutableMatrix, size: int) -> ImmutableMatrix:
-    for columns in itertools.combinations(range(span.cols), size):
-        candidate = span.extract(list(range(span.rows)), list(columns))
-        if rank(candidate) == size:
-            return candidate
-    raise NoSolutionError(f"the {span.cols} vectors do not span {size} dimensions")
