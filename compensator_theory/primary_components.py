@@ -9,7 +9,7 @@ import sympy
 from sympy import ImmutableMatrix, Matrix, Poly
 from sympy.polys.matrices import DomainMatrix
 
-from .exact_linear_algebra import solve_affine
+from .exact_linear_algebra import rank, solve_affine
 from .polynomials import canonical, monic
 
 
@@ -107,6 +107,25 @@ def divisors(
         for component, exponent in zip(components, exponents, strict=True):
             product = product * component.factor**exponent
         yield exponents, canonical(product)
+
+
+def derogatory_factor(matrix: Matrix, polynomial: Poly) -> Poly | None:
+    """Return an irreducible factor with several Jordan blocks, or None if there is none.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.primary_components import derogatory_factor
+    >>> derogatory_factor(Matrix([[1, 1], [0, 1]]), polynomial("(s - 1)**2")) is None
+    True
+    """
+    for factor, multiplicity in polynomial.factor_list()[1]:
+        if multiplicity > 1:
+            f = monic(canonical(factor))
+            if matrix.rows - rank(evaluate(f, matrix)) > f.degree():
+                return f
+    return None
 
 
 def evaluate(poly: Poly, matrix: Matrix) -> ImmutableMatrix:

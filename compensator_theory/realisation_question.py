@@ -3,11 +3,11 @@
 from sympy import Poly
 
 from .closed_loop_matrices import closed_loop_matrix
-from .exact_linear_algebra import characteristic_polynomial, rank
+from .exact_linear_algebra import characteristic_polynomial
 from .form_enumeration import observer_forms
 from .observer_decisions import NumberOfForms, ObserverDecision
 from .polynomials import canonical, format_polynomial, is_rational, monic
-from .primary_components import evaluate
+from .primary_components import derogatory_factor
 from .real_factors import (
     count_observer_forms,
     count_partitions,
@@ -81,7 +81,7 @@ def realisation_is_observer_based(
         is_hidden = any(modes.degree() > 0 for modes in hidden)
         if not is_hidden:
             return _of_minimal(system, controller, Dtilde)
-        if controller.n == system.n and not _is_derogatory(loop, Dtilde):
+        if controller.n == system.n and derogatory_factor(loop, Dtilde) is None:
             return _of_hidden_modes(system, Dtilde, *hidden)
     return _by_enumeration(system, controller, Dtilde)
 
@@ -179,12 +179,3 @@ def _shared(poly: Poly, modes: Poly) -> tuple[Poly, Poly]:
     while (factor := monic(canonical(rest.gcd(modes)))).degree() > 0:
         shared, rest = canonical(shared * factor), canonical(rest.exquo(factor))
     return shared, rest
-
-
-def _is_derogatory(loop: object, Dtilde: Poly) -> bool:
-    """Tell whether a root has several Jordan blocks, from its geometric multiplicity."""
-    for factor, multiplicity in Dtilde.factor_list()[1]:
-        size = Dtilde.degree()
-        if multiplicity > 1 and size - rank(evaluate(factor, loop)) > factor.degree():
-            return True
-    return False
