@@ -93,21 +93,19 @@ def observer_forms(
     for exponents, p_R in divisors(components, system.n):
         p_O = canonical(whole.exquo(p_R))
         chosen = list(zip(components, exponents, strict=True))
-        if not any(c.has_continuum(e) for c, e in chosen):
+        is_continuum = any(c.has_continuum(e) for c, e in chosen)
+        found: ObserverForm | str | None
+        if is_continuum:
+            found = _of_continuum(system, controller, loop, chosen, (p_R, p_O))
+        else:
             subspace = _stacked(loop.rows, chosen)
             found = form_of_subspace(system, controller, subspace, (p_R, p_O))
-            if isinstance(found, str):
-                rejections.append((p_R, found))
-            else:
-                forms.append(found)
-            continue
-        found = _of_continuum(system, controller, loop, chosen, (p_R, p_O))
         if found is None:
             undecided.append(p_R)
         elif isinstance(found, str):
             rejections.append((p_R, found))
         else:
-            families.append(found)
+            (families if is_continuum else forms).append(found)
     return ObserverForms(
         system, controller, whole, tuple(forms), tuple(families), tuple(rejections),
         tuple(undecided),
@@ -156,7 +154,8 @@ def _cyclic_family(
     loop: ImmutableMatrix, chosen: _Chosen
 ) -> tuple[ImmutableMatrix, tuple[Symbol, ...]] | None:
     names = iter(symbols(f"alpha_1:{loop.rows**2 + 1}"))
-    blocks, parameters = [], []
+    blocks: list[ImmutableMatrix] = []
+    parameters: list[Symbol] = []
     for component, exponent in chosen:
         if not component.has_continuum(exponent):
             blocks.append(component.kernels[exponent])

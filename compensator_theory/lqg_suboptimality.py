@@ -12,7 +12,7 @@ from .observer_questions import (
     siso_loop,
     transfer_function_is_observer_based,
 )
-from .polynomials import format_polynomial, is_rational
+from .polynomials import is_rational
 from .realisations import Realisation
 from .roots import certified_roots
 
@@ -70,10 +70,9 @@ def is_lqg_suboptimal(
     question = "Is it suboptimal for every LQG problem?"
     G, G_c = siso_loop(plant, compensator, feedback)
     Dtilde = closed_loop_of_pair(G, G_c.reduced(), feedback)
-    loop = f"the closed loop {format_polynomial(Dtilde)}"
     stable = _is_stable(Dtilde)
     if stable is False:
-        return ObserverDecision(question, True, f"{loop} is unstable", None, Dtilde)
+        return ObserverDecision(question, True, "the closed loop is unstable", None, Dtilde)
     if not G_c.reduced().is_strictly_proper:
         if G.variable.name == "s":
             reason = "it is not strictly proper and passes white sensor noise on to u unfiltered"
@@ -85,14 +84,14 @@ def is_lqg_suboptimal(
         reason = f"in lowest terms it is not observer-based: {structure.reason}"
         return ObserverDecision(question, True, reason, 0, Dtilde)
     if structure.answer is None or stable is None:
-        unknown = structure.reason if stable else f"the stability of {loop} is not decided"
+        unknown = structure.reason if stable else "the stability of the closed loop is not decided"
         return ObserverDecision(question, None, unknown, None, Dtilde)
     pair = pair_is_observer_based(G, G_c, feedback=feedback)
     hidden = (
         "" if pair.answer else " (the pair with its common factors is not, but the cost ignores it)"
     )
     reason = (
-        f"its transfer function is observer-based{hidden} and {loop} is stable, so that it is "
+        f"its transfer function is observer-based{hidden} and the closed loop is stable, so that it is "
         "optimal for the cost |u - Kx|^2 with process noise Fw and sensor noise w"
     )
     return ObserverDecision(question, False, reason, structure.number_of_forms, Dtilde)

@@ -8,6 +8,7 @@ from sympy import Poly
 
 from .errors import InputError
 from .observer_form_lists import ObserverForms
+from .polynomials import format_polynomial
 from .roots import Root, certified_roots
 
 NumberOfForms = int | Literal["a continuum"] | None
@@ -57,14 +58,23 @@ class ObserverDecision:
             return ()
         return certified_roots(self.characteristic_polynomial)
 
-    def __str__(self) -> str:
-        word = {True: "yes", False: "no", None: "undecided"}[self.answer]
+    @property
+    def verdict(self) -> str:
+        """The answer and its reason in one sentence."""
         count = "" if self.number_of_forms is None else f" Forms: {self.number_of_forms}."
-        return f"{self.question} {word}: {self.reason}.{count}"
+        return f"{self.question} {self._word}: {self.reason}.{count}"
+
+    @property
+    def _word(self) -> str:
+        return {True: "yes", False: "no", None: "undecided"}[self.answer]
+
+    def __str__(self) -> str:
+        if self.characteristic_polynomial is None:
+            return self.verdict
+        return f"{self.verdict}\nClosed loop: {format_polynomial(self.characteristic_polynomial)}"
 
     def _repr_latex_(self) -> str:
         if self.characteristic_polynomial is None:
-            return rf"$\text{{{self}}}$"
+            return rf"$\text{{{self.verdict}}}$"
         loop = sympy.latex(self.characteristic_polynomial.as_expr())
-        word = {True: "yes", False: "no", None: "undecided"}[self.answer]
-        return rf"$\displaystyle \text{{{self.question} {word}}}, \quad \tilde D = {loop}$"
+        return rf"$\displaystyle \text{{{self.question} {self._word}}}, \quad \tilde D = {loop}$"

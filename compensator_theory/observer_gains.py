@@ -146,7 +146,8 @@ def wanted_spectrum(poles: PolynomialLike | Sequence[Any], size: int, variable: 
     Poly(s**2 + 2*s + 2, s, domain='QQ')
     """
     is_list = isinstance(poles, Sequence) and not isinstance(poles, str)
-    goal = monic((polynomial_from_roots if is_list else polynomial)(poles, variable))
+    read: Any = polynomial_from_roots if is_list else polynomial
+    goal = monic(read(poles, variable))
     if goal.degree() != size:
         raise InputError(
             f"{format_polynomial(goal)} has degree {goal.degree()}, but {size} eigenvalues are to "

@@ -60,8 +60,9 @@ def pair_is_observer_based(
     >>> plant = "1/(s**3 + s**2 + 2*s)"
     >>> print(pair_is_observer_based(plant, ("2*(s**2 + 4*s + 5)", "(s + 1)*(s**2 + 4*s + 5)"),
     ...                              feedback=-1))
-    Is the pair observer-based? no: n = 3 is odd and the closed loop s**6 + ... has no real root,
-    so that no real regulator of degree 3 divides it. Forms: 0.
+    Is the pair observer-based? no: n = 3 is odd and the closed loop has no real root, so that no
+    real regulator of degree 3 divides it. Forms: 0.
+    Closed loop: s**6 + 6*s**5 + 17*s**4 + 28*s**3 + 32*s**2 + 26*s + 10
     """
     question = "Is the pair observer-based?"
     G, G_c = siso_loop(plant, compensator, feedback)
@@ -75,7 +76,7 @@ def pair_is_observer_based(
         return ObserverDecision(
             question, False, "it is not strictly proper, and a state estimate has no direct term", 0
         )
-    return _parity(question, n, closed_loop_of_pair(G, G_c, feedback))
+    return decide_by_parity(question, n, closed_loop_of_pair(G, G_c, feedback))
 
 
 def transfer_function_is_observer_based(
@@ -127,6 +128,7 @@ def transfer_function_is_observer_based(
     Is the transfer function observer-based? yes: in lowest terms it has 1 pole(s), fewer than
     n = 3, so that a common factor of degree 2 is free and can be given a real root. Forms: a
     continuum.
+    Closed loop: s**4 + 2*s**3 + 3*s**2 + 2*s + 2
     """
     question = "Is the transfer function observer-based?"
     G, G_c = siso_loop(plant, compensator, feedback)
@@ -148,7 +150,7 @@ def transfer_function_is_observer_based(
             f"degree {n - r} is free and can be given a real root", "a continuum",
             closed_loop_of_pair(G, reduced, feedback),
         )  # fmt: skip
-    return _parity(question, n, closed_loop_of_pair(G, reduced, feedback))
+    return decide_by_parity(question, n, closed_loop_of_pair(G, reduced, feedback))
 
 
 def siso_loop(
@@ -200,22 +202,30 @@ def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: in
     return canonical(G.denominator * G_c.denominator - through)
 
 
-def _parity(question: str, n: int, Dtilde: Poly) -> ObserverDecision:
+def decide_by_parity(question: str, n: int, Dtilde: Poly) -> ObserverDecision:
+    r"""Decide whether a closed-loop polynomial of degree 2n has a real divisor of degree n.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.observer_questions import decide_by_parity
+    >>> decide_by_parity("Divisible?", 1, polynomial("s**2 + 1")).answer
+    False
+    """
     count = count_observer_forms(Dtilde, n) if is_rational(Dtilde) else None
-    loop = f"the closed loop {format_polynomial(Dtilde)}"
     if n % 2 == 0:
-        reason = f"n = {n} is even, so that {loop} has real divisors of degree {n}"
+        reason = f"n = {n} is even, so that the closed loop has real divisors of degree {n}"
         return ObserverDecision(question, True, reason, count, Dtilde)
     answer = has_real_root(Dtilde)
     if answer is None:
-        reason = f"n = {n} is odd, and whether {loop} has a real root depends on the symbols"
+        reason = f"n = {n} is odd, and whether the closed loop has a real root depends on symbols"
     elif answer:
         several = f"{number_of_real_roots(Dtilde)} real roots" if count else "real roots"
-        reason = f"n = {n} is odd and {loop} has {several}, counted with multiplicity"
+        reason = f"n = {n} is odd and the closed loop has {several}, counted with multiplicity"
     else:
         count = 0
         reason = (
-            f"n = {n} is odd and {loop} has no real root, so that no real regulator of degree {n} "
-            "divides it"
+            f"n = {n} is odd and the closed loop has no real root, so that no real regulator of "
+            f"degree {n} divides it"
         )
     return ObserverDecision(question, answer, reason, count, Dtilde)

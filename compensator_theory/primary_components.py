@@ -42,7 +42,7 @@ class PrimaryComponent:
     @property
     def is_derogatory(self) -> bool:
         """Whether there are several Jordan blocks, and so a continuum of invariant subspaces."""
-        return self.kernels[1].cols > self.degree
+        return bool(self.kernels[1].cols > self.degree)
 
     @property
     def block_lengths(self) -> tuple[int, ...]:
@@ -54,7 +54,7 @@ class PrimaryComponent:
 
     def has_continuum(self, exponent: int) -> bool:
         r"""Tell whether several invariant subspaces have the polynomial :math:`f^e`."""
-        return self.kernels[exponent].cols > exponent * self.degree
+        return bool(self.kernels[exponent].cols > exponent * self.degree)
 
 
 def primary_components(matrix: Matrix, polynomial: Poly) -> tuple[PrimaryComponent, ...]:

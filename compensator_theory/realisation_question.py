@@ -1,11 +1,14 @@
 """Whether a realisation, in its given basis and with its hidden modes, is observer-based."""
 
+from dataclasses import replace
+
 from sympy import Poly
 
 from .closed_loop_matrices import closed_loop_matrix
 from .exact_linear_algebra import characteristic_polynomial
 from .form_enumeration import observer_forms
 from .observer_decisions import NumberOfForms, ObserverDecision
+from .observer_questions import decide_by_parity
 from .polynomials import canonical, format_polynomial, is_rational, monic
 from .primary_components import derogatory_factor
 from .real_factors import (
@@ -67,6 +70,7 @@ def realisation_is_observer_based(
     >>> print(realisation_is_observer_based(plant, hidden))
     Is the realisation observer-based? no: the mode(s) s + 7 of the compensator are both
     uncontrollable and unobservable, and the closed loop has them only once. Forms: 0.
+    Closed loop: s**4 + 16*s**3 + 83*s**2 + 140*s
     """
     system, controller = realisation(plant), realisation(compensator)
     if controller.is_strictly_proper is False:
@@ -76,6 +80,11 @@ def realisation_is_observer_based(
         )  # fmt: skip
     loop = closed_loop_matrix(system, controller)
     Dtilde = characteristic_polynomial(loop, system.variable)
+    minimal = system.is_siso and False not in (system.is_minimal, controller.is_minimal)
+    if minimal and not is_rational(Dtilde) and controller.n == system.n:
+        decision = decide_by_parity(QUESTION, system.n, Dtilde)
+        where = ", wherever plant and compensator are minimal"
+        return replace(decision, reason=decision.reason + where)
     if system.is_siso and system.is_minimal and controller.n and is_rational(Dtilde):
         hidden = (controller.uncontrollable_modes, controller.unobservable_modes)
         is_hidden = any(modes.degree() > 0 for modes in hidden)
@@ -96,8 +105,8 @@ def _of_minimal(plant: Realisation, compensator: Realisation, Dtilde: Poly) -> O
         kind = f"a regulator (degree {n}) and an observer (degree {n_c})"
     able = "splits" if count else "does not split"
     reason = (
-        f"plant and compensator are minimal, and the closed loop {format_polynomial(Dtilde)} "
-        f"{able} into real polynomials of {kind}"
+        f"plant and compensator are minimal, and the closed loop {able} "
+        f"into real polynomials of {kind}"
     )
     return ObserverDecision(QUESTION, count > 0, reason, count, Dtilde)
 

@@ -10,7 +10,6 @@ from .controllability import is_controllable, uncontrollable_polynomial
 from .conversions import TransferFunctionLike, transfer_function
 from .errors import InputError
 from .exact_linear_algebra import characteristic_polynomial, solve
-from .numbers import exact_number
 from .polynomials import as_symbol
 from .standard_problems import MatrixLike, exact_matrix
 from .state_space import controllable_canonical_form, transfer_matrix_of_realisation
@@ -203,15 +202,13 @@ def realisation(
             raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")
         return obj
     if isinstance(obj, tuple | list) and len(obj) in (3, 4):
-        return Realisation(*obj, *([None] * (4 - len(obj))), "s" if variable is None else variable)
+        symbol = as_symbol("s" if variable is None else variable)
+        A, B, C = obj[:3]
+        return Realisation(A, B, C, obj[3] if len(obj) == 4 else None, symbol)
     if all(hasattr(obj, name) for name in ("A", "B", "C", "D", "dt")):
         if variable is None:
             variable = "s" if obj.isctime() else "z"
-        entries = [
-            sympy.Matrix(*m.shape, [exact_number(x) for x in m.flat])
-            for m in (obj.A, obj.B, obj.C, obj.D)
-        ]
-        return Realisation(*entries, variable)
+        return Realisation(obj.A, obj.B, obj.C, obj.D, as_symbol(variable))
     return _canonical(obj, variable, form)
 
 
