@@ -1,10 +1,14 @@
 from . import strategies as strategies
+from .closed_loop_matrices import closed_loop_matrix as closed_loop_matrix
 from .closed_loops import closed_loop_polynomial as closed_loop_polynomial
 from .closed_loops import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .closed_loops import closed_loop_zero_polynomial as closed_loop_zero_polynomial
 from .common_factors import BezoutIdentity as BezoutIdentity
 from .common_factors import bezout_identity as bezout_identity
 from .compensators import compensator_polynomials as compensator_polynomials
+from .controllability import controllability_matrix as controllability_matrix
+from .controllability import is_controllable as is_controllable
+from .controllability import uncontrollable_polynomial as uncontrollable_polynomial
 from .conversions import transfer_function as transfer_function
 from .enclosures import Enclosure as Enclosure
 from .enclosures import PolynomialEnclosure as PolynomialEnclosure
@@ -15,9 +19,11 @@ from .errors import InputError as InputError
 from .errors import NoSolutionError as NoSolutionError
 from .errors import NotControllableError as NotControllableError
 from .errors import NotCoprimeError as NotCoprimeError
+from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
 from .errors import UnitCircleError as UnitCircleError
 from .expressions import parse_expression as parse_expression
+from .form_enumeration import observer_forms as observer_forms
 from .high_authority import HighAuthorityLQG as HighAuthorityLQG
 from .high_authority import high_authority_lqg as high_authority_lqg
 from .high_authority_targets import HighAuthorityTarget as HighAuthorityTarget
@@ -30,7 +36,19 @@ from .intercalation import (
 )
 from .intercalation import intercalated_transfer_function as intercalated_transfer_function
 from .intercalation import intercalated_transfer_matrix as intercalated_transfer_matrix
+from .lqg_suboptimality import is_lqg_suboptimal as is_lqg_suboptimal
 from .numbers import exact_number as exact_number
+from .observer_decisions import ObserverDecision as ObserverDecision
+from .observer_design import ObserverBasedCompensator as ObserverBasedCompensator
+from .observer_design import observer_based_compensator as observer_based_compensator
+from .observer_form import ObserverForm as ObserverForm
+from .observer_form_lists import ObserverForms as ObserverForms
+from .observer_gains import observer_gain as observer_gain
+from .observer_gains import regulator_gain as regulator_gain
+from .observer_questions import pair_is_observer_based as pair_is_observer_based
+from .observer_questions import (
+    transfer_function_is_observer_based as transfer_function_is_observer_based,
+)
 from .placements import PolePlacement as PolePlacement
 from .plants import servo_problem as servo_problem
 from .plants import standard_problem as standard_problem
@@ -39,6 +57,10 @@ from .polynomials import monic as monic
 from .polynomials import polynomial as polynomial
 from .prescribed_roots import polynomial_from_roots as polynomial_from_roots
 from .reachable_targets import target_characteristic_polynomial as target_characteristic_polynomial
+from .real_factors import count_observer_forms as count_observer_forms
+from .realisation_question import realisation_is_observer_based as realisation_is_observer_based
+from .realisations import Realisation as Realisation
+from .realisations import realisation as realisation
 from .reciprocals import monic_reciprocal_polynomial as monic_reciprocal_polynomial
 from .reciprocals import reciprocal_polynomial as reciprocal_polynomial
 from .riccati_pencils import LQGPoles as LQGPoles
@@ -71,3 +93,5 @@ from .transfer_functions import TransferFunction as TransferFunction
 from .transfer_matrices import TransferMatrix as TransferMatrix
 from .unit_circle import split_at_unit_circle as split_at_unit_circle
 from .unit_circle_enclosures import enclose_split_at_unit_circle as enclose_split_at_unit_circle
+from .youla_forms import YoulaForm as YoulaForm
+from .youla_forms import youla_forms as youla_forms

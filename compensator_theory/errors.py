@@ -26,6 +26,14 @@ class NotCoprimeError(CompensatorError):
     """Numerator and denominator share a root, so some poles cannot be moved."""
 
 
+class NotControllableError(CompensatorError):
+    """Some modes of (A, B) do not feel the input, so no state feedback moves them."""
+
+
+class NotObservableError(CompensatorError):
+    """Some modes of (A, C) do not show in the output, so no output injection moves them."""
+
+
 class ImproperError(CompensatorError):
     """A transfer function has more zeros than poles, or a loop is not well posed."""
 

@@ -1,0 +1,111 @@
+"""What the observer-based structure says about optimality, and what it does not."""
+
+import math
+
+from sympy import Poly
+
+from .conversions import TransferFunctionLike
+from .observer_decisions import ObserverDecision
+from .observer_questions import (
+    closed_loop_of_pair,
+    pair_is_observer_based,
+    siso_loop,
+    transfer_function_is_observer_based,
+)
+from .polynomials import is_rational
+from .realisations import Realisation
+from .roots import certified_roots
+
+
+def is_lqg_suboptimal(
+    plant: TransferFunctionLike | Realisation,
+    compensator: TransferFunctionLike,
+    *,
+    feedback: int,
+) -> ObserverDecision:
+    r"""Decide whether a compensator is suboptimal for every LQG problem on the plant.
+
+    .. math:: J = \mathrm{E}\,|u - Kx|^2, \qquad \dot x = Ax + Bu + Fw, \quad y = Cx + w
+
+    is the problem for which an observer-based compensator with stable A + BK and A - FC is optimal,
+    with J = 0.
+
+    Parameters
+    ----------
+    plant : transfer function or Realisation
+        SISO of order n, without hidden modes.
+    compensator : transfer function
+        The pair :math:`(N_c, D_c)`; common factors are part of the loop, not of the cost.
+    feedback : {+1, -1}
+        The sign f in :math:`u = f G_c y`.
+
+    Returns
+    -------
+    ObserverDecision
+        Yes if the loop is unstable, or if :math:`G_c` in lowest terms is not observer-based. No if
+        it is observer-based and the loop is stable: the problem above has it as its optimum. None
+        if a root lies on the boundary of stability or symbols decide.
+
+    Raises
+    ------
+    NotCoprimeError, ImproperError, InputError
+        See :func:`pair_is_observer_based`.
+
+    Notes
+    -----
+    Erratum: Sections 7.1 and 7.6 conclude "suboptimal" from "not observer-based". That is true of
+    coprime :math:`(N_c, D_c)`. A pair with a common factor can fail to be observer-based while its
+    transfer function, on which alone the cost depends, is optimal. Stable means Hurwitz in the
+    variable s and Schur in z and q. LQG problems may have correlated noises and a cross weight, as
+    in (A.1)-(A.12), and :math:`R_2` and :math:`V_2` are positive definite, so that the optimal
+    transfer function is unique.
+
+    Examples
+    --------
+    >>> from compensator_theory import is_lqg_suboptimal
+    >>> plant, g = "1/(s**3 + 3*s**2 + 8*s + 6)", "(s**2 + 4*s + 5)"
+    >>> is_lqg_suboptimal(plant, (f"4*{g}", f"(s + 1)*{g}"), feedback=-1).answer
+    False
+    """
+    question = "Is it suboptimal for every LQG problem?"
+    G, G_c = siso_loop(plant, compensator, feedback)
+    Dtilde = closed_loop_of_pair(G, G_c.reduced(), feedback)
+    stable = _is_stable(Dtilde)
+    if stable is False:
+        return ObserverDecision(question, True, "the closed loop is unstable", None, Dtilde)
+    if not G_c.reduced().is_strictly_proper:
+        if G.variable.name == "s":
+            reason = "it is not strictly proper and passes white sensor noise on to u unfiltered"
+            return ObserverDecision(question, True, reason, 0, Dtilde)
+        reason = "it uses the current measurement, which LQG with one step of delay does not"
+        return ObserverDecision(question, None, reason, None, Dtilde)
+    structure = transfer_function_is_observer_based(G, G_c, feedback=feedback)
+    if structure.answer is False:
+        reason = f"in lowest terms it is not observer-based: {structure.reason}"
+        return ObserverDecision(question, True, reason, 0, Dtilde)
+    if structure.answer is None or stable is None:
+        unknown = structure.reason if stable else "the stability of the closed loop is not decided"
+        return ObserverDecision(question, None, unknown, None, Dtilde)
+    pair = pair_is_observer_based(G, G_c, feedback=feedback)
+    hidden = (
+        "" if pair.answer else " (the pair with its common factors is not, but the cost ignores it)"
+    )
+    reason = (
+        f"its transfer function is observer-based{hidden} and the closed loop is stable, so that it is "
+        "optimal for the cost |u - Kx|^2 with process noise Fw and sensor noise w"
+    )
+    return ObserverDecision(question, False, reason, structure.number_of_forms, Dtilde)
+
+
+def _is_stable(poly: Poly) -> bool | None:
+    """Decide from certified disks; None on the boundary, with symbols and in other variables."""
+    name = poly.gen.name
+    if not is_rational(poly) or name not in ("s", "z", "q"):
+        return None
+    roots = certified_roots(poly)
+    margins = [(r.value.real if name == "s" else math.hypot(r.value.real, r.value.imag) - 1, r)
+               for r in roots]  # fmt: skip
+    slack = 1e-15  # rounding of the subtraction and of hypot
+    if any(margin - r.radius - slack > 0 for margin, r in margins):
+        return False
+    return True if all(margin + r.radius + slack < 0 for margin, r in margins) else None

@@ -1,0 +1,289 @@
+"""All observer-based forms of a compensator in float64, thousands at a time, with residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import flint
+import numpy as np
+from numpy.typing import NDArray
+from sympy import ImmutableMatrix
+
+from compensator_theory import (
+    InputError,
+    Realisation,
+    closed_loop_matrix,
+    count_observer_forms,
+    realisation,
+)
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.exact_linear_algebra import characteristic_polynomial
+from compensator_theory.primary_components import derogatory_factor
+from compensator_theory.roots import root_balls
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class NumericObserverForms:
+    r"""Observer-based forms of a compensator, one in each slice of the arrays.
+
+    .. math:: T^{-1} A_c T = A + BK - FC, \qquad T^{-1} B_c = F, \qquad C_c T = K
+
+    Attributes
+    ----------
+    plant, compensator : Realisation
+        Exact, of orders n and :math:`n_c`.
+    T : array
+        forms x n_c x n.
+    K : array
+        forms x l_u x n.
+    F : array or None
+        forms x n x l_y; None unless n_c = n.
+    regulator_roots, observer_roots : array of complex
+        forms x n and forms x n_c.
+    residual : array
+        For each form :math:`\|B_cC + A_cT - T(A + BC_cT)\|_F` over the sum of the norms of the
+        terms.
+    condition : array
+        2-norm condition number of T; for :math:`n_c \ne n` of its rectangular shape.
+    rejected : int
+        Number of subspaces without a form: the basis of their plant part, or T, is numerically
+        singular.
+    """
+
+    plant: Realisation
+    compensator: Realisation
+    T: Array
+    K: Array
+    F: Array | None
+    regulator_roots: NDArray[np.complex128]
+    observer_roots: NDArray[np.complex128]
+    residual: Array
+    condition: Array
+    rejected: int
+
+    def __len__(self) -> int:
+        return int(self.T.shape[0])
+
+    def fastest_observer(self) -> int:
+        """Return the index of the form whose slowest observer root is fastest.
+
+        Slow is a large real part, and in the variables z and q a large modulus.
+        """
+        is_discrete = self.plant.variable.name in ("z", "q")
+        speed = np.abs(self.observer_roots) if is_discrete else self.observer_roots.real
+        return self._least(speed.max(axis=1, initial=-np.inf))
+
+    def best_conditioned(self) -> int:
+        """Return the index of the form with the least condition number of T."""
+        return self._least(self.condition)
+
+    def closest_to(self, K: Any, F: Any) -> int:
+        r"""Return the index of the form that minimises :math:`\|K-K_0\|_F^2 + \|F-F_0\|_F^2`.
+
+        Parameters
+        ----------
+        K, F : array
+            The gains :math:`K_0` (l_u x n) and :math:`F_0` (n x l_y), as in A + BK and A - FC.
+
+        Raises
+        ------
+        InputError
+            If n_c differs from n, or the shapes do not fit.
+        NoSolutionError
+            If there is no form.
+        """
+        wanted_K, wanted_F = np.asarray(K, float), np.asarray(F, float)
+        if self.F is None or (wanted_K.shape, wanted_F.shape) != (
+            self.K.shape[1:],
+            self.F.shape[1:],
+        ):
+            raise InputError(
+                f"K and F have shapes {wanted_K.shape} and {wanted_F.shape}; full-order forms have "
+                f"{self.K.shape[1:]} and {None if self.F is None else self.F.shape[1:]}"
+            )
+        off = [
+            ((mine - theirs) ** 2).sum(axis=(1, 2))
+            for mine, theirs in ((self.K, wanted_K), (self.F, wanted_F))
+        ]
+        return self._least(off[0] + off[1])
+
+    def _least(self, cost: Array) -> int:
+        if not len(self):
+            raise NoSolutionError("there is no form to choose from; see rejected")
+        return int(np.argmin(cost))
+
+    def __str__(self) -> str:
+        if not len(self):
+            return f"no observer-based form; {self.rejected} subspaces give none"
+        low, middle, high = np.quantile(self.condition, [0, 0.5, 1])
+        return (
+            f"{len(self)} observer-based forms, {self.rejected} subspaces without one; "
+            f"cond(T) {low:.2g} / {middle:.2g} / {high:.2g} (least / median / largest), "
+            f"largest residual {self.residual.max():.1e}"
+        )
+
+
+def numeric_observer_forms(
+    plant: Any, compensator: Any, *, limit: int = 200_000, singular: float = 1e13
+) -> NumericObserverForms:
+    r"""Compute every real observer-based form, irrational regulator polynomials included.
+
+    .. math:: \mathrm{im}\begin{bmatrix} I \\ T \end{bmatrix} = \ker p_R(\tilde A)
+
+    Parameters
+    ----------
+    plant, compensator : realisation
+        Anything :func:`compensator_theory.realisation` reads, rational: matrices, a transfer
+        function, a python-control system; :math:`u = C_c x_c`. Floats mean their shortest decimals.
+    limit : int
+        Largest number of forms.
+    singular : float
+        Condition number from which on a basis or T counts as singular. For SISO systems the exact
+        decision, :func:`compensator_theory.realisation_is_observer_based`, needs no such bound.
+
+    Returns
+    -------
+    NumericObserverForms
+        One form for each real monic divisor :math:`p_R` of degree n that gives one, with residual
+        and condition number. Multiplicities are exact: they are taken from the exact characteristic
+        polynomial, and a root of multiplicity m contributes the kernels of
+        :math:`(\tilde A - \lambda)^e`, e = 0, ..., m, instead of eigenvectors.
+
+    Raises
+    ------
+    InputError
+        If data are symbolic, do not fit, exceed `limit`, or if the closed loop is derogatory, so
+        that the forms make up a continuum: :func:`compensator_theory.observer_forms` has it.
+
+    Notes
+    -----
+    Source: (7.11)-(7.18); bases by the SVD.
+
+    Examples
+    --------
+    >>> from rcac_numeric import numeric_observer_forms
+    >>> forms = numeric_observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)")
+    >>> len(forms), bool(forms.residual.max() < 1e-12)  # s**4 + 4*s**3 + 5*s**2 + 4*s + 2
+    (2, True)
+    """
+    system, controller = realisation(plant), realisation(compensator)
+    exact_loop = closed_loop_matrix(system, controller)
+    n, n_c = system.n, controller.n
+    if not (n and n_c):
+        raise InputError(f"the plant has {n} and the compensator {n_c} states; both need some")
+    Dtilde = characteristic_polynomial(exact_loop, system.variable)
+    count = count_observer_forms(Dtilde, n)
+    if count > limit:
+        raise InputError(f"there are {count} candidates, more than limit = {limit}; raise it")
+    if repeated := derogatory_factor(exact_loop, Dtilde):
+        raise InputError(
+            f"the closed loop has several Jordan blocks for the roots of {repeated.as_expr()}, so "
+            "that its forms make up a continuum; compensator_theory.observer_forms parametrises it"
+        )
+    loop = _rounded(exact_loop)
+    columns, roots, choices = _kernel_bases(loop, _roots(Dtilde))
+    regulator, observer = _selections(choices, n, n_c)
+    V = np.moveaxis(columns[:, regulator], 1, 0)  # forms x (n + n_c) x n
+    V_1, V_2 = V[:, :n, :], V[:, n:, :]
+    good = np.linalg.cond(V_1) < singular if len(V) else np.zeros(0, bool)
+    T = np.swapaxes(
+        np.linalg.solve(np.swapaxes(V_1[good], 1, 2), np.swapaxes(V_2[good], 1, 2)), 1, 2
+    )
+    condition = np.linalg.cond(T) if len(T) else np.zeros(0)
+    full = condition < singular
+    kept = np.flatnonzero(good)[full]
+    T, condition = T[full], condition[full]
+    A, B, C = (_rounded(m) for m in (system.A, system.B, system.C))
+    B_c, C_c = _rounded(controller.B), _rounded(controller.C)
+    K = C_c @ T
+    F = np.linalg.solve(T, np.broadcast_to(B_c, (len(T), *B_c.shape))) if n == n_c else None
+    left, right = loop[n:, :n] + loop[n:, n:] @ T, T @ (A + B @ K)
+    scale = np.linalg.norm(B_c @ C) + _norms(loop[n:, n:] @ T) + _norms(right)
+    return NumericObserverForms(
+        system, controller, T, K, F,
+        roots[regulator[kept]], roots[observer[kept]],
+        _norms(left - right) / np.where(scale > 0, scale, 1.0), condition, len(V) - len(kept),
+    )  # fmt: skip
+
+
+def _rounded(matrix: ImmutableMatrix) -> Array:
+    entries = [int(entry.p) / int(entry.q) for entry in matrix]
+    return np.array(entries, float).reshape(matrix.shape)
+
+
+def _norms(matrices: Array) -> Array:
+    return cast(Array, np.sqrt((matrices**2).sum(axis=(1, 2))))
+
+
+def _roots(Dtilde: Any) -> list[tuple[complex, int]]:
+    """Return real roots and those of the upper half plane, correctly rounded, with multiplicity."""
+    found = []
+    with flint.ctx.workprec(128):
+        for ball, multiplicity in root_balls(Dtilde, 128):
+            if ball.imag == 0:
+                found.append((complex(float(ball.real.mid()), 0.0), multiplicity))
+            elif ball.imag > 0:
+                found.append((complex(ball.real.mid(), ball.imag.mid()), multiplicity))
+    return found
+
+
+_Choice = list[tuple[list[int], list[int]]]
+
+
+def _kernel_bases(
+    loop: Array, roots: list[tuple[complex, int]]
+) -> tuple[Array, NDArray[np.complex128], list[_Choice]]:
+    """Return columns that span the kernels, the root of each, and what may be chosen per root.
+
+    A choice is a pair of lists of columns: those of the kernel of the power e for the regulator,
+    and as many others as are left for the observer (of these only the roots matter).
+    """
+    columns: list[Array] = []
+    values: list[complex] = []
+    choices: list[_Choice] = []
+    for root, multiplicity in roots:
+        is_real = root.imag == 0
+        shifted = loop - (root.real if is_real else root) * np.eye(len(loop))
+        degree = 1 if is_real else 2
+        powers: list[list[int]] = [[]]
+        for exponent in range(1, multiplicity + 1):
+            rows = np.linalg.svd(np.linalg.matrix_power(shifted, exponent))[2]
+            basis = rows[len(loop) - exponent :].conj().T
+            real = basis if is_real else np.hstack([basis.real, basis.imag])
+            powers.append(list(range(len(values), len(values) + degree * exponent)))
+            columns.append(real)
+            values += [root, root.conjugate()] * exponent if degree == 2 else [root] * exponent
+        whole = powers[-1]
+        choices.append([(power, whole[len(power) :]) for power in powers])
+    return np.hstack(columns), np.array(values), choices
+
+
+def _selections(
+    choices: list[_Choice], n: int, n_c: int
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """List the columns of every regulator of degree n, and of the observer that is left."""
+    tables = {0: (np.zeros((1, 0), np.intp), np.zeros((1, 0), np.intp))}
+    for choice in choices:
+        grown: dict[int, list[tuple[Any, Any]]] = {}
+        for degree, (inner, outer) in tables.items():
+            for taken, left in choice:
+                if degree + len(taken) <= n:
+                    rows = len(inner)
+                    grown.setdefault(degree + len(taken), []).append(
+                        (
+                            np.hstack([inner, np.tile(np.array(taken, np.intp), (rows, 1))]),
+                            np.hstack([outer, np.tile(np.array(left, np.intp), (rows, 1))]),
+                        )
+                    )
+        tables = {
+            degree: (
+                np.vstack([inner for inner, _ in parts]),
+                np.vstack([outer for _, outer in parts]),
+            )
+            for degree, parts in grown.items()
+        }
+    empty = np.zeros((0, n), np.intp), np.zeros((0, n_c), np.intp)
+    return tables.get(n, empty)
