@@ -50,9 +50,5 @@ class UnitCircleError(CompensatorError):
     """A zero or a pole lies on the unit circle where none may."""
 
 
-class NotControllableError(CompensatorError):
-    """A realisation has a mode that its input does not reach."""
-
-
 class DivergedError(CompensatorError):
     """A closed loop left the range of float64; what came before is kept in the result."""

@@ -1,15 +1,13 @@
 """Where certified roots lie: left of, on or right of the imaginary axis; inside the unit circle."""
 
-from collections.abc import Callable
 from typing import Any
 
-import flint
 from sympy import QQ, Poly
 
 from .reciprocals import reciprocal_polynomial
 from .root_counts import RootCount, require_rational
-from .roots import root_balls
-from .unit_circle import fold_palindrome
+from .roots import decided_balls
+from .unit_circle import fold_palindrome, is_inside
 
 
 def locate_half_plane_roots(poly: Poly) -> RootCount:
@@ -41,12 +39,12 @@ def locate_half_plane_roots(poly: Poly) -> RootCount:
     require_rational(poly)
     s = poly.gen
     symmetric = poly.gcd(poly.compose(Poly(-s, s, domain=QQ)))
-    others = decided_balls(poly.exquo(symmetric), lambda ball: ball.real < 0 or ball.real > 0)
-    stable = sum(m for ball, m in others if ball.real < 0)
+    others = decided_balls(poly.exquo(symmetric), lambda ball: _sign(ball.real))
+    stable = sum(m for _, m, sign in others if sign < 0)
     at_origin, rest = _without_origin(symmetric)
     squares = Poly(rest.all_coeffs()[::2], s, domain=QQ)
-    pairs = decided_balls(squares, lambda t: t.imag != 0 or t.real < 0 or t.real > 0)
-    on_axis = sum(m for t, m in pairs if t.imag == 0 and t.real < 0)
+    pairs = decided_balls(squares, lambda t: False if t.imag != 0 else _less(t.real, 0))
+    on_axis = sum(m for _, m, is_on_axis in pairs if is_on_axis)
     each_side = int(squares.degree()) - on_axis
     degree = int(poly.degree())
     stable, boundary = stable + each_side, at_origin + 2 * on_axis
@@ -83,52 +81,18 @@ def locate_unit_disk_roots(poly: Poly) -> RootCount:
     degree = int(poly.degree())
     at_origin, rest = _without_origin(poly)
     symmetric = rest.gcd(reciprocal_polynomial(rest))
-    others = decided_balls(rest.exquo(symmetric), lambda ball: abs(ball) < 1 or abs(ball) > 1)
-    stable = at_origin + sum(m for ball, m in others if abs(ball) < 1)
+    others = decided_balls(rest.exquo(symmetric), is_inside)
+    stable = at_origin + sum(m for _, m, inside in others if inside)
     boundary = 0
     for root in (1, -1):
         multiplicity, symmetric = _divided(symmetric, Poly([1, -root], poly.gen, domain=QQ))
         boundary += multiplicity
     folded = fold_palindrome(symmetric)
-    pairs = decided_balls(folded, lambda t: t.imag != 0 or abs(t.real) < 2 or abs(t.real) > 2)
-    on_circle = sum(m for t, m in pairs if t.imag == 0 and abs(t.real) < 2)
+    pairs = decided_balls(folded, lambda t: False if t.imag != 0 else _less(abs(t.real), 2))
+    on_circle = sum(m for _, m, is_on_circle in pairs if is_on_circle)
     stable += int(folded.degree()) - on_circle
     boundary += 2 * on_circle
     return RootCount(stable, boundary, degree - stable - boundary)
-
-
-def decided_balls(
-    poly: Poly, is_decided: Callable[[Any], bool], precision: int = 64
-) -> list[tuple[Any, int]]:
-    """Isolate the roots with growing precision until each ball answers a question.
-
-    Parameters
-    ----------
-    poly : sympy.Poly
-        Rational coefficients, not zero.
-    is_decided : callable
-        Of a python-flint complex ball; must become true for small enough balls around every root.
-    precision : int
-        Bits to begin with.
-
-    Returns
-    -------
-    list of (flint.acb, int)
-        Balls and multiplicities.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.root_regions import decided_balls
-    >>> len(decided_balls(polynomial("q**2 - 2"), lambda ball: ball.real > 0 or ball.real < 0))
-    2
-    """
-    while True:
-        with flint.ctx.workprec(precision):
-            balls = root_balls(poly, precision)
-            if all(is_decided(ball) for ball, _ in balls):
-                return balls
-        precision *= 2
 
 
 def _without_origin(poly: Poly) -> tuple[int, Poly]:
@@ -142,3 +106,11 @@ def _divided(poly: Poly, factor: Poly) -> tuple[int, Poly]:
         if not remainder.is_zero:
             return multiplicity, poly
         multiplicity, poly = multiplicity + 1, quotient
+
+
+def _sign(value: Any) -> int | None:
+    return -1 if value < 0 else 1 if value > 0 else None
+
+
+def _less(value: Any, bound: int) -> bool | None:
+    return True if value < bound else False if value > bound else None

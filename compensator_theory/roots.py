@@ -1,14 +1,17 @@
 """Roots with a certificate: balls that provably contain them, with exact multiplicities."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import flint
 from sympy import Poly
 
 from .errors import InputError
 from .polynomials import is_rational
+
+Decision = TypeVar("Decision")
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,45 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[Any, int]]:
     integers = _integer_polynomial(poly)
     with flint.ctx.workprec(precision):
         return [(ball, int(multiplicity)) for ball, multiplicity in integers.complex_roots()]
+
+
+def decided_balls(
+    poly: Poly, decide: Callable[[Any], Decision | None], precision: int = 64
+) -> list[tuple[Any, int, Decision]]:
+    """Isolate the roots with growing precision until each ball answers a question.
+
+    The question is asked at the precision of the balls: at a lower one, python-flint would round
+    what it computes from them and lose the answer.
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+    decide : callable
+        Of a python-flint complex ball; None where the ball is too large to tell. Must have an
+        answer for small enough balls around every root.
+    precision : int
+        Bits to begin with.
+
+    Returns
+    -------
+    list of (flint.acb, int, decision)
+        Balls, multiplicities and answers.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import decided_balls
+    >>> answers = decided_balls(polynomial("q**2 - 2"), lambda ball: ball.real > 0)
+    >>> sorted(positive for _, _, positive in answers)
+    [False, True]
+    """
+    while True:
+        with flint.ctx.workprec(precision):
+            answered = [(ball, m, decide(ball)) for ball, m in root_balls(poly, precision)]
+        if all(answer is not None for _, _, answer in answered):
+            return answered  # type: ignore[return-value]
+        precision *= 2
 
 
 def _integer_polynomial(poly: Poly) -> Any:

@@ -1,10 +1,12 @@
 """Inside, on or outside the unit circle: decided exactly."""
 
-from sympy import Poly
+from typing import Any
+
+from sympy import QQ, Poly
 
 from .errors import InputError, NoSolutionError, UnitCircleError
 from .polynomials import canonical, is_rational, monic
-from .roots import root_balls
+from .roots import decided_balls
 
 
 def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
@@ -91,16 +93,24 @@ def lies_inside(factor: Poly) -> bool:
     require_none_on_circle(factor)
     if _is_self_reciprocal(factor):
         raise mixed
-    precision = 64
-    while True:
-        radii = [abs(ball) for ball, _ in root_balls(factor, precision)]
-        inside = [bool(radius < 1) for radius in radii]
-        if all(within or radius > 1 for within, radius in zip(inside, radii, strict=True)):
-            break
-        precision *= 2
+    inside = [within for _, _, within in decided_balls(factor, is_inside)]
     if any(inside) and not all(inside):
         raise mixed
     return all(inside)
+
+
+def is_inside(ball: Any) -> bool | None:
+    """Tell whether a complex ball lies inside the unit circle; None if it meets the circle.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.unit_circle import is_inside
+    >>> is_inside(flint.acb(0.5)), is_inside(flint.acb(0, 1.5)), is_inside(flint.acb(1))
+    (True, False, None)
+    """
+    modulus = abs(ball)
+    return True if modulus < 1 else False if modulus > 1 else None
 
 
 def fold_palindrome(poly: Poly) -> Poly:
@@ -123,10 +133,10 @@ def fold_palindrome(poly: Poly) -> Poly:
     half = int(poly.degree()) // 2
     descending = poly.all_coeffs()[: half + 1]  # c_half, ..., c_0 of sum c_j (q^j + q^-j)
     t = poly.gen
-    chebyshev = [Poly(2, t), Poly(t, t)]  # q^j + q^-j as polynomials in t = q + 1/q
+    chebyshev = [Poly(2, t, domain=QQ), Poly(t, t, domain=QQ)]  # q^j + q^-j as polynomials in t = q + 1/q
     while len(chebyshev) <= half:
-        chebyshev.append(Poly(t, t) * chebyshev[-1] - chebyshev[-2])
-    folded = Poly(descending[half], t)
+        chebyshev.append(chebyshev[1] * chebyshev[-1] - chebyshev[-2])
+    folded = Poly(descending[half], t, domain=QQ)
     for j in range(1, half + 1):
         folded += chebyshev[j].mul_ground(descending[half - j])
     return canonical(folded)

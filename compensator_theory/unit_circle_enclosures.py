@@ -12,8 +12,8 @@ from .enclosures import Enclosure, PolynomialEnclosure, ball_of_enclosure, enclo
 from .errors import InputError, NoSolutionError
 from .reciprocals import monic_reciprocal_polynomial
 from .root_counts import require_rational
-from .root_regions import decided_balls
-from .unit_circle import require_none_on_circle, split_at_unit_circle
+from .roots import decided_balls
+from .unit_circle import is_inside, require_none_on_circle, split_at_unit_circle
 
 MAX_DIGITS = 10_000
 
@@ -65,10 +65,12 @@ def enclose_split_at_unit_circle(
         pass
     require_none_on_circle(poly)
     while True:
-        balls = decided_balls(poly, lambda ball: abs(ball) < 1 or abs(ball) > 1, bits)
+        balls = decided_balls(poly, is_inside, bits)
         with flint.ctx.workprec(bits):
             factors = [
-                product_of_roots((b for b in balls if (abs(b[0]) < 1) == side), poly.gen)
+                product_of_roots(
+                    ((ball, m) for ball, m, inside in balls if inside is side), poly.gen
+                )
                 for side in (True, False)
             ]
         if all(factor.radius <= Rational(1, 10**digits) for factor in factors):

@@ -137,7 +137,7 @@ class ModellingInformation:
             raise InputError("H = 0: the first nonzero Markov parameter cannot be zero.")
         for zero in self.nmp_zeros:
             modulus = abs(complex(exact_number(zero)))
-            if modulus < 1:
+            if modulus < 1 - 1e-12:  # a zero on the circle may have been rounded
                 raise InputError(
                     f"the zero {zero} has modulus {modulus:.6g} < 1 and is minimum phase; only "
                     "zeros on or outside the unit circle belong in nmp_zeros."
@@ -153,7 +153,7 @@ class ModellingInformation:
 def modelling_information(plant: Plant) -> ModellingInformation:
     """Relative degree, leading coefficient and NMP zeros of a plant's G_zu; scalar z and u.
 
-    The zeros come from certified root isolation of the exact numerator over the unreduced
+    Which zeros are outside the unit circle is decided exactly, for the numerator over the unreduced
     denominator det(qI - A), so an uncontrollable or unobservable unstable mode counts as one.
 
     Examples
@@ -163,23 +163,28 @@ def modelling_information(plant: Plant) -> ModellingInformation:
     >>> modelling_information(plant)
     ModellingInformation(d_zu=1, H=-1, nmp_zeros=(11/10,))
     """
-    from compensator_theory import certified_roots  # noqa: PLC0415
-
     numerator, denominator = plant.scalar_map("zu")
     if numerator.is_zero:
         raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
     zeros: list[Any] = []
     for factor, multiplicity in numerator.factor_list()[1]:
-        outside = [root for root in certified_roots(factor) if abs(root.value) + root.radius >= 1]
-        exact = (
-            [-factor.monic().nth(0)]
-            if outside and factor.degree() == 1
-            else [root.value.real if root.is_real else root.value for root in outside]
-        )
-        zeros += multiplicity * exact
+        zeros += multiplicity * _zeros_not_inside(factor)
     return ModellingInformation(
         denominator.degree() - numerator.degree(), numerator.LC(), tuple(zeros)
     )
+
+
+def _zeros_not_inside(factor: Poly) -> list[Any]:
+    """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
+    from compensator_theory import certified_roots, locate_unit_disk_roots  # noqa: PLC0415
+
+    count = locate_unit_disk_roots(factor)
+    wanted = count.boundary + count.unstable
+    if wanted and factor.degree() == 1:
+        return [-factor.monic().nth(0)]
+    # How many there are is exact, and they are the largest.
+    largest = sorted(certified_roots(factor), key=lambda root: -abs(root.value))[:wanted]
+    return [root.value.real if root.is_real else root.value for root in largest]
 
 
 def fir_target(information: ModellingInformation | Plant) -> TargetModel:

@@ -24,6 +24,7 @@ from compensator_theory import (
     polynomial_from_roots,
     reciprocal_polynomial,
     reflection_coefficients,
+    split_at_unit_circle,
 )
 from compensator_theory.strategies import polynomials, spectra
 
@@ -187,3 +188,20 @@ def test_bad_input():
     for a, b in ((0, 0), ("s", "1/s"), (float("inf"), "s")):
         with pytest.raises(InputError):
             bezout_identity(a, b)
+
+
+@pytest.mark.parametrize(
+    ("text", "stable", "unstable"),
+    [
+        ("q**2 - 1.9999999999999999999*q + 0.99999999999999999998", 2, 0),
+        ("q**2 - 1.9999999999999999999*q + 1.00000000000000000002", 0, 2),
+        ("q**2 - 1.5*q + 0." + 60 * "9", 2, 0),
+        ("q**2 - 1.5*q + 1." + 59 * "0" + "1", 0, 2),
+    ],
+)
+def test_roots_closer_to_the_circle_than_float64_can_tell(text, stable, unstable):
+    poly = polynomial(text)
+    for count in (locate_unit_disk_roots(poly), count_unit_disk_roots(poly)):
+        assert (count.stable, count.boundary, count.unstable) == (stable, 0, unstable)
+    inside, outside = split_at_unit_circle(poly)
+    assert (inside.degree(), outside.degree()) == (stable, unstable)
