@@ -90,6 +90,9 @@ def place_poles(
     goal = _target(target, G)
     n = G.order
     n_c = goal.degree() - n if n_c is None else n_c
+    for name, value in (("n_c", n_c), ("numerator_degree", numerator_degree)):
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
+            raise InputError(f"{name} = {value!r} must be an integer")
     if n_c < 0 or goal.degree() != n + n_c:
         raise InputError(
             f"the target has degree {goal.degree()}, but a plant of order {n} with a compensator "

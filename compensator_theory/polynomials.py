@@ -200,12 +200,19 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
 def is_rational(poly: Poly) -> bool:
     """Tell whether every coefficient is a rational number.
 
+    Raises
+    ------
+    InputError
+        If it is not a polynomial.
+
     Examples
     --------
     >>> from compensator_theory.polynomials import is_rational, polynomial
     >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
     (True, False)
     """
+    if not isinstance(poly, Poly):
+        raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
     return bool(poly.domain.is_QQ or poly.domain.is_ZZ)
 
 

@@ -228,12 +228,24 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     Matrix([[1/10, a]])
     """
     if isinstance(value, sympy.MatrixBase):
-        return ImmutableMatrix(value.rows, value.cols, [exact_number(entry) for entry in value])
+        exact = [_rational_or_symbolic(entry, name) for entry in value]
+        return ImmutableMatrix(value.rows, value.cols, exact)
     shape = getattr(value, "shape", None)
     rows = list(value) if not isinstance(value, str) and hasattr(value, "__iter__") else None
     flat_rows = rows is None or any(isinstance(r, str) or not hasattr(r, "__len__") for r in rows)
     if flat_rows or len({len(row) for row in rows or ()}) > 1:
         raise InputError(f"{name} = {value!r} is not a matrix; write rows, as in [[1, 2], [3, 4]]")
-    entries = [[exact_number(entry) for entry in row] for row in rows or ()]
+    entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows or ()]
     columns = len(entries[0]) if entries else (shape[1] if shape is not None else 0)
     return ImmutableMatrix(len(entries), columns, [entry for row in entries for entry in row])
+
+
+def _rational_or_symbolic(value: Any, name: str) -> sympy.Expr:
+    """Read an entry; an irrational number would leave the rings that the algorithms work in."""
+    entry = exact_number(value)
+    if entry.is_number and not entry.is_rational:
+        raise InputError(
+            f"{name} contains the irrational number {entry}; write a symbol in its place, or a "
+            "rational number close to it"
+        )
+    return entry

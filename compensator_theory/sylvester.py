@@ -55,6 +55,8 @@ def sylvester_m(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> I
     """
     d, n = _trimmed(D), _trimmed(N)
     rows = len(d) - 1 + n_c
+    if not (isinstance(n_c, int) and isinstance(m_hat, int)):
+        raise InputError(f"n_c = {n_c!r} and m_hat = {m_hat!r} must be integers")
     if n_c < 0 or m_hat < -1:
         raise InputError(f"n_c = {n_c} must be at least 0 and m_hat = {m_hat} at least -1")
     offset = rows - (len(n) - 1) - m_hat - 1

@@ -133,7 +133,8 @@ def fold_palindrome(poly: Poly) -> Poly:
     half = int(poly.degree()) // 2
     descending = poly.all_coeffs()[: half + 1]  # c_half, ..., c_0 of sum c_j (q^j + q^-j)
     t = poly.gen
-    chebyshev = [Poly(2, t, domain=QQ), Poly(t, t, domain=QQ)]  # q^j + q^-j as polynomials in t = q + 1/q
+    # q^j + q^-j as polynomials in t = q + 1/q
+    chebyshev = [Poly(2, t, domain=QQ), Poly(t, t, domain=QQ)]
     while len(chebyshev) <= half:
         chebyshev.append(chebyshev[1] * chebyshev[-1] - chebyshev[-2])
     folded = Poly(descending[half], t, domain=QQ)

@@ -9,7 +9,17 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import InputError, exact_number, parse_expression
+from compensator_theory import (
+    InputError,
+    StandardProblem,
+    certified_roots,
+    exact_number,
+    parse_expression,
+    place_poles,
+    split_at_unit_circle,
+    standard_problem,
+    sylvester_m,
+)
 from compensator_theory.expressions import parse_quotient
 
 
@@ -93,3 +103,20 @@ def test_sides_of_a_quotient_are_not_cancelled():
     numerator, denominator = parse_quotient("1/(s + 1) + 1/(s + 2)")
     assert sympy.expand(numerator) == 2 * s + 3
     assert sympy.expand(denominator - (s + 1) * (s + 2)) == 0
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: certified_roots(3),
+        lambda: split_at_unit_circle("q - 2"),
+        lambda: place_poles("1/(s - 1)", [-1, -2], 1.0, feedback=1),
+        lambda: place_poles("1/(s - 1)", [-1, -2], feedback=1, numerator_degree=0.5),
+        lambda: sylvester_m("s + 1", "1", 1.5, 1),
+        lambda: standard_problem("1/(q - sqrt(2))"),
+        lambda: StandardProblem([["sqrt(2)"]], [[1]], [[1]], [[1]], None, None, [[1]], None, None),
+    ],
+)
+def test_wrong_types_are_our_errors(call):
+    with pytest.raises(InputError):
+        call()
