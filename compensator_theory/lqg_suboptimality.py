@@ -91,8 +91,8 @@ def is_lqg_suboptimal(
         "" if pair.answer else " (the pair with its common factors is not, but the cost ignores it)"
     )
     reason = (
-        f"its transfer function is observer-based{hidden} and the closed loop is stable, so that it is "
-        "optimal for the cost |u - Kx|^2 with process noise Fw and sensor noise w"
+        f"its transfer function is observer-based{hidden} and the closed loop is stable, so that "
+        "it is optimal for the cost |u - Kx|^2 with process noise Fw and sensor noise w"
     )
     return ObserverDecision(question, False, reason, structure.number_of_forms, Dtilde)
 

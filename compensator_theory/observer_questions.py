@@ -62,7 +62,7 @@ def pair_is_observer_based(
     ...                              feedback=-1))
     Is the pair observer-based? no: n = 3 is odd and the closed loop has no real root, so that no
     real regulator of degree 3 divides it. Forms: 0.
-    Closed loop: s**6 + 6*s**5 + 17*s**4 + 28*s**3 + 32*s**2 + 26*s + 10
+    Closed loop: s**6 + 6*s**5 + 16*s**4 + 24*s**3 + 25*s**2 + 18*s + 10
     """
     question = "Is the pair observer-based?"
     G, G_c = siso_loop(plant, compensator, feedback)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -97,7 +98,10 @@ class _Report:
         if self.exact is not None:
             forms = (*self.exact.forms, *self.exact.families)
             if forms:
-                lines += ["", "In the canonical realisations, u = K x_hat, A + BK and A - FC:"]
+                lines += [
+                    "",
+                    "In controllable canonical form, with A + BK, A - FC and u = K x_hat:",
+                ]
             lines += [f"{number}. {form}" for number, form in enumerate(forms[:FEW], start=1)]
             if len(forms) > FEW:
                 lines.append(f"... and {len(forms) - FEW} more (all with --json)")
@@ -132,7 +136,10 @@ def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
         plant = realisation(G)
         signed = TransferFunction(scaled(G_c.numerator, feedback), G_c.denominator)
         compensator = realisation(signed)
-        decisions["realisation"] = realisation_is_observer_based(plant, compensator)
+        decisions["realisation"] = replace(
+            realisation_is_observer_based(plant, compensator),
+            question="Is its controllable canonical realisation observer-based?",
+        )
         exact = observer_forms(plant, compensator)
         if exact.is_complete is False and is_rational(exact.characteristic_polynomial):
             from rcac_numeric.observer_forms import numeric_observer_forms  # noqa: PLC0415
