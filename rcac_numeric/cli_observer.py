@@ -118,14 +118,13 @@ def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
         pair_is_observer_based,
         realisation,
         realisation_is_observer_based,
-        transfer_function,
         transfer_function_is_observer_based,
     )
+    from compensator_theory.observer_questions import siso_loop  # noqa: PLC0415
     from compensator_theory.polynomials import is_rational, scaled  # noqa: PLC0415
     from compensator_theory.transfer_functions import TransferFunction  # noqa: PLC0415
 
-    G = transfer_function(plant_text)
-    G_c = transfer_function(compensator_text, G.variable)
+    G, G_c = siso_loop(plant_text, compensator_text, feedback)
     decisions = {
         "pair": pair_is_observer_based(G, G_c, feedback=feedback),
         "transfer_function": transfer_function_is_observer_based(G, G_c, feedback=feedback),
