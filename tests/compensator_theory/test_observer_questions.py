@@ -219,7 +219,7 @@ def test_other_answers_about_lqg():
     assert is_lqg_suboptimal("1/(s + a)", "1/(s + b)", feedback=-1).answer is None
     assert is_lqg_suboptimal("1/(z - 1/2)", "1/(16*z)", feedback=-1).answer is False
     assert is_lqg_suboptimal("1/(s + 1)", "1/(s**2 + 9*s + 9)", feedback=-1).answer is True
-    assert is_lqg_suboptimal("1/s**2", ("s", "s**2 + 2"), feedback=-1).answer is None  # s = 0
+    assert is_lqg_suboptimal("1/(s + 1)", "-1/(s + 1)", feedback=-1).answer is None  # s (s + 2)
 
 
 def test_symbols():
