@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from compensator_theory import (
     InputError,
     Realisation,
+    TransferFunction,
     closed_loop_matrix,
     count_observer_forms,
     observer_based_compensator,
@@ -25,7 +26,7 @@ from compensator_theory import (
 )
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.real_factors import count_partitions, number_of_real_roots
-from compensator_theory.strategies import rationals, spectra, strictly_proper_plants
+from compensator_theory.strategies import polynomials, rationals, spectra, strictly_proper_plants
 
 s = sympy.Symbol("s")
 EXAMPLE_7_1 = ([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])
@@ -140,8 +141,11 @@ def test_a_regulator_and_yet_no_youla_form():
 @st.composite
 def hidden_loops(draw):
     """A minimal SISO plant and a full-order compensator with hidden modes."""
-    plant = draw(strictly_proper_plants(max_order=3))
-    n = plant.order
+    n = draw(st.integers(1, 3))
+    D = polynomial_from_roots(draw(spectra(n)), "s")
+    N = draw(polynomials("s", 0, n - 1))
+    assume(D.gcd(N).degree() == 0)
+    plant = TransferFunction(N, D)
     kinds = draw(st.lists(st.sampled_from(["shown", "unreached", "unseen", "joint"]),
                           min_size=n, max_size=n))  # fmt: skip
     modes = draw(st.lists(st.integers(-9, 9), min_size=n, max_size=n, unique=True))
