@@ -115,7 +115,7 @@ class ObserverForms:
         Raises
         ------
         InputError
-            If the shapes do not fit or :math:`n_c \\ne n`, so that there is no F.
+            If the shapes do not fit or :math:`n_c \ne n`, so that there is no F.
         NoSolutionError
             If there is no form.
         """

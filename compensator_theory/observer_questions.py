@@ -62,7 +62,7 @@ def pair_is_observer_based(
     ...                              feedback=-1))
     Is the pair observer-based? no: n = 3 is odd and the closed loop has no real root, so that no
     real regulator of degree 3 divides it. Forms: 0.
-    Closed loop: s**6 + 6*s**5 + 17*s**4 + 28*s**3 + 32*s**2 + 26*s + 10
+    Closed loop: s**6 + 6*s**5 + 16*s**4 + 24*s**3 + 25*s**2 + 18*s + 10
     """
     question = "Is the pair observer-based?"
     G, G_c = siso_loop(plant, compensator, feedback)
@@ -166,10 +166,8 @@ def siso_loop(
     """
     if isinstance(feedback, bool) or feedback not in (1, -1):
         raise InputError(f"feedback = {feedback!r} must be +1 (u = G_c y) or -1 (u = -G_c y)")
-    G, G_c = (
-        part.transfer_function() if isinstance(part, Realisation) else transfer_function(part)
-        for part in (plant, compensator)
-    )
+    G = _read(plant, None)
+    G_c = _read(compensator, G)
     if G_c.variable != G.variable:
         raise InputError(
             f"the plant is written in {G.variable} and the compensator in {G_c.variable}; they "
@@ -186,6 +184,18 @@ def siso_loop(
             "depends on its realisation; reduce it, or use realisation_is_observer_based"
         )
     return G, G_c
+
+
+def _read(part: Any, companion: TransferFunction | None) -> TransferFunction:
+    """Read a transfer function; one that shows no variable has that of its companion."""
+    if isinstance(part, Realisation):
+        return part.transfer_function()
+    try:
+        return transfer_function(part)
+    except InputError:
+        if companion is None:
+            raise
+        return transfer_function(part, companion.variable)
 
 
 def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:

@@ -138,8 +138,10 @@ def has_real_root(poly: Poly) -> bool | None:
     factors = [factor for factor, _ in poly.factor_list()[1]]
     if any(factor.degree() % 2 for factor in factors):
         return True
+    real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in poly.free_symbols_in_domain}
     signs = [
-        sympy.sympify(f.discriminant()).is_nonnegative if f.degree() == 2 else None for f in factors
+        sympy.sympify(f.discriminant()).xreplace(real).is_nonnegative if f.degree() == 2 else None
+        for f in factors
     ]
     return True if True in signs else False if set(signs) == {False} else None
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -97,7 +98,10 @@ class _Report:
         if self.exact is not None:
             forms = (*self.exact.forms, *self.exact.families)
             if forms:
-                lines += ["", "In the canonical realisations, u = K x_hat, A + BK and A - FC:"]
+                lines += [
+                    "",
+                    "In controllable canonical form, with A + BK, A - FC and u = K x_hat:",
+                ]
             lines += [f"{number}. {form}" for number, form in enumerate(forms[:FEW], start=1)]
             if len(forms) > FEW:
                 lines.append(f"... and {len(forms) - FEW} more (all with --json)")
@@ -114,14 +118,13 @@ def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
         pair_is_observer_based,
         realisation,
         realisation_is_observer_based,
-        transfer_function,
         transfer_function_is_observer_based,
     )
+    from compensator_theory.observer_questions import siso_loop  # noqa: PLC0415
     from compensator_theory.polynomials import is_rational, scaled  # noqa: PLC0415
     from compensator_theory.transfer_functions import TransferFunction  # noqa: PLC0415
 
-    G = transfer_function(plant_text)
-    G_c = transfer_function(compensator_text, G.variable)
+    G, G_c = siso_loop(plant_text, compensator_text, feedback)
     decisions = {
         "pair": pair_is_observer_based(G, G_c, feedback=feedback),
         "transfer_function": transfer_function_is_observer_based(G, G_c, feedback=feedback),
@@ -132,7 +135,10 @@ def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
         plant = realisation(G)
         signed = TransferFunction(scaled(G_c.numerator, feedback), G_c.denominator)
         compensator = realisation(signed)
-        decisions["realisation"] = realisation_is_observer_based(plant, compensator)
+        decisions["realisation"] = replace(
+            realisation_is_observer_based(plant, compensator),
+            question="Is its controllable canonical realisation observer-based?",
+        )
         exact = observer_forms(plant, compensator)
         if exact.is_complete is False and is_rational(exact.characteristic_polynomial):
             from rcac_numeric.observer_forms import numeric_observer_forms  # noqa: PLC0415

@@ -127,7 +127,7 @@ class NumericObserverForms:
 
 
 def numeric_observer_forms(
-    plant: Any, compensator: Any, *, limit: int = 200_000, singular: float = 1e13
+    plant: Any, compensator: Any, *, limit: int = 200_000, singular: float = 1e-13
 ) -> NumericObserverForms:
     r"""Compute every real observer-based form, irrational regulator polynomials included.
 
@@ -141,7 +141,8 @@ def numeric_observer_forms(
     limit : int
         Largest number of forms.
     singular : float
-        Condition number from which on a basis or T counts as singular. For SISO systems the exact
+        A subspace counts as without a form if one of its directions makes an angle with the states
+        of the plant, or with those of the compensator, whose sine is not larger. The exact
         decision, :func:`compensator_theory.realisation_is_observer_based`, needs no such bound.
 
     Returns
@@ -186,16 +187,12 @@ def numeric_observer_forms(
     loop = _rounded(exact_loop)
     columns, roots, choices = _kernel_bases(loop, _roots(Dtilde))
     regulator, observer = _selections(choices, n, n_c)
-    V = np.moveaxis(columns[:, regulator], 1, 0)  # forms x (n + n_c) x n
+    V = np.linalg.qr(np.moveaxis(columns[:, regulator], 1, 0)).Q  # forms x (n + n_c) x n
     V_1, V_2 = V[:, :n, :], V[:, n:, :]
-    good = np.linalg.cond(V_1) < singular if len(V) else np.zeros(0, bool)
-    T = np.swapaxes(
-        np.linalg.solve(np.swapaxes(V_1[good], 1, 2), np.swapaxes(V_2[good], 1, 2)), 1, 2
-    )
+    kept = np.flatnonzero((_least_sine(V_1) > singular) & (_least_sine(V_2) > singular))
+    T = np.linalg.solve(V_1[kept].transpose(0, 2, 1), V_2[kept].transpose(0, 2, 1))
+    T = T.transpose(0, 2, 1)
     condition = np.linalg.cond(T) if len(T) else np.zeros(0)
-    full = condition < singular
-    kept = np.flatnonzero(good)[full]
-    T, condition = T[full], condition[full]
     A, B, C = (_rounded(m) for m in (system.A, system.B, system.C))
     B_c, C_c = _rounded(controller.B), _rounded(controller.C)
     K = C_c @ T
@@ -212,6 +209,13 @@ def numeric_observer_forms(
 def _rounded(matrix: ImmutableMatrix) -> Array:
     entries = [int(entry.p) / int(entry.q) for entry in matrix]
     return np.array(entries, float).reshape(matrix.shape)
+
+
+def _least_sine(blocks: Array) -> Array:
+    """Return the least singular value of each block of orthonormal columns."""
+    if not len(blocks):
+        return np.zeros(0)
+    return cast(Array, np.linalg.svd(blocks, compute_uv=False)[:, -1])
 
 
 def _norms(matrices: Array) -> Array:

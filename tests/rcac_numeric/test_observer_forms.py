@@ -1,0 +1,152 @@
+"""Observer-based forms in float64, held against the exact ones and against the exact counts."""
+
+import control
+import numpy as np
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    InputError,
+    observer_based_compensator,
+    observer_forms,
+    polynomial_from_roots,
+    realisation,
+    realisation_is_observer_based,
+)
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.strategies import spectra, strictly_proper_plants
+from rcac_numeric import numeric_observer_forms
+
+
+def as_array(matrix):
+    return np.array(matrix, float)
+
+
+@given(strictly_proper_plants(max_order=3), st.data())
+def test_float_forms_agree_with_the_exact_ones(plant, data):
+    n = plant.order
+    p, r = (polynomial_from_roots(data.draw(spectra(n)), "s") for _ in range(2))
+    design = observer_based_compensator(plant, p, r)
+    exact = observer_forms(design.plant, design.compensator)
+    assume(not exact.families)
+    numeric = numeric_observer_forms(design.plant, design.compensator)
+    assert len(numeric) == len(exact.forms)
+    assert numeric.rejected == len(exact.rejections)
+    for form in exact.forms:
+        roots = np.array([np.poly(row).real for row in numeric.regulator_roots])
+        wanted = as_array(form.regulator.all_coeffs())
+        index = int(np.argmin(np.abs(roots - wanted).sum(axis=1)))
+        assert np.allclose(roots[index], wanted, rtol=1e-9, atol=1e-9)
+        T = as_array(form.T)
+        accuracy = 1e-9 * numeric.condition[index] * (1 + np.linalg.norm(T))
+        assert np.allclose(numeric.T[index], T, rtol=1e-6, atol=accuracy)
+        condition = np.linalg.cond(T)
+        assert numeric.condition[index] == pytest.approx(condition, rel=1e-4) or condition > 1e8
+    assert numeric.residual.max(initial=0) < 1e-9
+
+
+@pytest.mark.parametrize("n_c", [1, 2, 3, 4])
+def test_random_minimal_loops_have_as_many_forms_as_real_divisors(n_c):
+    rng = np.random.default_rng(n_c)
+    for n in (2, 3, 4):
+        for _ in range(5):
+            plant = [rng.integers(-9, 9, shape) / 4 for shape in ((n, n), (n, 1), (1, n))]
+            other = [rng.integers(-9, 9, shape) / 4 for shape in ((n_c, n_c), (n_c, 1), (1, n_c))]
+            system, controller = realisation(tuple(plant)), realisation(tuple(other))
+            if not (system.is_minimal and controller.is_minimal):
+                continue
+            found = numeric_observer_forms(system, controller)
+            loop = np.block([[plant[0], plant[1] @ other[2]], [other[1] @ plant[2], other[0]]])
+            assert found.rejected == 0
+            if n_c <= n:
+                decision = realisation_is_observer_based(system, controller)
+                assert decision.number_of_forms == len(found)
+            for i in range(len(found)):
+                A_R = plant[0] + plant[1] @ found.K[i]
+                left = np.vstack([np.eye(n), found.T[i]])
+                assert np.allclose(
+                    loop @ left, left @ A_R, rtol=1e-6, atol=1e-6 * found.condition[i]
+                )
+                both = np.concatenate([found.regulator_roots[i], found.observer_roots[i]])
+                assert np.allclose(
+                    np.poly(both).real, np.poly(np.linalg.eigvals(loop)).real, rtol=1e-6, atol=1e-6
+                )
+                if n_c == n:
+                    built = A_R - found.F[i] @ plant[2]
+                    T = found.T[i]
+                    assert np.allclose(
+                        other[0] @ T, T @ built, rtol=1e-6, atol=1e-8 * found.condition[i] ** 2
+                    )
+
+
+@given(st.data())
+def test_hidden_modes_are_rejected_as_the_exact_rule_says(data):
+    plant = realisation(data.draw(strictly_proper_plants(max_order=3)))
+    n = plant.n
+    shown = data.draw(
+        st.lists(st.sampled_from([(1, 1), (1, 0), (0, 1), (0, 0)]), min_size=n, max_size=n)
+    )
+    modes = data.draw(st.lists(st.integers(-9, 9), min_size=n, max_size=n, unique=True))
+    compensator = realisation((
+        sympy.diag(*modes), [[reached] for reached, _ in shown], [[seen for _, seen in shown]]
+    ))  # fmt: skip
+    decision = realisation_is_observer_based(plant, compensator)
+    try:
+        found = numeric_observer_forms(plant, compensator)
+    except InputError as error:
+        assert "Jordan blocks" in str(error)
+        assert decision.number_of_forms == "a continuum" or decision.number_of_forms in (0, None)
+        return
+    assert decision.number_of_forms == len(found)
+
+
+def test_repeated_roots_keep_their_digits():
+    for n in (2, 3, 4, 5):
+        design = observer_based_compensator(f"1/(s**{n} + 1)", [-1] * n, [-1] * n)
+        found = numeric_observer_forms(design.plant, design.compensator)
+        assert len(found) == 1
+        assert np.allclose(found.K[0], as_array(design.K), rtol=1e-8)
+        assert np.allclose(found.F[0], as_array(design.F), rtol=1e-8)
+
+
+def test_several_signals_and_python_control():
+    A, K, F = (
+        np.array([[0.0, 1], [2, -1]]),
+        np.array([[-4.0, 0], [1, -3]]),
+        np.array([[5.0, 1], [0, 7]]),
+    )
+    plant = control.ss(A, np.eye(2), np.eye(2), np.zeros((2, 2)))
+    compensator = control.ss(A + K - F, F, K, np.zeros((2, 2)))
+    found = numeric_observer_forms(plant, compensator)
+    index = found.closest_to(K, F)
+    assert np.allclose(found.K[index], K) and np.allclose(found.F[index], F)
+    assert found.best_conditioned() == int(np.argmin(np.linalg.cond(found.T)))
+    slowest = found.observer_roots.real.max(axis=1)
+    assert slowest[found.fastest_observer()] == slowest.min()
+    assert "cond(T)" in str(found)
+
+
+def test_refusals():
+    with pytest.raises(InputError, match="Jordan blocks"):
+        numeric_observer_forms(
+            ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), ([[-6, 0], [0, -5]], [[1], [0]], [[12, 0]])
+        )
+    with pytest.raises(InputError, match="rational"):
+        numeric_observer_forms("1/(s + a)", "1/(s + 1)")
+    with pytest.raises(InputError, match="limit"):
+        numeric_observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)", limit=1)
+    with pytest.raises(InputError, match="states"):
+        numeric_observer_forms(
+            "1/s", realisation((sympy.zeros(0, 0), sympy.zeros(0, 1), sympy.zeros(1, 0)))
+        )
+    none = numeric_observer_forms(
+        ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
+    )
+    assert len(none) == 0 and none.rejected == 6 and "no observer-based form" in str(none)
+    with pytest.raises(NoSolutionError):
+        none.fastest_observer()
+    three = numeric_observer_forms("1/s", "-2/(s + 3)")
+    with pytest.raises(InputError, match="shapes"):
+        three.closest_to([[1, 2]], [[1]])
