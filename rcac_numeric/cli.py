@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.cli_place import place
 
 if TYPE_CHECKING:
     from rcac_numeric.verdicts import Verification
@@ -24,6 +25,9 @@ Exit status: 0 done, and every verdict of record holds; 1 a verdict has changed;
 @click.version_option(package_name="compensator-theory", prog_name="rcac")
 def main() -> None:
     """Retrospective cost adaptive control, held against exact compensator theory."""
+
+
+main.add_command(place)
 
 
 @main.command("list")
