@@ -127,7 +127,7 @@ def placement_conditioning(
     --------
     >>> from rcac_numeric import placement_conditioning
     >>> print(placement_conditioning("1/(s - 1)", [-1, -2], feedback=-1))
-    condition number 6.9e+00; the float64 solve keeps 16.0 digits and its closed loop is stable
+    condition number 4.0e+00; the float64 solve keeps 16.0 digits and its closed loop is stable
     (largest real part -1, largest modulus 2)
     """
     exact = place_poles(plant, target, n_c, feedback=feedback)

