@@ -5,6 +5,7 @@ from typing import Literal
 from hypothesis import strategies as st
 from sympy import ImmutableMatrix, diag
 
+from ..errors import InputError
 from ..state_space import controllable_canonical_form
 from ..transfer_functions import TransferFunction
 from .plants import disguised, unimodular_matrices
@@ -27,6 +28,11 @@ def compensators(
         One real mode for each: uncontrollable (but observable), unobservable (but controllable),
         or both. Default: none, so that the realisation is minimal.
 
+    Raises
+    ------
+    InputError
+        If the order is below the number of hidden modes, or a kind is unknown.
+
     Returns
     -------
     strategy for tuples of sympy.ImmutableMatrix
@@ -47,7 +53,12 @@ def compensators(
     ...     assert rank(ImmutableMatrix.vstack(*(C * A**k for k in range(3)))) == 2
     >>> check()
     """
+    kinds = ("uncontrollable", "unobservable", "both")
     visible = order - len(hidden)
+    if visible < 0:
+        raise InputError(f"order {order} is too low for {len(hidden)} hidden modes")
+    if not set(hidden) <= set(kinds):
+        raise InputError(f"hidden = {hidden} must name modes of {', '.join(kinds)}")
     A, B, C = draw(_minimal(visible))
     for kind in hidden:
         mode = draw(rationals())
