@@ -40,8 +40,6 @@ class PlacementConditioning:
         Of `matrix`, in the 2-norm; above 4.5e15 no digit is guaranteed.
     relative_error : float
         Of the float64 coefficients against the exact ones, in the 2-norm.
-    digits : float
-        Decimal digits that the float64 solve keeps, -log10 of the relative error, between 0 and 16.
     float64 : TransferFunction
         The compensator that the float64 solve gives; its coefficients are exact binary numbers.
     poles : tuple of Root
@@ -69,7 +67,7 @@ class PlacementConditioning:
 
     @property
     def digits(self) -> float:
-        """Decimal digits of the coefficients that the float64 solve keeps."""
+        """Decimal digits that the float64 solve keeps, -log10 of the error, between 0 and 16."""
         return float(np.clip(-np.log10(max(self.relative_error, 1e-16)), 0.0, 16.0))
 
     @property

@@ -75,7 +75,7 @@ def hurwitz_spectra(draw: st.DrawFn, size: int, real_roots: bool | None = None) 
 def schur_spectra(draw: st.DrawFn, size: int, real_roots: bool | None = None) -> tuple[Expr, ...]:
     """Draw `size` exact numbers of modulus below 1, real or in conjugate pairs.
 
-    Complex ones are scaled into the disk: a + jb becomes (a + jb)/(1 + |a| + |b|).
+    Complex ones are scaled into the disk: a + jb is divided by 1 + abs(a) + abs(b).
 
     Parameters
     ----------

@@ -101,7 +101,7 @@ def occurs(strategy, condition):
 
 
 def shrunk(strategy, condition):
-    few = settings(max_examples=100, database=None, derandomize=True)
+    few = settings(max_examples=30, database=None, derandomize=True)
     return find(strategy, condition, settings=few)
 
 
