@@ -111,7 +111,7 @@ def test_expansions_without_end_are_refused(text):
 @pytest.mark.parametrize(
     "text",
     ["(s + 1)**1000", "(a*s + b)**120", "(a + b + s)**30", "(sqrt(2) + s)**40",
-     "+".join(f"a{i}*s**{i}" for i in range(200)), "*".join(f"(s + {i})" for i in range(900)),
+     "+".join(f"a{i}*s**{i}" for i in range(200)), "*".join(f"(s + {i})" for i in range(300)),
      "+".join(f"1/(s + a{i})" for i in range(8)), "s*(a + b)*(c + d)*(e + f)*(g + h)"],
 )  # fmt: skip
 def test_what_fits_is_read(text):

@@ -114,7 +114,6 @@ def test_every_kind_of_spectrum_occurs():
 
 def test_they_shrink_to_the_simplest():
     s = sympy.Symbol("s")
-    assert shrunk(ours.polynomials(), lambda p: p.degree() >= 2).as_expr() == s**2
     a, b = shrunk(ours.coprime_pairs(), lambda pair: pair[0].degree() >= 2)
     assert a.as_expr() == s**2 and b.as_expr() == 1
     assert shrunk(ours.spectra(2), lambda r: True) == (0, 0)
