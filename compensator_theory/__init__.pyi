@@ -21,6 +21,7 @@ from .errors import NotControllableError as NotControllableError
 from .errors import NotCoprimeError as NotCoprimeError
 from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
+from .errors import RoundingWarning as RoundingWarning
 from .errors import UnitCircleError as UnitCircleError
 from .expressions import parse_expression as parse_expression
 from .form_enumeration import observer_forms as observer_forms
@@ -37,6 +38,7 @@ from .intercalation import (
 from .intercalation import intercalated_transfer_function as intercalated_transfer_function
 from .intercalation import intercalated_transfer_matrix as intercalated_transfer_matrix
 from .lqg_suboptimality import is_lqg_suboptimal as is_lqg_suboptimal
+from .minimal_orders import place_poles_at_least_order as place_poles_at_least_order
 from .numbers import exact_number as exact_number
 from .observer_decisions import ObserverDecision as ObserverDecision
 from .observer_design import ObserverBasedCompensator as ObserverBasedCompensator
@@ -77,6 +79,8 @@ from .roots import Root as Root
 from .roots import certified_roots as certified_roots
 from .schur_cohn import count_unit_disk_roots as count_unit_disk_roots
 from .schur_cohn import reflection_coefficients as reflection_coefficients
+from .sensitivity import compensator_from_sensitivity as compensator_from_sensitivity
+from .sensitivity import sensitivity_function as sensitivity_function
 from .spectral_factors import SpectralFactor as SpectralFactor
 from .spectral_factors import spectral_factor as spectral_factor
 from .stability import StabilityDecision as StabilityDecision
@@ -89,6 +93,9 @@ from .sylvester import resultant as resultant
 from .sylvester import sylvester_m as sylvester_m
 from .sylvester import sylvester_m1 as sylvester_m1
 from .sylvester import sylvester_m2 as sylvester_m2
+from .sylvester_propositions import PropositionCheck as PropositionCheck
+from .sylvester_propositions import check_proposition_3 as check_proposition_3
+from .sylvester_propositions import check_proposition_4 as check_proposition_4
 from .transfer_functions import TransferFunction as TransferFunction
 from .transfer_matrices import TransferMatrix as TransferMatrix
 from .unit_circle import split_at_unit_circle as split_at_unit_circle

@@ -52,3 +52,7 @@ class UnitCircleError(CompensatorError):
 
 class DivergedError(CompensatorError):
     """A closed loop left the range of float64; what came before is kept in the result."""
+
+
+class RoundingWarning(UserWarning):
+    """Rounding to float64 alone moves the poles of a closed loop dangerously."""

@@ -2,8 +2,9 @@
 
 import ast
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import comb
 
 import sympy
 from sympy import Expr, Integer, Rational, Symbol
@@ -12,6 +13,7 @@ from .errors import InputError
 
 MAX_LENGTH = 20_000
 MAX_POWER = 1_000
+MAX_TERMS = 2_000
 
 _LITERAL = re.compile(r"(?P<real>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(?P<imaginary>[jJ]?)")
 _NAME = re.compile(r"(?!\w*__)[^\W\d_]\w*")
@@ -22,11 +24,18 @@ _GRAMMAR = "numbers, names, + - * / ** ^, parentheses and sqrt(...)"
 
 @dataclass(frozen=True)
 class _Quotient:
-    """Numerator and denominator kept apart, and a bound on the powers inside them."""
+    """Numerator and denominator kept apart, and bounds on what they are multiplied out.
+
+    `power` bounds the total degree of both in the symbols and square roots named in `generators`,
+    `terms` and `terms_below` their numbers of terms.
+    """
 
     numerator: Expr
     denominator: Expr
     power: int
+    terms: int = 1
+    terms_below: int = 1
+    generators: frozenset[str] = frozenset()
 
     def value(self) -> Expr:
         return self.numerator / self.denominator
@@ -42,7 +51,8 @@ def parse_expression(text: str) -> Expr:
     text : str
         Numbers, names, ``+ - * / ** ^``, parentheses and ``sqrt``. ``j`` and ``I`` are the
         imaginary unit, ``pi`` is the constant, every other name is a symbol. Attribute access,
-        indexing, other calls, names with a double underscore and powers above 1000 are refused.
+        indexing, other calls, names with a double underscore, powers above 1000 and expressions
+        that may multiply out to more than 2000 terms are refused.
 
     Returns
     -------
@@ -112,19 +122,25 @@ def _read(node: ast.expr, source: bytes) -> _Quotient:
         case ast.Constant():
             return _literal(source[node.col_offset : node.end_col_offset].decode())
         case ast.Name(id=name):
-            return _Quotient(_named(name), Integer(1), 1)
+            symbol = _named(name)
+            own = frozenset([name]) if symbol.is_Symbol else frozenset()
+            return _Quotient(symbol, Integer(1), 1, generators=own)
         case ast.UnaryOp(op=ast.UAdd(), operand=operand):
             return _read(operand, source)
         case ast.UnaryOp(op=ast.USub(), operand=operand):
             inner = _read(operand, source)
-            return _Quotient(-inner.numerator, inner.denominator, inner.power)
+            return replace(inner, numerator=-inner.numerator)
         case ast.BinOp(left=left, op=ast.Pow(), right=right):
             return _power(_read(left, source), _read(right, source).value())
         case ast.BinOp(left=left, op=operator, right=right):
             return _combine(_read(left, source), operator, _read(right, source))
         case ast.Call(func=ast.Name(id="sqrt"), args=[argument], keywords=[]):
             inner = _read(argument, source)
-            return _Quotient(sympy.sqrt(inner.value()), Integer(1), inner.power)
+            own = inner.generators | {source[node.col_offset : node.end_col_offset].decode()}
+            root = sympy.sqrt(inner.value())
+            return replace(
+                inner, numerator=root, denominator=Integer(1), terms_below=1, generators=own
+            )
         case _:
             piece = source[node.col_offset : node.end_col_offset].decode()
             raise InputError(f"{_short(piece)} is not allowed in an expression: write {_GRAMMAR}")
@@ -156,21 +172,26 @@ def _named(name: str) -> Expr:
 
 def _combine(left: _Quotient, operator: ast.operator, right: _Quotient) -> _Quotient:
     n_1, d_1, n_2, d_2 = left.numerator, left.denominator, right.numerator, right.denominator
-    power = left.power + right.power
+    t_1, b_1, t_2, b_2 = left.terms, left.terms_below, right.terms, right.terms_below
+    power, generators = left.power + right.power, left.generators | right.generators
     match operator:
         case ast.Mult():
-            return _bounded(n_1 * n_2, d_1 * d_2, power)
+            return _bounded(
+                _Quotient(n_1 * n_2, d_1 * d_2, power, t_1 * t_2, b_1 * b_2, generators)
+            )
         case ast.Div() if n_2.is_zero:
             raise InputError("the expression divides by zero")
-        case ast.Div() if n_2.is_number:
-            return _bounded(n_1 * d_2 / n_2, d_1, power)
         case ast.Div():
-            return _bounded(n_1 * d_2, d_1 * n_2, power)
+            up, down = (n_1 * d_2 / n_2, d_1) if n_2.is_number else (n_1 * d_2, d_1 * n_2)
+            return _bounded(_Quotient(up, down, power, t_1 * b_2, b_1 * t_2, generators))
         case ast.Add() | ast.Sub():
             sign = 1 if isinstance(operator, ast.Add) else -1
             if d_1 == d_2:
-                return _Quotient(n_1 + sign * n_2, d_1, max(left.power, right.power))
-            return _bounded(n_1 * d_2 + sign * n_2 * d_1, d_1 * d_2, power)
+                power = max(left.power, right.power)
+                return _bounded(_Quotient(n_1 + sign * n_2, d_1, power, t_1 + t_2, b_1, generators))
+            up, down = n_1 * d_2 + sign * n_2 * d_1, d_1 * d_2
+            terms = t_1 * b_2 + t_2 * b_1
+            return _bounded(_Quotient(up, down, power, terms, b_1 * b_2, generators))
         case _:
             raise InputError(f"this operator is not allowed in an expression: write {_GRAMMAR}")
 
@@ -183,18 +204,40 @@ def _power(base: _Quotient, exponent: Expr) -> _Quotient:
         raise InputError(f"the exponent {_short(str(exponent))} exceeds {MAX_POWER}")
     if exponent < 0 and base.numerator.is_zero:
         raise InputError("the expression divides by zero")
-    up, down = base.numerator, base.denominator
+    bounds = _Quotient(
+        base.numerator,
+        base.denominator,
+        max(1, base.power * size),
+        _terms_of_power(base.terms, size),
+        _terms_of_power(base.terms_below, size),
+        base.generators,
+    )
+    _bounded(bounds)  # before the power is taken
+    up, down = base.numerator**size, base.denominator**size
+    above, below = bounds.terms, bounds.terms_below
     if exponent < 0:
-        up, down = down, up
-    if base.power * size > MAX_POWER:
-        return _bounded(up, down, base.power * size)
-    return _Quotient(up**size, down**size, max(1, base.power * size))
+        up, down, above, below = down, up, below, above
+    return _bounded(replace(bounds, numerator=up, denominator=down, terms=above, terms_below=below))
 
 
-def _bounded(numerator: Expr, denominator: Expr, power: int) -> _Quotient:
-    if power > MAX_POWER:
+def _terms_of_power(terms: int, size: int) -> int:
+    return comb(terms + size - 1, size)  # monomials of that degree in so many unknowns
+
+
+def _bounded(quotient: _Quotient) -> _Quotient:
+    """Return the quotient with its tightest bounds, or refuse it if they are too large."""
+    if quotient.power > MAX_POWER:
         raise InputError(f"the expression multiplies out to powers above {MAX_POWER}")
-    return _Quotient(numerator, denominator, power)
+    kinds = len(quotient.generators)
+    monomials = comb(quotient.power + kinds, kinds)
+    above, below = min(quotient.terms, monomials), min(quotient.terms_below, monomials)
+    if max(above, below) > MAX_TERMS:
+        raise InputError(
+            f"the expression may multiply out to {max(above, below):.2g} terms, and at most "
+            f"{MAX_TERMS} are read: lower its powers (total degree {quotient.power}) or give fewer "
+            f"of its {kinds} symbols at once"
+        )
+    return replace(quotient, terms=above, terms_below=below)
 
 
 def _short(text: str) -> str:

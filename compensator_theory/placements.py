@@ -1,5 +1,6 @@
 """The answer to a pole placement problem, with its evidence."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -7,9 +8,11 @@ from typing import Any
 import sympy
 from sympy import Expr, Poly
 
-from .errors import InputError
+from .errors import InputError, RoundingWarning
 from .numbers import exact_number
 from .polynomials import canonical, format_polynomial, scaled
+from .rounding_effects import rounding_effect
+from .sensitivity import sensitivity_function
 from .transfer_functions import TransferFunction
 
 
@@ -109,6 +112,40 @@ class PolePlacement:
             numerator = canonical(numerator + scaled(d_numerator, parameter))
             denominator = canonical(denominator + scaled(d_denominator, parameter))
         return TransferFunction(numerator, denominator)
+
+    @property
+    def sensitivity(self) -> TransferFunction:
+        r"""The sensitivity function :math:`S = D D_c/\tilde D` of (7.22)."""
+        return sensitivity_function(self.plant, self.compensator, feedback=self.feedback)
+
+    def to_control(self, dt: float | bool | None = None) -> Any:
+        """Return the compensator as a python-control object, rounded once to float64.
+
+        Parameters
+        ----------
+        dt : float or bool, optional
+            As for :meth:`TransferFunction.to_control`.
+
+        Warns
+        -----
+        RoundingWarning
+            If rounding the coefficients alone makes a stable loop unstable, or moves a pole by more
+            than a tenth of its distance to the stability boundary.
+
+        Raises
+        ------
+        InputError
+            If a coefficient is symbolic or overflows.
+        """
+        system = self.compensator.to_control(dt)
+        effect = rounding_effect(self.plant, self.compensator, feedback=self.feedback)
+        if effect.is_dangerous:
+            warnings.warn(
+                f"{effect}. Keep the exact compensator, or realise it as a cascade",
+                RoundingWarning,
+                stacklevel=2,
+            )
+        return system
 
     def __str__(self) -> str:
         count = len(self.homogeneous)

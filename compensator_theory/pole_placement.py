@@ -1,8 +1,10 @@
 """Every compensator of given order that places the closed-loop poles at given points."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
+import sympy
 from sympy import ImmutableMatrix, Poly
 
 from .conversions import TransferFunctionLike, transfer_function
@@ -18,6 +20,7 @@ from .polynomials import (
     scaled,
 )
 from .prescribed_roots import polynomial_from_roots
+from .sensitivity import require_sign
 from .sylvester import sylvester_m
 from .transfer_functions import TransferFunction, require_proper
 
@@ -29,6 +32,7 @@ def place_poles(
     *,
     feedback: int,
     numerator_degree: int | None = None,
+    properness: str | None = None,
 ) -> PolePlacement:
     r"""Solve the pole placement equation exactly, for one compensator or for all of them.
 
@@ -48,6 +52,10 @@ def place_poles(
         The sign f. Chapters 2 and 4 use +1, Section 7.3 and after -1.
     numerator_degree : int, optional
         :math:`\hat m_c \le n_c`, default min(n - 1, n_c).
+    properness : {"strictly proper", "exactly proper"}, optional
+        Ask for :math:`\deg N_c < n_c`, which lowers the default of `numerator_degree` to
+        min(n - 1, n_c - 1), or for :math:`\deg N_c = n_c`, which makes it n_c and, in a family,
+        chooses the member whose leading coefficient is 1.
 
     Returns
     -------
@@ -63,7 +71,8 @@ def place_poles(
     ImproperError
         If the plant is improper or numerator_degree > n_c.
     NoSolutionError
-        If n_c or numerator_degree is below n - 1 and the target is out of reach.
+        If n_c or numerator_degree is below n - 1 and the target is out of reach. The message
+        gives the linear relation that every reachable target satisfies and this one does not.
     InputError
         If degrees do not fit or `feedback` is neither +1 nor -1.
 
@@ -83,8 +92,7 @@ def place_poles(
     unique: deg N_c <= 1, deg D_c = 2
     D D_c + N N_c = s**4 + 17*s**3 + 104*s**2 + 268*s + 240
     """
-    if isinstance(feedback, bool) or feedback not in (1, -1):
-        raise InputError(f"feedback = {feedback!r} must be +1 (u = G_c y) or -1 (u = -G_c y)")
+    require_sign(feedback)
     G = transfer_function(plant)
     require_proper(G, "plant")
     goal = _target(target, G)
@@ -98,17 +106,50 @@ def place_poles(
             f"the target has degree {goal.degree()}, but a plant of order {n} with a compensator "
             f"of order {max(n_c, 0)} has {n + max(n_c, 0)} closed-loop poles"
         )
-    m_hat = min(n - 1, n_c) if numerator_degree is None else numerator_degree
+    m_hat = _numerator_degree(n, n_c, numerator_degree, properness)
     _check_degrees(G, n_c, m_hat)
     _check_fixed_poles(G, goal)
     solution = _solve(G, goal, n_c, m_hat, feedback)
-    return _placement(G, goal, n_c, feedback, solution)
+    placement = _placement(G, goal, n_c, feedback, solution)
+    return _exactly_proper(placement) if properness == "exactly proper" else placement
 
 
 def _target(target: Any, G: TransferFunction) -> Poly:
     is_list = isinstance(target, Sequence) and not isinstance(target, str)
     build = polynomial_from_roots if is_list else polynomial
     return monic(build(target, G.variable))
+
+
+def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | None) -> int:
+    if properness not in (None, "strictly proper", "exactly proper"):
+        raise InputError(
+            f"properness = {properness!r} must be 'strictly proper' or 'exactly proper'"
+        )
+    if asked is not None and (isinstance(asked, bool) or not isinstance(asked, int)):
+        raise InputError(f"numerator_degree = {asked!r} must be an integer")
+    if properness == "exactly proper":
+        if asked not in (None, n_c):
+            raise InputError(f"an exactly proper compensator has numerator_degree = n_c = {n_c}")
+        return n_c
+    limit = n_c - 1 if properness == "strictly proper" else n_c
+    if asked is not None and asked > limit and properness == "strictly proper":
+        raise InputError(f"a strictly proper compensator has numerator_degree <= {limit}")
+    return min(n - 1, limit) if asked is None else asked
+
+
+def _exactly_proper(placement: PolePlacement) -> PolePlacement:
+    """Return the placement with a member of degree n_c in front."""
+    order = int(placement.denominator.degree())
+    if placement.numerator.degree() == order:
+        return placement
+    if placement.is_unique:
+        raise NoSolutionError(
+            f"the only compensator that places these poles, {placement.compensator}, is not "
+            f"exactly proper. From n_c = {placement.plant.order} on there is a family with one"
+        )
+    last = [0] * (len(placement.homogeneous) - 1) + [1]  # the coefficient of s**n_c
+    member = placement.member(last)
+    return replace(placement, numerator=member.numerator, denominator=member.denominator)
 
 
 def _check_degrees(G: TransferFunction, n_c: int, m_hat: int) -> None:
@@ -146,10 +187,25 @@ def _solve(G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int)
     except NoSolutionError as error:
         n = G.order
         raise NoSolutionError(
-            f"no compensator with n_c = {n_c} and deg N_c <= {m_hat} places these poles: the "
-            f"{n + n_c} coefficients of the target depend on only {n_c + m_hat + 1} parameters. "
-            f"From n_c = {n - 1} and numerator_degree = {n - 1} on, every target is reached"
+            f"no compensator with n_c = {n_c} and deg N_c <= {m_hat} places these poles: "
+            f"{_obstruction(M, goal)}. From n_c = {n - 1} and numerator_degree = {n - 1} on, every "
+            "target is reached"
         ) from error
+
+
+def _obstruction(M: ImmutableMatrix, goal: Poly) -> str:
+    """Return the linear relation between target coefficients that proves there is no solution."""
+    descending = goal.all_coeffs()
+    for relation in solve_affine(M.T, ImmutableMatrix.zeros(M.cols, 1)).nullspace:
+        value = sympy.cancel(sum(y * c for y, c in zip(relation, descending, strict=True)))
+        if value != 0:
+            degree = len(descending) - 1
+            terms = sum(y * sympy.Symbol(f"t_{degree - i}") for i, y in enumerate(relation))
+            return (
+                f"with t_i the coefficient of {goal.gen}**i, every reachable target has "
+                f"{terms} = 0, but this one gives {value}"
+            )
+    return "the equations contradict each other"
 
 
 def _placement(

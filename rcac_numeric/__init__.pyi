@@ -11,6 +11,8 @@ from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
 from .observer_forms import NumericObserverForms as NumericObserverForms
 from .observer_forms import numeric_observer_forms as numeric_observer_forms
+from .placement_conditioning import PlacementConditioning as PlacementConditioning
+from .placement_conditioning import placement_conditioning as placement_conditioning
 from .plants import Plant as Plant
 from .plants import servo_plant as servo_plant
 from .plants import standard_plant as standard_plant

@@ -12,6 +12,7 @@ import click
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.cli_observer import observer_command
+from rcac_numeric.cli_place import place
 
 if TYPE_CHECKING:
     from rcac_numeric.verdicts import Verification
@@ -29,6 +30,7 @@ def main() -> None:
 
 
 main.add_command(observer_command)
+main.add_command(place)
 
 
 @main.command("list")

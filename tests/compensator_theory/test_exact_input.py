@@ -120,3 +120,26 @@ def test_sides_of_a_quotient_are_not_cancelled():
 def test_wrong_types_are_our_errors(call):
     with pytest.raises(InputError):
         call()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(a + b + c + d)**1000", "((a + b + c + d)**10)**20", "(a + b + c + d + e + f + g + h)**30",
+     "(sqrt(a + b) + sqrt(c) + sqrt(d) + 1)**500", "(a + b)**400*(a - b)**90",
+     "*".join(f"(a{i} + b{i})" for i in range(60)),
+     "+".join(f"1/(s + a{i})" for i in range(30)), "1/(a + b + c + d + e + f)**-40",
+     "(1/(a + b + c + d + e + f))**40"],
+)  # fmt: skip
+def test_expansions_without_end_are_refused(text):
+    with pytest.raises(InputError, match="terms"):
+        parse_expression(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(s + 1)**1000", "(a*s + b)**120", "(a + b + s)**30", "(sqrt(2) + s)**40",
+     "+".join(f"a{i}*s**{i}" for i in range(200)), "*".join(f"(s + {i})" for i in range(300)),
+     "+".join(f"1/(s + a{i})" for i in range(8)), "s*(a + b)*(c + d)*(e + f)*(g + h)"],
+)  # fmt: skip
+def test_what_fits_is_read(text):
+    parse_expression(text)

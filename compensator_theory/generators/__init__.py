@@ -1,0 +1,1 @@
+"""The parts of :mod:`compensator_theory.strategies`."""
