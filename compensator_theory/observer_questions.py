@@ -8,8 +8,9 @@ from .conversions import TransferFunctionLike, transfer_function
 from .errors import InputError, NotCoprimeError
 from .observer_decisions import ObserverDecision
 from .polynomials import canonical, format_polynomial, is_rational, scaled
-from .real_factors import count_observer_forms, has_real_root, number_of_real_roots
+from .real_factors import count_observer_forms, has_real_root
 from .realisations import Realisation
+from .root_counts import number_of_real_roots
 from .transfer_functions import TransferFunction, require_proper
 
 

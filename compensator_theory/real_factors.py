@@ -7,6 +7,7 @@ from sympy import Poly
 
 from .errors import InputError
 from .polynomials import PolynomialLike, is_rational, polynomial
+from .root_counts import number_of_real_roots
 from .roots import certified_roots
 
 
@@ -106,19 +107,6 @@ def real_multiplicities(poly: Poly) -> list[tuple[int, int]]:
     roots = certified_roots(poly)
     kept = [root for root in roots if root.is_real or root.value.imag > 0]
     return [(1 if root.is_real else 2, root.multiplicity) for root in kept]
-
-
-def number_of_real_roots(poly: Poly) -> int:
-    """Count the real roots of a rational polynomial with multiplicity.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.real_factors import number_of_real_roots
-    >>> number_of_real_roots(polynomial("(s + 1)**2*(s**2 + 1)**2"))
-    2
-    """
-    return sum(m for degree, m in real_multiplicities(poly) if degree == 1)
 
 
 def has_real_root(poly: Poly) -> bool | None:
