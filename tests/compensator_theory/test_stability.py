@@ -29,7 +29,7 @@ from compensator_theory.strategies import polynomials, spectra
 
 ANY_SPECTRUM = st.integers(0, 6).flatmap(spectra)
 SYMMETRIC = st.sampled_from(["1", "s", "s**2", "s**2 + 1", "(s**2 + 4)**2", "s**2 - 1",
-                             "s**4 + 4", "s**4 - 5*s**2 + 4"])  # fmt: skip
+                             "s**4 + 4", "s**4 + s**2 + 1", "s**4 - 5*s**2 + 4"])  # fmt: skip
 ON_CIRCLE = st.sampled_from(["1", "z - 1", "(z + 1)**2", "z**2 + 1", "(z - 2)*(z - 1/2)",
                              "5*z**2 - 6*z + 5", "z**2 - 3*z + 1"])  # fmt: skip
 
