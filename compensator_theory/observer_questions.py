@@ -11,6 +11,7 @@ from .polynomials import canonical, format_polynomial, is_rational, scaled
 from .real_factors import count_observer_forms, has_real_root
 from .realisations import Realisation
 from .root_counts import number_of_real_roots
+from .sensitivity import require_sign
 from .transfer_functions import TransferFunction, require_proper
 
 
@@ -165,8 +166,7 @@ def siso_loop(
     >>> print(*siso_loop("1/s", "2/(s + 1)", -1))
     (1)/(s) (2)/(s + 1)
     """
-    if isinstance(feedback, bool) or feedback not in (1, -1):
-        raise InputError(f"feedback = {feedback!r} must be +1 (u = G_c y) or -1 (u = -G_c y)")
+    require_sign(feedback)
     G = _read(plant, None)
     G_c = _read(compensator, G)
     if G_c.variable != G.variable:

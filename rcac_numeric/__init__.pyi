@@ -5,10 +5,12 @@ from .comparison import Comparison as Comparison
 from .comparison import compare as compare
 from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
-from .controller import ControllerSettings as ControllerSettings
+from .controller_settings import ControllerSettings as ControllerSettings
 from .experiment import Experiment as Experiment
 from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
+from .modelling import ModellingInformation as ModellingInformation
+from .modelling import modelling_information as modelling_information
 from .observer_forms import NumericObserverForms as NumericObserverForms
 from .observer_forms import numeric_observer_forms as numeric_observer_forms
 from .placement_conditioning import PlacementConditioning as PlacementConditioning
@@ -32,10 +34,8 @@ from .simulation import simulate as simulate
 from .structures import Structure as Structure
 from .structures import fir as fir
 from .structures import iir as iir
-from .target_models import ModellingInformation as ModellingInformation
 from .target_models import TargetModel as TargetModel
 from .target_models import fir_target as fir_target
-from .target_models import modelling_information as modelling_information
 from .target_models import pole_placement_target as pole_placement_target
 from .target_models import target_model as target_model
 from .verdicts import Verification as Verification

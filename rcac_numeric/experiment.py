@@ -10,7 +10,7 @@ import numpy as np
 
 from rcac_numeric.closed_loop import ClosedLoop, Match, intercalated_match
 from rcac_numeric.comparison import Comparison, compare
-from rcac_numeric.controller import ControllerSettings
+from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.plants import Plant
 from rcac_numeric.residual_split import ResidualSplit, split_residual
 from rcac_numeric.signals import Signal, exogenous

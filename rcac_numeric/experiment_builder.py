@@ -8,18 +8,17 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.controller import UPDATES, ControllerSettings
+from rcac_numeric.controller_settings import UPDATES, ControllerSettings
 from rcac_numeric.experiment import Experiment, RunSpecification
 from rcac_numeric.experiment_claims import claim
 from rcac_numeric.experiment_files import Section, Table, merged, named, read_example, read_file
 from rcac_numeric.experiment_signals import signals
+from rcac_numeric.modelling import ModellingInformation, modelling_information
 from rcac_numeric.plants import MATRICES, Plant, from_problem, servo_plant, standard_plant
 from rcac_numeric.structures import Structure, fir, iir
 from rcac_numeric.target_models import (
-    ModellingInformation,
     TargetModel,
     fir_target,
-    modelling_information,
     pole_placement_target,
     target_model,
 )

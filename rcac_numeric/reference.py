@@ -15,7 +15,7 @@ from flint import arb, arb_mat, ctx
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import DivergedError, InputError
-from rcac_numeric.controller import ControllerSettings
+from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.plants import MATRICES, Plant
 from rcac_numeric.simulation import Run, check_sizes
 from rcac_numeric.structures import Structure

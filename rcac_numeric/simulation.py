@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric import _kernel
 from rcac_numeric.compensators import Compensator
-from rcac_numeric.controller import ControllerSettings
+from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.plants import Plant
 from rcac_numeric.validation import Array, integer, number, signal_array
 
