@@ -72,7 +72,7 @@ def symbolic_system(n):
 
 
 def symbolic_resultant(n):
-    from compensator_theory import sylvester_m1  # noqa: PLC0415
+    from compensator_theory import sylvester_m1
 
     return sympy.Matrix(
         sylvester_m1(list(sympy.symbols(f"a0:{n + 1}")), list(sympy.symbols(f"b0:{n + 1}")))

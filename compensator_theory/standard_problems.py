@@ -190,7 +190,7 @@ class StandardProblem:
 
     def to_control(self, dt: float | bool = True) -> Any:
         """Return the python-control plant from [w; u] to [z; y], rounded once to float64."""
-        import control  # noqa: PLC0415  (slow to import, and only needed at this door)
+        import control  # slow to import, and only needed at this door
 
         B = self.D_1.row_join(self.B)
         C = self.E_1.col_join(self.C)

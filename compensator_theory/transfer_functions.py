@@ -144,7 +144,7 @@ class TransferFunction:
         InputError
             If a coefficient is symbolic or overflows, or `dt` is needed and missing.
         """
-        import control  # noqa: PLC0415  (slow to import, and only needed at this door)
+        import control  # slow to import, and only needed at this door
 
         if dt is None:
             dt = {"s": 0, "z": True, "q": True}.get(self.variable.name)

@@ -36,7 +36,7 @@ main.add_command(place)
 @main.command("list")
 def list_command() -> None:
     """List the examples that can be verified."""
-    from rcac_numeric.experiment_files import example_titles  # noqa: PLC0415
+    from rcac_numeric.experiment_files import example_titles
 
     for number, title in example_titles():
         click.echo(f"{number:<5} {title}")
@@ -67,12 +67,12 @@ def verify(case: str, picture: Path | None, as_json: bool) -> None:
 
 
 def _verify(case: str, picture: Path | None, as_json: bool) -> int:
-    import numpy as np  # noqa: PLC0415
+    import numpy as np
 
     # Imported here, after the command line is known to be right: NumPy, SciPy and SymPy take
     # most of a second to load.
-    from rcac_numeric.experiment_builder import load_example, load_experiment  # noqa: PLC0415
-    from rcac_numeric.verdicts import verify  # noqa: PLC0415
+    from rcac_numeric.experiment_builder import load_example, load_experiment
+    from rcac_numeric.verdicts import verify
 
     if picture is not None:
         _require_picture_format(picture)
@@ -87,11 +87,11 @@ def _verify(case: str, picture: Path | None, as_json: bool) -> int:
     if interactive:
         click.echo("\r\033[K", err=True, nl=False)
     if as_json:
-        from rcac_numeric.report import as_dict  # noqa: PLC0415
+        from rcac_numeric.report import as_dict
 
         click.echo(json.dumps(as_dict(verification), indent=2))
     else:
-        from rcac_numeric.report import print_report  # noqa: PLC0415
+        from rcac_numeric.report import print_report
 
         print_report(verification)
     if picture is not None:
@@ -110,7 +110,7 @@ def _require_picture_format(picture: Path) -> None:
 
 
 def _draw(verification: Verification, picture: Path) -> None:
-    from rcac_numeric.plots import plot_sheet  # noqa: PLC0415
+    from rcac_numeric.plots import plot_sheet
 
     experiment = verification.experiment
     title = f"{experiment.id}: {experiment.title}".strip(": ")

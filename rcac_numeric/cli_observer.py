@@ -86,7 +86,7 @@ class _Report:
         }
 
     def __str__(self) -> str:
-        from compensator_theory.polynomials import format_polynomial  # noqa: PLC0415
+        from compensator_theory.polynomials import format_polynomial
 
         plant, compensator, feedback = self.loop
         sign = "" if feedback == 1 else "-"
@@ -112,7 +112,7 @@ class _Report:
 
 def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
     # Imported here, after the command line is known to be right: SymPy takes a while to load.
-    from compensator_theory import (  # noqa: PLC0415
+    from compensator_theory import (
         is_lqg_suboptimal,
         observer_forms,
         pair_is_observer_based,
@@ -120,9 +120,9 @@ def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
         realisation_is_observer_based,
         transfer_function_is_observer_based,
     )
-    from compensator_theory.observer_questions import siso_loop  # noqa: PLC0415
-    from compensator_theory.polynomials import is_rational, scaled  # noqa: PLC0415
-    from compensator_theory.transfer_functions import TransferFunction  # noqa: PLC0415
+    from compensator_theory.observer_questions import siso_loop
+    from compensator_theory.polynomials import is_rational, scaled
+    from compensator_theory.transfer_functions import TransferFunction
 
     G, G_c = siso_loop(plant_text, compensator_text, feedback)
     decisions = {
@@ -141,7 +141,7 @@ def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
         )
         exact = observer_forms(plant, compensator)
         if exact.is_complete is False and is_rational(exact.characteristic_polynomial):
-            from rcac_numeric.observer_forms import numeric_observer_forms  # noqa: PLC0415
+            from rcac_numeric.observer_forms import numeric_observer_forms
 
             try:
                 numeric = numeric_observer_forms(plant, compensator)

@@ -47,7 +47,7 @@ def place(plant: str, poles: str, n_c: int | None, feedback: str, as_json: bool)
 
 def _place(plant: str, poles: str, n_c: int | None, feedback: int) -> dict[str, Any]:
     # Imported here, after the command line is known to be right: NumPy and SymPy take a while.
-    from compensator_theory import place_poles  # noqa: PLC0415
+    from compensator_theory import place_poles
 
     wanted = [pole.strip() for pole in poles.split(",")]
     if not all(wanted):
@@ -57,7 +57,7 @@ def _place(plant: str, poles: str, n_c: int | None, feedback: int) -> dict[str, 
 
 
 def _as_dict(placement: PolePlacement) -> dict[str, Any]:
-    from compensator_theory.polynomials import is_rational  # noqa: PLC0415
+    from compensator_theory.polynomials import is_rational
 
     def written(poly: Any) -> list[str]:
         return [str(c) for c in poly.all_coeffs()]
@@ -80,7 +80,7 @@ def _as_dict(placement: PolePlacement) -> dict[str, Any]:
 
 def _conditioning(placement: PolePlacement) -> dict[str, Any] | None:
     """Return what the float64 solve is worth; None where the question makes no sense."""
-    from rcac_numeric.placement_conditioning import placement_conditioning  # noqa: PLC0415
+    from rcac_numeric.placement_conditioning import placement_conditioning
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RoundingWarning)  # the report says it itself

@@ -133,7 +133,7 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
     >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
     (4e-06, 1e-06)
     """
-    from compensator_theory import (  # noqa: PLC0415
+    from compensator_theory import (
         closed_loop_polynomial,
         closed_loop_zero_polynomial,
         place_poles,
@@ -189,7 +189,7 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
 
 def exact_polynomials(compensator: Compensator) -> tuple[Poly, Poly]:
     """(N_c, D_c) in q with the exact values of their float64 coefficients."""
-    from compensator_theory import exact_number, polynomial  # noqa: PLC0415
+    from compensator_theory import exact_number, polynomial
 
     N_c, D_c = (
         polynomial([exact_number(float(c), binary=True) for c in coefficients], "q")
@@ -200,7 +200,7 @@ def exact_polynomials(compensator: Compensator) -> tuple[Poly, Poly]:
 
 def pairing(wanted: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
     """Assign to each wanted pole one available pole with the least total distance."""
-    from scipy.optimize import linear_sum_assignment  # noqa: PLC0415
+    from scipy.optimize import linear_sum_assignment
 
     rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - available[None, :]))
     return [(complex(wanted[i]), complex(available[j])) for i, j in zip(rows, columns, strict=True)]
@@ -211,7 +211,7 @@ def _worst(pairs: list[tuple[complex, complex]]) -> float:
 
 
 def _roots(polynomial: Poly) -> ComplexArray:
-    from compensator_theory import certified_roots  # noqa: PLC0415
+    from compensator_theory import certified_roots
 
     if polynomial.degree() < 1:
         return np.zeros(0, dtype=np.complex128)

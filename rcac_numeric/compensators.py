@@ -111,7 +111,7 @@ class Compensator:
 
     def to_control(self) -> control.StateSpace:
         """The compensator as a discrete-time python-control system with unspecified period."""
-        import control  # noqa: PLC0415 - a second of import time, paid only here
+        import control  # a second of import time, paid only here
 
         return control.ss(*self.state_space(), True)
 

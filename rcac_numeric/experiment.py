@@ -53,7 +53,7 @@ class RunSpecification:
 
     def _run(self, w: np.ndarray) -> Run:
         if self.arithmetic == "reference":
-            from rcac_numeric.reference import simulate_reference  # noqa: PLC0415
+            from rcac_numeric.reference import simulate_reference
 
             return simulate_reference(self.plant, self.settings, w)
         return simulate(self.plant, self.settings, w, stride=self.stride)

@@ -111,14 +111,14 @@ def _plant(section: Section) -> Plant:
     matrices = section.given(*allowed)
     if problem == "servo":
         return servo_plant(**matrices, **section.given(*performance))
-    from compensator_theory import StandardProblem  # noqa: PLC0415
+    from compensator_theory import StandardProblem
 
     left_out = {"D_0": None, "D_2": None, "E_1": matrices["C"], "E_2": None, "E_0": None}
     return from_problem(StandardProblem(**{**left_out, **matrices}))
 
 
 def _require_coprime(G: Any) -> None:
-    from compensator_theory import NotCoprimeError, transfer_function  # noqa: PLC0415
+    from compensator_theory import NotCoprimeError, transfer_function
 
     plant = transfer_function(G)
     if plant.is_coprime is False:

@@ -41,7 +41,7 @@ def real(value: Any, name: str) -> float:
     """A number; a string such as "pi/8" is evaluated exactly and rounded once."""
     if not isinstance(value, str):
         return number(value, name)
-    from compensator_theory import parse_expression  # noqa: PLC0415
+    from compensator_theory import parse_expression
 
     expression = parse_expression(value)
     if not (expression.is_number and expression.is_real):

@@ -40,7 +40,7 @@ class ModellingInformation:
     nmp_zeros: Sequence[Any] = ()
 
     def __post_init__(self) -> None:
-        from compensator_theory import exact_number  # noqa: PLC0415 - sympy is imported on use
+        from compensator_theory import exact_number  # sympy is imported on use
 
         integer(self.d_zu, "d_zu", at_most=10_000)
         if not isinstance(self.nmp_zeros, Sequence) or isinstance(self.nmp_zeros, str):
@@ -60,7 +60,7 @@ class ModellingInformation:
 
     def nmp_polynomial(self) -> Poly:
         """The monic polynomial N_zu,u in q with these zeros, exactly."""
-        from compensator_theory import polynomial_from_roots  # noqa: PLC0415
+        from compensator_theory import polynomial_from_roots
 
         return polynomial_from_roots(self.nmp_zeros, "q")
 
@@ -91,7 +91,7 @@ def modelling_information(plant: Plant) -> ModellingInformation:
 
 def _zeros_not_inside(factor: Poly) -> list[Any]:
     """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
-    from compensator_theory import certified_roots, locate_unit_disk_roots  # noqa: PLC0415
+    from compensator_theory import certified_roots, locate_unit_disk_roots
 
     count = locate_unit_disk_roots(factor)
     wanted = count.boundary + count.unstable

@@ -103,7 +103,7 @@ class Plant:
         """The exact standard problem; float64 entries mean their shortest decimals."""
         if self.exact is not None:
             return self.exact
-        from compensator_theory import StandardProblem  # noqa: PLC0415
+        from compensator_theory import StandardProblem
 
         return StandardProblem(**{name: getattr(self, name).tolist() for name in MATRICES})
 
@@ -162,7 +162,7 @@ def standard_plant(G: Any) -> Plant:
     >>> standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")
     Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
     """
-    from compensator_theory import standard_problem  # noqa: PLC0415
+    from compensator_theory import standard_problem
 
     return from_problem(_discrete(standard_problem(G)))
 
@@ -189,7 +189,7 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     >>> servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))").blocks
     {'r': 1, 'd': 1, 'v': 1}
     """
-    from compensator_theory import servo_problem  # noqa: PLC0415
+    from compensator_theory import servo_problem
 
     problem = _discrete(servo_problem(G, **matrices))
     l_y = problem.C.shape[0]

@@ -42,7 +42,7 @@ def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
     >>> len(figure.axes)
     6
     """
-    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, paid only here
+    from matplotlib.figure import Figure  # half a second, paid only here
 
     figure = Figure(figsize=(11, 8.5), layout="constrained")
     axes = figure.subplots(3, 2, width_ratios=[1.25, 1], height_ratios=[1.25, 1, 1])

@@ -68,7 +68,7 @@ class ResidualSplit:
         Averaged periodograms of at most 256 steps; their integral over frequency is the mean
         square of the steps that they cover.
         """
-        from scipy.signal import welch  # noqa: PLC0415
+        from scipy.signal import welch
 
         length = len(self.residual) - start
         segment = max(min(256, length), 1)

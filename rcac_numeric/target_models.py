@@ -135,9 +135,9 @@ def pole_placement_target(
     >>> target.denominator.ravel()
     array([ 1.  ,  0.  , -0.25])
     """
-    from sympy import Poly, symbols  # noqa: PLC0415
+    from sympy import Poly, symbols
 
-    from compensator_theory import (  # noqa: PLC0415
+    from compensator_theory import (
         TransferFunction,
         exact_number,
         polynomial,
@@ -176,7 +176,7 @@ def target_model(filter: Any) -> TargetModel:
     >>> target_model("2/(q - 0.5)").numerator.ravel()
     array([0., 2.])
     """
-    from compensator_theory import transfer_function  # noqa: PLC0415
+    from compensator_theory import transfer_function
 
     if isinstance(filter, TargetModel):
         return filter
