@@ -241,3 +241,13 @@ def test_the_controller_object_refuses_bad_signals_and_does_not_move():
     with pytest.raises(DivergedError, match="left the range of float64"):
         for _ in range(10):
             controller.step(1e300, 1e300)
+
+
+def test_the_initial_state_is_where_the_plant_starts():
+    plant = Plant(A=[[0.5, 1.0], [0.0, 0.25]], B=[[0.0], [1.0]], D_1=[[0.0], [1.0]], C=[[1.0, 0.0]])
+    settings = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, 0, 1.0]), R_theta=1.0, k_w=6
+    )
+    run = simulate(plant, settings, np.zeros((6, 1)), x_0=[1.0, -2.0])
+    free = [(np.linalg.matrix_power(plant.A, k) @ [1.0, -2.0])[0] for k in range(6)]
+    assert run.y[:, 0] == pytest.approx(free, abs=1e-15)
