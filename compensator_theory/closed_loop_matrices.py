@@ -43,6 +43,9 @@ def closed_loop_matrix(plant: Realisation, compensator: Realisation) -> Immutabl
     [1,  5],
     [8, -3]])
     """
+    for value in (plant, compensator):
+        if not isinstance(value, Realisation):
+            raise InputError(f"{value!r} is not a Realisation; make one with realisation(...)")
     if compensator.variable != plant.variable:
         raise InputError(
             f"the plant is written in {plant.variable} and the compensator in "

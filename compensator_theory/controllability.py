@@ -1,15 +1,16 @@
 """Kalman's controllability and observability, exact, and the modes that they miss."""
 
 import sympy
-from sympy import ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from .errors import InputError
 from .exact_linear_algebra import characteristic_polynomial, determinant, rank, solve
 from .polynomials import canonical
+from .standard_problems import MatrixLike, exact_matrix
 
 
-def controllability_matrix(A: Matrix, B: Matrix) -> ImmutableMatrix:
+def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
     r"""Return Kalman's controllability matrix.
 
     .. math:: \mathcal C(A, B) = \begin{bmatrix} B & AB & \cdots & A^{n-1}B \end{bmatrix}
@@ -42,6 +43,7 @@ def controllability_matrix(A: Matrix, B: Matrix) -> ImmutableMatrix:
     [0,  4],
     [1, -3]])
     """
+    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
     if A.rows != A.cols or B.rows != A.rows:
         raise InputError(
             f"A is {A.rows} x {A.cols} and B is {B.rows} x {B.cols}; A must be square and B have "
@@ -56,7 +58,7 @@ def controllability_matrix(A: Matrix, B: Matrix) -> ImmutableMatrix:
     return ImmutableMatrix(blocks[0].hstack(*blocks[1:]).to_Matrix())
 
 
-def is_controllable(A: Matrix, B: Matrix) -> bool | None:
+def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     r"""Tell whether every mode of A feels the input, :math:`\mathrm{rank}\,\mathcal C(A,B) = n`.
 
     Parameters
@@ -81,6 +83,7 @@ def is_controllable(A: Matrix, B: Matrix) -> bool | None:
     >>> is_controllable(Matrix([[-1, 4], [0, -3]]), Matrix([0, 1]))
     True
     """
+    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
     kalman = controllability_matrix(A, B)
     if rank(kalman) < A.rows:
         return False
@@ -92,7 +95,7 @@ def is_controllable(A: Matrix, B: Matrix) -> bool | None:
     return known
 
 
-def uncontrollable_polynomial(A: Matrix, B: Matrix, variable: Symbol) -> Poly:
+def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) -> Poly:
     r"""Return the monic polynomial of the modes that the input does not reach.
 
     .. math:: u(s) = \det(sI - A)\,/\det(sI - A|_{\mathrm{im}\,\mathcal C(A,B)})
@@ -122,6 +125,7 @@ def uncontrollable_polynomial(A: Matrix, B: Matrix, variable: Symbol) -> Poly:
     >>> uncontrollable_polynomial(Matrix([[-1, 0], [0, -3]]), Matrix([0, 1]), s)
     Poly(s + 1, s, domain='QQ')
     """
+    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
     kalman = controllability_matrix(A, B)
     whole = characteristic_polynomial(A, variable)
     size = rank(kalman)

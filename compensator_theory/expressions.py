@@ -101,6 +101,8 @@ def parse_quotient(text: str) -> tuple[Expr, Expr]:
     >>> parse_quotient("(s + 1)/((s + 1)*(s + 2))")
     (s + 1, (s + 1)*(s + 2))
     """
+    if not isinstance(text, str):
+        raise InputError(f"{text!r} is not a string; write for instance 's**2 + 0.1*s + 1/3'")
     if len(text) > MAX_LENGTH:
         raise InputError(
             f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read"

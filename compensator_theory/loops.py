@@ -144,6 +144,10 @@ def close_loop(problem: StandardProblem, N_c: Any, D_c: Any) -> Loop:
     >>> close_loop(standard_problem("1/(q - 2)"), "1", "q + 1").n_c
     1
     """
+    if not isinstance(problem, StandardProblem):
+        raise InputError(
+            f"{problem!r} is not a StandardProblem; make one with standard_problem or servo_problem"
+        )
     q = problem.variable
     numerator = _polynomial_rows(N_c, (problem.l_u, problem.l_y), q, "N_c")
     denominator = _polynomial_rows(D_c, (problem.l_u, problem.l_u), q, "D_c")

@@ -1,10 +1,9 @@
 """What the observer-based structure says about optimality, and what it does not."""
 
-import math
-
 from sympy import Poly
 
 from .conversions import TransferFunctionLike
+from .errors import ImproperError
 from .observer_decisions import ObserverDecision
 from .observer_questions import (
     closed_loop_of_pair,
@@ -12,9 +11,10 @@ from .observer_questions import (
     siso_loop,
     transfer_function_is_observer_based,
 )
-from .polynomials import is_rational
+from .polynomials import format_polynomial, is_rational
 from .realisations import Realisation
-from .roots import certified_roots
+from .root_counts import count_half_plane_roots
+from .schur_cohn import count_unit_disk_roots
 
 
 def is_lqg_suboptimal(
@@ -70,6 +70,11 @@ def is_lqg_suboptimal(
     question = "Is it suboptimal for every LQG problem?"
     G, G_c = siso_loop(plant, compensator, feedback)
     Dtilde = closed_loop_of_pair(G, G_c.reduced(), feedback)
+    if Dtilde.degree() < G.order + G_c.reduced().order:
+        raise ImproperError(
+            f"the loop of {G} and {G_c} is not well posed: the direct terms cancel and the closed "
+            f"loop {format_polynomial(Dtilde)} has too few poles"
+        )
     stable = _is_stable(Dtilde)
     if stable is False:
         return ObserverDecision(question, True, "the closed loop is unstable", None, Dtilde)
@@ -87,9 +92,7 @@ def is_lqg_suboptimal(
         unknown = structure.reason if stable else "the stability of the closed loop is not decided"
         return ObserverDecision(question, None, unknown, None, Dtilde)
     pair = pair_is_observer_based(G, G_c, feedback=feedback)
-    hidden = (
-        "" if pair.answer else " (the pair with its common factors is not, but the cost ignores it)"
-    )
+    hidden = "" if pair.answer else " (the pair as it is written is not, but the cost ignores that)"
     reason = (
         f"its transfer function is observer-based{hidden} and the closed loop is stable, so that "
         "it is optimal for the cost |u - Kx|^2 with process noise Fw and sensor noise w"
@@ -98,14 +101,10 @@ def is_lqg_suboptimal(
 
 
 def _is_stable(poly: Poly) -> bool | None:
-    """Decide from certified disks; None on the boundary, with symbols and in other variables."""
-    name = poly.gen.name
-    if not is_rational(poly) or name not in ("s", "z", "q"):
+    """Decide exactly; None on the boundary, with symbols and in other variables."""
+    counters = {"s": count_half_plane_roots}
+    counters |= dict.fromkeys(("z", "q"), count_unit_disk_roots)
+    if not is_rational(poly) or poly.gen.name not in counters:
         return None
-    roots = certified_roots(poly)
-    margins = [(r.value.real if name == "s" else math.hypot(r.value.real, r.value.imag) - 1, r)
-               for r in roots]  # fmt: skip
-    slack = 1e-15  # rounding of the subtraction and of hypot
-    if any(margin - r.radius - slack > 0 for margin, r in margins):
-        return False
-    return True if all(margin + r.radius + slack < 0 for margin, r in margins) else None
+    count = counters[poly.gen.name](poly)
+    return False if count.unstable else None if count.boundary else True

@@ -1,6 +1,6 @@
 """The compensator of least order that places poles from a list."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from .conversions import TransferFunctionLike, transfer_function
@@ -58,7 +58,8 @@ def place_poles_at_least_order(
     >>> print(found.compensator)  # D + 2 = (s + 1)(s + 2), so that no dynamics are needed
     (2)/(1)
     """
-    if isinstance(poles, str) or not isinstance(poles, Sequence):
+    poles = list(poles) if isinstance(poles, Iterable) and not isinstance(poles, str) else poles
+    if not isinstance(poles, list):
         raise InputError(f"the poles {poles!r} must be a list, for instance ['-1', '-2+1j']")
     G = transfer_function(plant)
     require_proper(G, "plant")

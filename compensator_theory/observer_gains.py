@@ -9,8 +9,8 @@ from sympy import ImmutableMatrix, Poly, Symbol
 from .controllability import controllability_matrix, uncontrollable_polynomial
 from .errors import InputError, NoSolutionError, NotControllableError, NotObservableError
 from .exact_linear_algebra import solve
-from .polynomials import PolynomialLike, as_symbol, format_polynomial, monic, polynomial
-from .prescribed_roots import polynomial_from_roots
+from .polynomials import PolynomialLike, as_symbol, format_polynomial, monic
+from .prescribed_roots import polynomial_or_roots
 from .standard_problems import MatrixLike, exact_matrix
 
 
@@ -145,9 +145,7 @@ def wanted_spectrum(poles: PolynomialLike | Sequence[Any], size: int, variable: 
     >>> wanted_spectrum(["-1+1j", "-1-1j"], 2, s)
     Poly(s**2 + 2*s + 2, s, domain='QQ')
     """
-    is_list = isinstance(poles, Sequence) and not isinstance(poles, str)
-    read: Any = polynomial_from_roots if is_list else polynomial
-    goal = monic(read(poles, variable))
+    goal = monic(polynomial_or_roots(poles, variable))
     if goal.degree() != size:
         raise InputError(
             f"{format_polynomial(goal)} has degree {goal.degree()}, but {size} eigenvalues are to "

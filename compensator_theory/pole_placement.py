@@ -19,7 +19,7 @@ from .polynomials import (
     polynomial,
     scaled,
 )
-from .prescribed_roots import polynomial_from_roots
+from .prescribed_roots import polynomial_or_roots
 from .sensitivity import require_sign
 from .sylvester import sylvester_m
 from .transfer_functions import TransferFunction, require_proper
@@ -115,9 +115,7 @@ def place_poles(
 
 
 def _target(target: Any, G: TransferFunction) -> Poly:
-    is_list = isinstance(target, Sequence) and not isinstance(target, str)
-    build = polynomial_from_roots if is_list else polynomial
-    return monic(build(target, G.variable))
+    return monic(polynomial_or_roots(target, G.variable))
 
 
 def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | None) -> int:

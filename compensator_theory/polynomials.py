@@ -154,9 +154,10 @@ def monic(poly: Poly) -> Poly:
     >>> monic(polynomial("2*s + 3"))
     Poly(s + 3/2, s, domain='QQ')
     """
+    require_poly(poly)
     if poly.is_zero:
         raise InputError("the zero polynomial has no monic multiple")
-    if poly.is_monic:
+    if poly.is_monic and poly.domain.is_Exact:
         return poly
     return canonical(poly.set_domain(poly.domain.get_field()).monic())
 
@@ -197,6 +198,25 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
     return canonical(poly * from_expression(sympy.sympify(factor), poly.gen))
 
 
+def require_poly(poly: Any) -> None:
+    """Refuse what is not a polynomial over the rationals or over symbols.
+
+    Raises
+    ------
+    InputError
+        The message says how to make one.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials import polynomial, require_poly
+    >>> require_poly(polynomial("s + 1"))
+    """
+    if not isinstance(poly, Poly):
+        raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
+    if not poly.domain.is_Exact or poly.domain.is_FiniteField:
+        raise InputError(f"{poly} is not exact; read it with polynomial(...) first")
+
+
 def is_rational(poly: Poly) -> bool:
     """Tell whether every coefficient is a rational number.
 
@@ -211,12 +231,15 @@ def is_rational(poly: Poly) -> bool:
     >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
     (True, False)
     """
-    if not isinstance(poly, Poly):
-        raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
+    require_poly(poly)
     return bool(poly.domain.is_QQ or poly.domain.is_ZZ)
 
 
 def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
+    if poly.domain.is_FiniteField:
+        raise InputError(f"{poly} has coefficients in a finite field; rational ones are needed")
+    if not poly.domain.is_Exact:
+        poly = Poly([exact_number(float(c)) for c in poly.all_coeffs()], poly.gen)
     if len(poly.gens) > 1:
         if variable is None:
             raise InputError(f"{poly} has several generators; say which is the variable")

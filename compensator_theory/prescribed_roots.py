@@ -9,7 +9,7 @@ from sympy import QQ, Poly, Symbol
 
 from .errors import InputError
 from .numbers import exact_number
-from .polynomials import as_symbol, canonical, from_expression
+from .polynomials import as_symbol, canonical, from_expression, polynomial
 
 
 def polynomial_from_roots(roots: Iterable[Any], variable: str | Symbol) -> Poly:
@@ -42,9 +42,12 @@ def polynomial_from_roots(roots: Iterable[Any], variable: str | Symbol) -> Poly:
     Poly(s**3 + 2*s**2 + 63/50*s + 13/50, s, domain='QQ')
     """
     symbol = as_symbol(variable)
-    if isinstance(roots, str):
+    if isinstance(roots, str) or not isinstance(roots, Iterable):
         raise InputError(f"the roots {roots!r} must be a list, for instance ['-1', '-2+1j']")
     exact = [sympy.expand(exact_number(root)) for root in roots]
+    for root in exact:
+        if symbol in root.free_symbols:
+            raise InputError(f"the root {root} contains the variable {symbol} itself")
     product = Poly(1, symbol, domain=QQ)
     waiting = Counter(exact)
     for root in exact:
@@ -63,3 +66,23 @@ def polynomial_from_roots(roots: Iterable[Any], variable: str | Symbol) -> Poly:
                 f"the root {root} lacks its conjugate {partner}; list both, equally often"
             )
     return canonical(product)
+
+
+def polynomial_or_roots(value: Any, variable: str | Symbol) -> Poly:
+    """Read what is to be placed: a polynomial, or its roots in any collection.
+
+    A list, tuple, array, set or generator holds *roots*; coefficients are written as a polynomial.
+
+    Raises
+    ------
+    InputError
+        As :func:`polynomial_from_roots` and :func:`polynomial`.
+
+    Examples
+    --------
+    >>> from compensator_theory.prescribed_roots import polynomial_or_roots
+    >>> polynomial_or_roots((-1, -2), "s") == polynomial_or_roots("s**2 + 3*s + 2", "s")
+    True
+    """
+    is_collection = isinstance(value, Iterable) and not isinstance(value, str | Poly | sympy.Expr)
+    return polynomial_from_roots(value, variable) if is_collection else polynomial(value, variable)

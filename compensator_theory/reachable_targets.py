@@ -81,7 +81,12 @@ def target_characteristic_polynomial(
 
 
 def _scalar_numerator(plant: StandardProblem | tuple[Poly, int]) -> tuple[Poly, int]:
-    N_zu, n = (plant.numerator("zu"), plant.n) if isinstance(plant, StandardProblem) else plant
+    if isinstance(plant, StandardProblem):
+        N_zu, n = plant.numerator("zu"), plant.n
+    elif isinstance(plant, tuple) and len(plant) == 2 and isinstance(plant[0], Poly):
+        N_zu, n = plant
+    else:
+        raise InputError(f"{plant!r} is neither a StandardProblem nor a pair (N_zu, n)")
     if N_zu.is_zero:
         raise InputError("N_zu = 0: the control does not reach z, so there is nothing to match")
     return canonical(N_zu), n

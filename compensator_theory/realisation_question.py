@@ -171,11 +171,25 @@ def _by_youla_forms(plant: Realisation, compensator: Realisation, Dtilde: Poly) 
     if found:
         reason = f"{len(found)} rational splits into regulator, observer and Youla parameter work"
         return ObserverDecision(QUESTION, True, reason, None, Dtilde)
+    if all_ways == 0 or (all_ways and _every_real_factor_is_rational(Dtilde)):
+        reason = (
+            f"all {all_ways} real splits into regulator, observer and Youla parameter were tested "
+            "and fail"
+        )
+        return ObserverDecision(QUESTION, False, reason, 0, Dtilde)
     reason = (
         f"{all_ways} real splits into regulator, observer and Youla parameter exist, and none of "
         "the rational ones works"
     )
-    return ObserverDecision(QUESTION, False if all_ways == 0 else None, reason, None, Dtilde)
+    return ObserverDecision(QUESTION, None, reason, None, Dtilde)
+
+
+def _every_real_factor_is_rational(poly: Poly) -> bool:
+    """Tell whether the irreducible factors over the rationals are irreducible over the reals."""
+    return all(
+        factor.degree() == 1 or (factor.degree() == 2 and factor.discriminant() < 0)
+        for factor, _ in poly.factor_list()[1]
+    )
 
 
 def _tested(forms: tuple[object, ...], rejections: tuple[object, ...]) -> str:

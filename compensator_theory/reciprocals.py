@@ -3,7 +3,7 @@
 from sympy import Poly
 
 from .errors import InputError
-from .polynomials import canonical, format_polynomial, monic
+from .polynomials import canonical, format_polynomial, monic, require_poly
 
 
 def reciprocal_polynomial(poly: Poly) -> Poly:
@@ -27,6 +27,7 @@ def reciprocal_polynomial(poly: Poly) -> Poly:
     >>> reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(-6/5*z + 1, z, domain='QQ')
     """
+    require_poly(poly)
     if poly.is_zero:
         raise InputError("the zero polynomial has no degree and thus no reciprocal polynomial")
     return canonical(Poly(poly.all_coeffs()[::-1], poly.gen))

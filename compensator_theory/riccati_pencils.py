@@ -7,10 +7,18 @@ import flint
 import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
+from .controllability import uncontrollable_polynomial
 from .enclosures import PolynomialEnclosure
-from .errors import InputError, NoSolutionError, UnitCircleError
-from .polynomials import canonical, format_polynomial
+from .errors import (
+    InputError,
+    NoSolutionError,
+    NotControllableError,
+    NotObservableError,
+    UnitCircleError,
+)
+from .polynomials import as_symbol, canonical, format_polynomial
 from .reciprocals import reciprocal_polynomial
+from .schur_cohn import count_unit_disk_roots
 from .spectral_factors import SpectralFactor, factor_palindrome
 from .standard_problems import MatrixLike, StandardProblem, exact_matrix
 from .unit_circle_enclosures import multiply_enclosures
@@ -95,9 +103,9 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
 
     Notes
     -----
-    (A, B) is taken to be stabilisable and (A, C) detectable; a hidden unstable mode would be shown
-    reflected. Source: (A.4)-(A.12), with the assumptions ii) and iv) replaced by what
-    :math:`R_2 = 0` needs: no zero on the unit circle.
+    Hidden modes inside the unit circle stay closed-loop poles; others are refused. Source:
+    (A.4)-(A.12), with the assumptions ii) and iv) replaced by what :math:`R_2 = 0` needs: no zero
+    on the unit circle.
 
     Examples
     --------
@@ -107,7 +115,10 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     >>> lqg_poles(plant).polynomial
     Poly(q**4, q, domain='QQ')
     """
+    if not isinstance(plant, StandardProblem):
+        raise InputError(f"{plant!r} is not a StandardProblem; make one with standard_problem(...)")
     q = plant.variable
+    _require_stable_hidden_modes(plant)
     regulator = regulator_spectrum(plant.A, plant.B, plant.E_1, plant.E_2, q)
     estimator = regulator_spectrum(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, q)
     factors = []
@@ -164,6 +175,7 @@ def regulator_spectrum(
     4*z
     """
     a, b, e_1, e_2 = _read(A, B, E_1, E_2)
+    variable = as_symbol(variable)
     n, l_u = b.shape
     constant = sympy.BlockMatrix(
         [[a, sympy.zeros(n, n), b],
@@ -230,3 +242,18 @@ def _read(
 def _to_flint(matrix: Matrix) -> Any:
     entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
     return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
+
+
+def _require_stable_hidden_modes(plant: StandardProblem) -> None:
+    """Refuse a mode that no gain moves and that is not inside the unit circle."""
+    for error, matrices, what in (
+        (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),
+        (NotObservableError, (plant.A.T, plant.C.T), "unobservable from y"),
+    ):
+        hidden = uncontrollable_polynomial(*matrices, plant.variable)
+        count = count_unit_disk_roots(hidden)
+        if count.boundary or count.unstable:
+            raise error(
+                f"the mode(s) {format_polynomial(hidden)} are {what} and not all inside the unit "
+                "circle, so that no controller is stabilising; remove them from the plant"
+            )

@@ -12,6 +12,8 @@ from .root_counts import RootCount, count_half_plane_roots, require_rational
 from .root_regions import locate_half_plane_roots, locate_unit_disk_roots
 from .schur_cohn import count_unit_disk_roots, reflection_coefficients
 
+MAX_DETERMINANTS = 40
+
 
 @dataclass(frozen=True)
 class StabilityDecision:
@@ -94,7 +96,8 @@ def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:
     StabilityDecision
         Routh's criterion by :func:`count_half_plane_roots` and the certified roots by
         :func:`locate_half_plane_roots`; the evidence are the Hurwitz determinants of the monic
-        polynomial. A constant has no root and is Hurwitz.
+        polynomial up to degree 40 (above it, their cost would exceed that of both decisions). A
+        constant has no root and is Hurwitz.
 
     Raises
     ------
@@ -116,7 +119,8 @@ def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:
         require_rational(p)
         counts = count_half_plane_roots(p), locate_half_plane_roots(p)
         by_coefficients, by_roots = (count.stable == p.degree() for count in counts)
-        evidence = hurwitz_determinants(p)
+        small = p.degree() <= MAX_DETERMINANTS
+        evidence = hurwitz_determinants(p) if small else ()
         return StabilityDecision(p, "half plane", by_coefficients, by_roots, *counts, evidence)
     determinants = hurwitz_determinants(p)
     signs = [sympy.factor(d).is_positive for d in determinants]
@@ -159,7 +163,10 @@ def decide_schur(poly: PolynomialLike) -> StabilityDecision:
         by_roots = counts[1].stable == p.degree()
         return StabilityDecision(p, "unit disk", by_coefficients, by_roots, *counts, evidence)
     product = sympy.cancel(p.TC() / p.LC())
-    outside = sympy.Ge(sympy.Abs(product), 1) == sympy.true
+    if not p.free_symbols_in_domain:
+        return StabilityDecision(p, "unit disk", _jury(p), None, None, None, (product,))
+    certain = p.LC().is_nonzero  # else the degree may drop and the product mean nothing
+    outside = certain and sympy.Ge(sympy.Abs(product), 1) == sympy.true
     answer = False if outside else None
     return StabilityDecision(p, "unit disk", answer, None, None, None, (product,))
 
@@ -202,3 +209,15 @@ def hurwitz_determinants(poly: PolynomialLike) -> tuple[Any, ...]:
         lambda i, j: a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= degree else sympy.Integer(0),
     )
     return tuple(determinant(H[:k, :k]) for k in range(1, degree + 1))
+
+
+def _jury(poly: Poly) -> bool | None:
+    """Run the Schur-Cohn recursion on irrational numbers; None if SymPy cannot tell a sign."""
+    coefficients = list(poly.all_coeffs())
+    while len(coefficients) > 1:
+        k = sympy.simplify(coefficients[-1] / coefficients[0])
+        if not (1 - k**2).is_positive:
+            return None if (1 - k**2).is_positive is None else False
+        reduced = zip(coefficients[:-1], coefficients[:0:-1], strict=True)
+        coefficients = [sympy.simplify(c - k * mirrored) for c, mirrored in reduced]
+    return True

@@ -11,6 +11,8 @@ from .exact_linear_algebra import determinant, rank
 from .numbers import exact_number
 from .polynomials import PolynomialLike, polynomial
 
+MAX_ORDER = 10_000
+
 
 def sylvester_m(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> ImmutableMatrix:
     r"""Return the matrix of the pole placement equation.
@@ -53,10 +55,12 @@ def sylvester_m(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> I
     [3, 5, 1],
     [2, 0, 5]])
     """
-    d, n = _trimmed(D), _trimmed(N)
-    rows = len(d) - 1 + n_c
     if not (isinstance(n_c, int) and isinstance(m_hat, int)):
         raise InputError(f"n_c = {n_c!r} and m_hat = {m_hat!r} must be integers")
+    if n_c > MAX_ORDER:
+        raise InputError(f"n_c = {n_c} exceeds {MAX_ORDER}, the largest order that is built")
+    d, n = _trimmed(D), _trimmed(N)
+    rows = len(d) - 1 + n_c
     if n_c < 0 or m_hat < -1:
         raise InputError(f"n_c = {n_c} must be at least 0 and m_hat = {m_hat} at least -1")
     offset = rows - (len(n) - 1) - m_hat - 1
@@ -149,7 +153,7 @@ def sylvester_m2(a: PolynomialLike, b: PolynomialLike) -> ImmutableMatrix:
     return sylvester_m1(a, _trimmed(b), k, k)
 
 
-def number_of_common_roots(a: PolynomialLike, b: PolynomialLike) -> int:
+def number_of_common_roots(a: PolynomialLike, b: PolynomialLike) -> int | None:
     r"""Count the common roots of two polynomials, with multiplicity, by a rank.
 
     .. math:: \deg\gcd(a, b) = k + l - \mathrm{rank}\,\mathcal M_1(a, b)
@@ -157,7 +161,12 @@ def number_of_common_roots(a: PolynomialLike, b: PolynomialLike) -> int:
     Parameters
     ----------
     a, b : polynomial
-        With symbols, for generic values of them. b may be zero: then all roots of a count.
+        b may be zero: then all roots of a count.
+
+    Returns
+    -------
+    int or None
+        None if it depends on the values of symbols.
 
     Raises
     ------
@@ -183,7 +192,12 @@ def number_of_common_roots(a: PolynomialLike, b: PolynomialLike) -> int:
             "exchange a and b)"
         )
     size = len(first) + len(second) - 2
-    return size - rank(sylvester_m1(first, second)) if size else 0
+    if not size:
+        return 0
+    matrix = sylvester_m1(first, second)
+    if matrix.free_symbols:
+        return 0 if determinant(matrix).is_nonzero else None
+    return size - rank(matrix)
 
 
 def resultant(a: PolynomialLike, b: PolynomialLike) -> Expr:

@@ -20,6 +20,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.exact_linear_algebra import characteristic_polynomial
 from compensator_theory.primary_components import derogatory_factor
 from rcac_numeric.invariant_subspaces import kernel_bases, rounded_roots, selections
+from rcac_numeric.validation import integer, number
 
 Array = NDArray[np.float64]
 
@@ -169,6 +170,9 @@ def numeric_observer_forms(
     >>> len(forms), bool(forms.residual.max() < 1e-12)  # s**4 + 4*s**3 + 5*s**2 + 4*s + 2
     (2, True)
     """
+    integer(limit, "limit", at_least=1)
+    if not 0 < number(singular, "singular") < 1:
+        raise InputError(f"singular = {singular} must lie between 0 and 1")
     system, controller = realisation(plant), realisation(compensator)
     exact_loop = closed_loop_matrix(system, controller)
     n, n_c = system.n, controller.n
@@ -206,7 +210,10 @@ def numeric_observer_forms(
 
 
 def _rounded(matrix: ImmutableMatrix) -> Array:
-    entries = [int(entry.p) / int(entry.q) for entry in matrix]
+    try:
+        entries = [int(entry.p) / int(entry.q) for entry in matrix]
+    except OverflowError:
+        raise InputError("an entry of the closed loop is beyond the range of float64") from None
     return np.array(entries, float).reshape(matrix.shape)
 
 

@@ -177,7 +177,8 @@ def _solve(matrix: Array, right: Array) -> Array:
 
 
 def _descending(poly: Poly, degree: int) -> list[Any]:
-    return [0] * (degree - max(int(poly.degree()), 0)) + poly.all_coeffs() if degree >= 0 else []
+    own = 0 if poly.is_zero else int(poly.degree())
+    return [0] * (degree - own) + poly.all_coeffs() if degree >= 0 else []
 
 
 def _float(value: Any) -> float:

@@ -140,8 +140,6 @@ def pole_placement_target(
     from compensator_theory import (
         TransferFunction,
         exact_number,
-        polynomial,
-        polynomial_from_roots,
     )
 
     known = (
@@ -149,12 +147,11 @@ def pole_placement_target(
         if isinstance(information, ModellingInformation)
         else modelling_information(information)
     )
-    if isinstance(poles, str | Poly):
-        D_p = polynomial(poles, "q")
-    elif isinstance(poles, Sequence):
-        D_p = polynomial_from_roots(poles, "q")
-    else:
+    if not isinstance(poles, str | Poly | Sequence | np.ndarray):
         raise InputError(f"poles = {poles!r} must be a list of roots or the polynomial D_p.")
+    from compensator_theory.prescribed_roots import polynomial_or_roots
+
+    D_p = polynomial_or_roots(poles, "q")
     if D_p.is_zero:
         raise InputError("the polynomial D_p of the poles is zero.")
     if D_p.free_symbols_in_domain:

@@ -13,12 +13,22 @@ from compensator_theory import (
     InputError,
     StandardProblem,
     certified_roots,
+    closed_loop_matrix,
     exact_number,
+    intercalated_transfer_function,
+    is_controllable,
+    lqg_poles,
+    monic,
     parse_expression,
     place_poles,
+    polynomial,
+    polynomial_from_roots,
+    reciprocal_polynomial,
+    regulator_gain,
     split_at_unit_circle,
     standard_problem,
     sylvester_m,
+    target_characteristic_polynomial,
 )
 from compensator_theory.expressions import parse_quotient
 
@@ -143,3 +153,47 @@ def test_expansions_without_end_are_refused(text):
 )  # fmt: skip
 def test_what_fits_is_read(text):
     parse_expression(text)
+
+
+@pytest.mark.parametrize(
+    "collect", [list, tuple, set, np.array, iter], ids=["list", "tuple", "set", "array", "iterator"]
+)
+def test_any_collection_holds_roots(collect):
+    """Not coefficients: a silent change of meaning would place other poles."""
+    placed = place_poles("4/((s+1)*(s+3))", collect([-6, -5, -4, -2]), feedback=-1)
+    assert placed.target == polynomial("(s+6)*(s+5)*(s+4)*(s+2)")
+    gain = regulator_gain([[0, 1], [0, 0]], [[0], [1]], collect([-1, -2]))
+    assert gain.tolist() == [[-2, -3]]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: polynomial_from_roots(["s"], "s"),
+        lambda: polynomial_from_roots(5, "s"),
+        lambda: monic("s + 1"),
+        lambda: reciprocal_polynomial([1, 2]),
+        lambda: parse_expression(5),
+        lambda: lqg_poles(None),
+        lambda: closed_loop_matrix("1/s", "1/s"),
+        lambda: intercalated_transfer_function(None, 1, "q"),
+        lambda: target_characteristic_polynomial(None, 1, "1/q"),
+        lambda: sylvester_m("s + 1", "1", "a", 1),
+        lambda: sylvester_m("s**2 + 1", "s + 3", 10**7, 1),
+        lambda: polynomial(sympy.Poly("s + 1", modulus=5)),
+    ],
+)
+def test_more_wrong_input_is_our_error(call):
+    with pytest.raises(InputError):
+        call()
+
+
+def test_float_polynomials_become_decimals_at_the_door():
+    s = sympy.Symbol("s")
+    assert polynomial(sympy.Poly(0.5 * s + 1.5, s)) == polynomial("s/2 + 3/2")
+    with pytest.raises(InputError, match="not exact"):
+        monic(sympy.Poly(1.0 * s + 1.5, s))
+
+
+def test_lists_are_matrices_everywhere():
+    assert is_controllable([[0, 1], [0, 0]], [[0], [1]]) is True

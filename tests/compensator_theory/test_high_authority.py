@@ -265,3 +265,10 @@ def test_they_print():
         things = (found, found.poles, found.regulator, high_authority_target(plant))
         for thing in things:
             assert str(thing) and thing._repr_latex_().startswith(r"$\displaystyle")
+
+
+def test_a_hidden_unstable_mode_has_no_lqg_poles():
+    with pytest.raises(CompensatorError, match="not all inside the unit circle"):
+        lqg_poles(standard_problem("(q - 2)/((q - 2)*(q - 3))"))
+    stable = lqg_poles(standard_problem("(q - 1/4)/((q - 1/4)*(q - 3))")).polynomial
+    assert stable.eval(sympy.Rational(1, 4)) == 0

@@ -23,6 +23,7 @@ from compensator_theory import (
     polynomial,
     polynomial_from_roots,
     realisation,
+    realisation_is_observer_based,
     transfer_function,
     transfer_function_is_observer_based,
 )
@@ -197,7 +198,7 @@ def test_not_observer_based_and_yet_optimal():
     pair = (f"4*{g}", f"(s + 1)*{g}")
     assert not pair_is_observer_based(plant, pair, feedback=-1)
     decision = is_lqg_suboptimal(plant, pair, feedback=-1)
-    assert decision.answer is False and "cost ignores it" in decision.reason
+    assert decision.answer is False and "cost ignores that" in decision.reason
     # The problem that the answer names, by python-control: its optimum is this transfer function.
     design = observer_based_compensator(
         plant, "(s + 4)*(s**2 + 2*s + 5)", "(s + 3)*(s**2 + 2*s + 2)"
@@ -255,3 +256,19 @@ def test_refusals():
     assert not pair_is_observer_based(SERVO, "1/(s + 1)", feedback=1)
     assert not pair_is_observer_based("1/s", "1/(s**2 + 1)", feedback=1)
     assert observer_forms("1/s", "-1/(s + 2)").forms[0].K[0] == -1
+
+
+def test_suboptimality_is_decided_exactly_near_the_boundary():
+    question = lambda plant, G_c: is_lqg_suboptimal(plant, G_c, feedback=-1).answer  # noqa: E731
+    assert question("1/(s - 1e-20)", "0/(s + 2)") is True
+    assert question("1/(s + 1e-20)", "0/(s + 2)") is not None
+    with pytest.raises(ImproperError, match="not well posed"):
+        is_lqg_suboptimal("(s + 2)/(s + 1)", "1", feedback=1)
+
+
+def test_more_states_than_the_plant_and_no_split_that_works():
+    """All roots are rational, so that every real split is tested: the answer is no."""
+    decision = realisation_is_observer_based(
+        ([[2]], [[0]], [[0]]), ([[3, -1], [0, 0]], [[2], [0]], [[-1, -2]])
+    )
+    assert decision.answer is False

@@ -207,3 +207,15 @@ def test_roots_closer_to_the_circle_than_float64_can_tell(text, stable, unstable
         assert (count.stable, count.boundary, count.unstable) == (stable, 0, unstable)
     inside, outside = split_at_unit_circle(poly)
     assert (inside.degree(), outside.degree()) == (stable, unstable)
+
+
+def test_schur_with_irrational_numbers_and_with_symbols():
+    assert decide_schur("q - sqrt(2)/2").is_stable is True
+    assert decide_schur("2*q**2 - sqrt(2)*q + 1").is_stable is True
+    assert decide_schur("q**2 - sqrt(2)*q + 1").is_stable is False
+    assert decide_schur("pi*q - 4").is_stable is False
+    assert decide_schur("a*q**2 + q + 2*a").is_stable is None  # it is q where a = 0
+
+
+def test_a_large_degree_is_decided_soon():
+    assert decide_hurwitz("(s + 1)**120").is_stable is True

@@ -119,3 +119,9 @@ def test_bad_input_of_conditioning():
         placement_conditioning("1/s", [-1], feedback=0)
     with pytest.raises(InputError, match="range"):
         placement_conditioning("1/s", [-(10**400), -1], feedback=-1)
+
+
+def test_keeping_the_plants_own_poles_needs_no_compensator():
+    result = CliRunner().invoke(main, ["place", "--plant", "1/(s+1)", "--poles=-1,-4"])
+    assert result.exit_code == 0, result.output
+    assert "G_c = (0)/(s + 4)" in result.output
