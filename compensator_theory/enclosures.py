@@ -142,9 +142,12 @@ class PolynomialEnclosure:
         return rf"$\displaystyle {self.latex()}$"
 
     def latex(self) -> str:
-        """Return the LaTeX of the centres to eight digits, without the dollars."""
-        powers = enumerate(reversed(self.coefficients))
-        return str(sympy.latex(sum(sympy.N(c.centre, 8) * self.variable**k for k, c in powers)))
+        """Return the LaTeX of the centres, exact ones as they are and others to eight digits."""
+        terms = (
+            (c.centre if c.radius == 0 else sympy.N(c.centre, 8)) * self.variable**k
+            for k, c in enumerate(reversed(self.coefficients))
+        )
+        return str(sympy.latex(sum(terms)))
 
 
 def enclosure_of_ball(ball: Any) -> Enclosure:
