@@ -52,8 +52,8 @@ class StabilityDecision:
 
     @property
     def is_stable(self) -> bool | None:
-        """The answer; None if it depends on the value of a symbol."""
-        return self.by_coefficients
+        """The answer; None if it depends on a symbol or the two routes contradict each other."""
+        return self.by_coefficients if self.is_unanimous else None
 
     @property
     def is_unanimous(self) -> bool:

@@ -54,8 +54,11 @@ def verify(case: str, picture: Path | None, as_json: bool) -> None:
 
     CASE is the number of an example (see `rcac list`) or the path of a TOML file.
     """
+    import numpy as np
+
     try:
-        status = _verify(case, picture, as_json)
+        with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
+            status = _verify(case, picture, as_json)
     except CompensatorError as error:
         click.echo(f"rcac: {error}", err=True)
         status = 2
@@ -67,8 +70,6 @@ def verify(case: str, picture: Path | None, as_json: bool) -> None:
 
 
 def _verify(case: str, picture: Path | None, as_json: bool) -> int:
-    import numpy as np
-
     # Imported here, after the command line is known to be right: NumPy, SciPy and SymPy take
     # most of a second to load.
     from rcac_numeric.experiment_builder import load_example, load_experiment
@@ -79,7 +80,6 @@ def _verify(case: str, picture: Path | None, as_json: bool) -> int:
     is_file = case.endswith(".toml") or "/" in case or Path(case).is_file()
     experiment = load_experiment(case) if is_file else load_example(case)
     interactive = sys.stderr.isatty()
-    np.seterr(all="ignore")  # a loop that leaves float64 is reported as such, not by warnings
     verification = verify(
         experiment, lambda name: click.echo(f"\rrunning {name} ...\033[K", err=True, nl=False)
         if interactive else None

@@ -190,10 +190,15 @@ def _target(section: Section, plant: Plant) -> TargetModel:
     """The target model; what the file does not say of G_zu is taken from the plant."""
     model = one_of(section.text("model"), "model", tuple(TARGET_KEYS))
     section.only(f'model = "{model}"', "model", *TARGET_KEYS[model])
-    if model == "filter" and "numerator" in section.table:
-        return TargetModel(**section.given("numerator", "denominator"))
     if model == "filter":
-        target = target_model(section.require("G_f"))
+        if "numerator" in section.table:
+            section.only('model = "filter" with numerator', "model", "numerator", "denominator")
+            target = TargetModel(**section.given("numerator", "denominator"))
+        else:
+            section.only('model = "filter" with G_f', "model", "G_f")
+            target = target_model(section.require("G_f"))
+        if (plant.l_z, plant.l_u) != (1, 1):
+            return target
         if target.relative_degree != (wanted := modelling_information(plant).d_zu):
             raise InputError(
                 f"the target model G_f has relative degree {target.relative_degree}, the plant's "

@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -153,12 +154,14 @@ def test_a_changed_verdict_is_status_1(rcac, case):
 
 
 def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
+    warnings_before = np.geterr()
     picture = tmp_path / "diverged.svg"
     result = rcac("verify", case(DIVERGING), "--plot", picture)
     assert result.exit_code == 3
     assert "diverged after step" in result.output
     assert b"<svg" in picture.read_bytes()
     assert rcac("verify", case(DIVERGING), "--json").exit_code == 3
+    assert np.geterr() == warnings_before, "the command leaves no global state behind"
 
 
 @pytest.mark.parametrize(
@@ -173,6 +176,11 @@ def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
         (('problem = "servo"', 'problem = "serv"'), "problem = 'serv' is not known"),
         (('model = "fir"', 'model = "filter"\nG_f = "1/q^2"'), "G_f has relative degree 2"),
         (('model = "fir"', 'model = "filter"\nG_f = "q"'), "more zeros than poles"),
+        (('model = "fir"', 'model = "filter"\nnumerator = [0, 0, 1]'), "relative degree 2"),
+        (
+            ('model = "fir"', 'model = "filter"\nG_f = "1/q"\nnumerator = [0, 1]'),
+            "sets 'G_f', which",
+        ),
         (("(q - 0.5)/", "(q - 0.5)**3/"), "strictly proper"),
         (("(q - 0.5)/", "(q - 0.5)*(q - 0.9)/"), "share the factor q - 9/10"),
         (("r = { step = 1 }", "w = { step = 1 }"), "sets 'w'; this plant's exogenous input has r"),
