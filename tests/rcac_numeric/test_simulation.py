@@ -38,7 +38,7 @@ def test_a_python_loop_gives_the_same_bits(data, seed):
     no_control = np.zeros(plant.l_u)
     for k in range(run.steps):
         assert np.array_equal(controller.theta, run.theta[k])
-        y, z = body.output(no_control, w[k])  # no feedthrough: y and z do not need u
+        y, z = body.output(k, no_control, w[k])  # no feedthrough: y and z do not need u
         u = controller.step(y, z)
         body.advance(u, w[k])
         assert np.array_equal(y, run.y[k]) and np.array_equal(z, run.z[k])
