@@ -144,17 +144,4 @@ private:
     bool y_first_ = false, adapt_first_ = false;
 };
 
-// Runs up to `steps` steps and returns how many were completed, fewer where the outcome is not
-// `completed`. The rows of the failed step are not valid.
-inline std::int64_t simulate(Loop& loop, const double* w, std::size_t l_w, std::int64_t steps,
-                             const Record& record, Outcome& outcome) {
-    for (std::int64_t row = 0; row < steps; ++row, w += l_w) {
-        outcome = loop.move(row, w, record);
-        if (outcome == Outcome::completed) outcome = loop.adapt();
-        if (outcome == Outcome::completed) outcome = loop.finish(w);
-        if (outcome != Outcome::completed) return row;
-    }
-    return steps;
-}
-
 }  // namespace rcac

@@ -105,10 +105,7 @@ public:
         if (step_ >= plan_.k_w) {
             const double* values = signals_.values();
             if (l_u == 1) {
-                double sum = 0.0;
-                for (std::size_t j = 0; j < regressor_.size(); ++j)
-                    sum += theta_[j] * values[regressor_[j]];
-                u_[0] = sum;
+                u_[0] = answer(values);
             } else {
                 for (std::size_t j = 0; j < regressor_.size(); ++j)
                     for (std::size_t i = 0; i < l_u; ++i)
@@ -285,6 +282,17 @@ private:
         for (std::size_t j = 0; j < theta_.size(); ++j)
             if (structure().regressor[j].source == 0)
                 theta_[j] = -polynomial_[structure().regressor[j].delay];
+    }
+
+    // phi(k)' theta, in four sums, because one would wait for each addition before the next.
+    double answer(const double* values) const {
+        const std::size_t count = regressor_.size();
+        double sums[4] = {};
+        std::size_t j = 0;
+        for (; j + 4 <= count; j += 4)
+            for (std::size_t i = 0; i < 4; ++i) sums[i] += theta_[j + i] * values[regressor_[j + i]];
+        for (; j < count; ++j) sums[0] += theta_[j] * values[regressor_[j]];
+        return (sums[0] + sums[1]) + (sums[2] + sums[3]);
     }
 
     // y(k) in one piece, for weights that are functions of it.

@@ -2,6 +2,8 @@ from .actuators import Saturation as Saturation
 from .adaptation_rules import CovarianceReset as CovarianceReset
 from .adaptation_rules import SignalWeight as SignalWeight
 from .adaptation_rules import VariableRateForgetting as VariableRateForgetting
+from .batches import Case as Case
+from .batches import simulate_many as simulate_many
 from .closed_loop import ClosedLoop as ClosedLoop
 from .closed_loop import Match as Match
 from .closed_loop import intercalated_match as intercalated_match

@@ -51,8 +51,13 @@ class Loop:
         shared_u: bool,
         r_in_w: int,
     ) -> None: ...
-    def run(
+    def save(self) -> Array: ...
+    def restore(self, state: Array) -> None: ...
+
+class Job:
+    def __init__(
         self,
+        loop: Loop,
         w: Array,
         u: Array,
         u_applied: Array | None,
@@ -60,12 +65,13 @@ class Loop:
         z: Array,
         theta: Array,
         stride: int,
-        first: int,
-        count: int,
-    ) -> tuple[int, int]: ...
-    def save(self) -> Array: ...
-    def restore(self, state: Array) -> None: ...
+    ) -> None: ...
+    @property
+    def done(self) -> int: ...
+    @property
+    def outcome(self) -> int: ...
 
+def run_jobs(jobs: Sequence[Job], threads: int, rows: int) -> bool: ...
 def controller(
     *,
     l_u: int,
