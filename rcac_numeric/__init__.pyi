@@ -9,6 +9,7 @@ from .controller_settings import ControllerSettings as ControllerSettings
 from .experiment import Experiment as Experiment
 from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
+from .filter_targets import target_model as target_model
 from .modelling import ModellingInformation as ModellingInformation
 from .modelling import modelling_information as modelling_information
 from .observer_forms import NumericObserverForms as NumericObserverForms
@@ -37,6 +38,5 @@ from .structures import iir as iir
 from .target_models import TargetModel as TargetModel
 from .target_models import fir_target as fir_target
 from .target_models import pole_placement_target as pole_placement_target
-from .target_models import target_model as target_model
 from .verdicts import Verification as Verification
 from .verdicts import verify as verify

@@ -13,15 +13,11 @@ from rcac_numeric.experiment import Experiment, RunSpecification
 from rcac_numeric.experiment_claims import claim
 from rcac_numeric.experiment_files import Section, Table, merged, named, read_example, read_file
 from rcac_numeric.experiment_signals import signals
+from rcac_numeric.filter_targets import target_model
 from rcac_numeric.modelling import ModellingInformation, modelling_information
 from rcac_numeric.plants import MATRICES, Plant, from_problem, servo_plant, standard_plant
 from rcac_numeric.structures import Structure, fir, iir
-from rcac_numeric.target_models import (
-    TargetModel,
-    fir_target,
-    pole_placement_target,
-    target_model,
-)
+from rcac_numeric.target_models import TargetModel, fir_target, pole_placement_target
 from rcac_numeric.validation import Array, integer, number, one_of
 
 # What a run may keep in memory before it is refused.
