@@ -10,10 +10,16 @@ from .experiment import Experiment as Experiment
 from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
 from .filter_targets import target_model as target_model
+from .high_authority_targets import high_authority_target as high_authority_target
+from .markov_models import markov_parameters as markov_parameters
+from .markov_models import markov_target as markov_target
 from .modelling import ModellingInformation as ModellingInformation
 from .modelling import modelling_information as modelling_information
 from .observer_forms import NumericObserverForms as NumericObserverForms
 from .observer_forms import numeric_observer_forms as numeric_observer_forms
+from .output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros
+from .output_subspaces import output_subspace_target as output_subspace_target
+from .output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .placement_conditioning import PlacementConditioning as PlacementConditioning
 from .placement_conditioning import placement_conditioning as placement_conditioning
 from .plants import Plant as Plant
@@ -38,5 +44,6 @@ from .structures import iir as iir
 from .target_models import TargetModel as TargetModel
 from .target_models import fir_target as fir_target
 from .target_models import pole_placement_target as pole_placement_target
+from .transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
 from .verdicts import Verification as Verification
 from .verdicts import verify as verify
