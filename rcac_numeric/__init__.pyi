@@ -6,11 +6,18 @@ from .comparison import compare as compare
 from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
 from .controller_settings import ControllerSettings as ControllerSettings
+from .era import EigensystemRealisation as EigensystemRealisation
+from .era import eigensystem_realisation as eigensystem_realisation
 from .experiment import Experiment as Experiment
 from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
 from .filter_targets import target_model as target_model
 from .high_authority_targets import high_authority_target as high_authority_target
+from .identified_modelling import (
+    modelling_information_from_markov as modelling_information_from_markov,
+)
+from .markov_identification import IdentifiedMarkovParameters as IdentifiedMarkovParameters
+from .markov_identification import identify_markov_parameters as identify_markov_parameters
 from .markov_models import markov_parameters as markov_parameters
 from .markov_models import markov_target as markov_target
 from .modelling import ModellingInformation as ModellingInformation
