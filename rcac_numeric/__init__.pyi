@@ -33,6 +33,7 @@ from .plants import Plant as Plant
 from .plants import servo_plant as servo_plant
 from .plants import standard_plant as standard_plant
 from .plots import plot_sheet as plot_sheet
+from .recordings import read_recording as read_recording
 from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
 from .residual_split import ResidualSplit as ResidualSplit
@@ -40,6 +41,10 @@ from .residual_split import split_residual as split_residual
 from .signals import Signal as Signal
 from .signals import exogenous as exogenous
 from .signals import harmonic as harmonic
+from .signals import pulse as pulse
+from .signals import ramp as ramp
+from .signals import recorded as recorded
+from .signals import recorded_channels as recorded_channels
 from .signals import sequence as sequence
 from .signals import step as step
 from .signals import white_noise as white_noise

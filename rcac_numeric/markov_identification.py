@@ -194,4 +194,6 @@ def _least_norm(columns: Array, target: Array) -> Array:
 
 def _as_matrices(stacked: Array, count: int, width: int) -> Array:
     """[H_0'; H_1'; ...] as an array of matrices."""
-    return real_array(stacked.reshape(count, width, stacked.shape[1]).transpose(0, 2, 1), "coefficients")
+    return real_array(
+        stacked.reshape(count, width, stacked.shape[1]).transpose(0, 2, 1), "coefficients"
+    )
