@@ -53,7 +53,7 @@ def eigensystem_realisation(
         norm of the error cannot come from the error alone.
     error : array that can be broadcast to the shape of H
         Standard error of each parameter, for the default order; an error of
-        eps * max |H| * (side of K_0) is assumed at least.
+        eps * max(abs(H)) * (side of K_0) is assumed at least.
 
     Raises
     ------

@@ -34,7 +34,7 @@ def read_filter(filter: Any) -> TransferFunction | TransferMatrix:
     from compensator_theory import TransferMatrix, transfer_function
 
     if isinstance(filter, TransferMatrix):
-        return filter
+        return _scalar_if_possible(filter)
     library = type(filter).__module__.split(".")[0]
     if library == "control":
         return _scalar_if_possible(_from_control(filter))

@@ -30,7 +30,7 @@ def modelling_information_from_markov(
     ----------
     H : IdentifiedMarkovParameters, or array of Markov parameters with H_0 first
         Plain numbers are taken to be exact but for rounding: a parameter is then significant if
-        it exceeds `significance` * eps * max |H|.
+        it exceeds `significance` * eps * max(abs(H)).
     order : int, optional
         Order of G_zu; by default as `eigensystem_realisation` decides from the standard errors.
     significance : float

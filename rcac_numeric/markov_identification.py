@@ -22,7 +22,7 @@ class IdentifiedMarkovParameters:
         The Markov parameters H_0, ..., H_(mu-1).
     standard_error : array, shape (mu, l_y, l_u)
         Of each entry of H, from the residual as if it were white; at least the bound of rounding
-        eps * (number of equations) * condition_number * max |H|.
+        eps * (number of equations) * condition_number * max(abs(H)).
     a, b : arrays, shapes (n_mod, l_y, l_y) and (n_mod, l_y, l_u)
         The other coefficients of (3.8), those of smallest norm where several fit equally well.
     residual : array, shape (rows, l_y)
@@ -43,6 +43,16 @@ class IdentifiedMarkovParameters:
     def mu(self) -> int:
         """Number of Markov parameters."""
         return len(self.H)
+
+    def __str__(self) -> str:
+        rms = np.sqrt(np.mean(self.residual**2))
+        largest = [
+            f"H_{i}: {np.abs(H).max():.6g} +- {error.max():.2g}"
+            for i, (H, error) in enumerate(zip(self.H, self.standard_error, strict=True))
+        ]
+        head = f"{self.mu} Markov parameters, largest entry and standard error of each"
+        tail = f"rms residual {rms:.3g}, condition number {self.condition_number:.3g}"
+        return "\n".join([head, *largest, tail])
 
     def cleared(self, significance: float = 5.0) -> Array:
         """H with its leading insignificant parameters set to zero; shape (mu, l_y, l_u).

@@ -58,10 +58,11 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
     G_f(q) = sum of H_i q^{-i} for i = d_zu, ..., n_bar
 
     Its zeros approximate those NMP zeros of G_zu whose modulus exceeds the spectral radius of A,
-    where the series converges, and only those: an NMP zero inside the circle through the largest
-    unstable pole has no counterpart in G_f, while that circle collects zeros that G_zu does not
-    have. Where A is stable the error of a simple zero shrinks like (spectral radius /
-    modulus)^n_bar.
+    where the series converges, and only those: the error of a simple zero shrinks like (spectral
+    radius / modulus)^n_bar, while an NMP zero within that radius has no counterpart in G_f. The
+    other zeros of G_f gather around the circle of the spectral radius. If A is not asymptotically
+    stable they look like NMP zeros that G_zu does not have; with a pole at 1 (example 4.2,
+    n_bar = 120) 117 of them lie outside the unit circle.
 
     Parameters
     ----------

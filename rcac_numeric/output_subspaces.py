@@ -45,6 +45,10 @@ class OutputSubspaceZeros:
     polynomial: Poly
     nmp_zeros: tuple[Any, ...]
 
+    def __str__(self) -> str:
+        shown = ", ".join(f"{zero:.6g}" for zero in self.zeros) or "none"
+        return f"output-subspace zeros: {shown}; {len(self.nmp_zeros)} not inside the unit circle"
+
     @property
     def zeros(self) -> NDArray[np.complex128]:
         """All of them, from certified isolation."""

@@ -144,6 +144,8 @@ def test_the_identification_window_of_the_aircraft():
     u = np.random.default_rng(1).standard_normal((70, 1))
     y = record(plant, u)
     found = modelling_information_from_markov(identify_markov_parameters(u, y, 10, 4), order=4)
+    text = str(identify_markov_parameters(u, y, 10, 4))
+    assert "H_1: 0.0124 +-" in text and "condition number" in text
     assert found.nmp_zeros == pytest.approx((1.1369, -1.0027), abs=1e-4)
     with pytest.raises(InputError, match=r"order = 4, but 7 Markov parameters.*larger mu"):
         modelling_information_from_markov(identify_markov_parameters(u, y, 8, 4), order=4)

@@ -66,6 +66,18 @@ def test_the_zeros_approximate_nmp_zeros_beyond_the_spectral_radius():
     assert max(map(abs, others)) < 1, "no other zero looks like an NMP one"
 
 
+def test_a_pole_on_the_circle_draws_zeros_that_the_plant_does_not_have():
+    """Example 4.2: the NMP pair is found to 1e-8, among 117 others outside the unit circle."""
+    plant = standard_plant(
+        "(q - 0.5)*(q**2 - 1.92*q + 1.44)/((q - 1)*(q - 0.9)*(q**2 - 1.62*q + 0.81))"
+    )
+    found = zeros(markov_target(plant, 120))
+    pair = np.abs(found - (0.96 + 0.72j)), np.abs(found - (0.96 - 0.72j))
+    assert max(pair[0].min(), pair[1].min()) < 1e-8
+    others = found[(pair[0] > 0.01) & (pair[1] > 0.01)]
+    assert len(others) == 117 and np.all(np.abs(others) > 1)
+
+
 def test_nmp_zeros_within_the_spectral_radius_are_not_seen():
     """An unstable pole at 1.5 beside an NMP zero at 1.2: the series diverges at the zero."""
     plant = standard_plant("(q - 1.2)*(q - 2)/(q*(q - 0.3)*(q - 1.5))")

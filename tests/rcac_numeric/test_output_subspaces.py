@@ -75,6 +75,7 @@ def test_full_state_feedback_of_the_aircraft(model, zeros, outside):
     found = output_subspace_zeros(plant)
     assert_same_roots(found.zeros, zeros, 1e-4)
     assert len(found.nmp_zeros) == outside
+    assert f"{outside} not inside" in str(found)
     target = output_subspace_target(plant)
     assert (target.l_z, target.l_u, target.n_f, target.relative_degree) == (4, 1, 1 + outside, 1)
     assert target.numerator[1] == pytest.approx(plant.B)
