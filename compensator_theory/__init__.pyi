@@ -14,6 +14,7 @@ from .enclosures import Enclosure as Enclosure
 from .enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError
+from .errors import FunctionFailedError as FunctionFailedError
 from .errors import ImproperError as ImproperError
 from .errors import InputError as InputError
 from .errors import NoSolutionError as NoSolutionError

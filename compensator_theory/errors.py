@@ -54,5 +54,13 @@ class DivergedError(CompensatorError):
     """A closed loop left the range of float64; what came before is kept in the result."""
 
 
+class FunctionFailedError(CompensatorError):
+    """A function that was passed in failed; `run` holds what was computed before."""
+
+    def __init__(self, message: str, run: object = None) -> None:
+        super().__init__(message)
+        self.run = run
+
+
 class RoundingWarning(UserWarning):
     """Rounding to float64 alone moves the poles of a closed loop dangerously."""

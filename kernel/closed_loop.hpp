@@ -1,16 +1,34 @@
-// Plant and controller in a loop.
+// Plant, actuator and controllers in a loop.
 #pragma once
 
+#include "actuator.hpp"
 #include "controller.hpp"
 #include "plant.hpp"
 
 namespace rcac {
 
+enum class Outcome : int {
+    completed,
+    diverged,         // a signal, a state or a coefficient exceeded the limit
+    overflow,         // the update left the range of float64
+    plant_not_finite, // the plant returned a NaN or an infinity
+    plant_failed,     // a function of the plant failed
+    unsupported,      // an update was decided by rounding, and the run was to end there
+};
+
 // Where the run is written: arrays of `steps` rows; theta has a row for every `stride` steps,
-// row j holding theta(j * stride), the coefficients that made u(j * stride).
+// row j holding theta(j * stride), the coefficients that made u(j * stride). u is what the
+// controllers asked for, u_applied (may be null) what the actuator made of it.
 struct Record {
-    double *u, *y, *z, *theta;
+    double *u, *u_applied, *y, *z, *theta;
     std::int64_t stride;
+};
+
+struct LoopOptions {
+    double limit;
+    bool stop_where_unsupported;
+    bool shared_u;          // several controllers: each one's regressor holds the sum, not its own u
+    std::size_t r_in_w;     // where the command begins in w
 };
 
 inline bool within(const double* values, std::size_t count, double limit) {
@@ -19,43 +37,111 @@ inline bool within(const double* values, std::size_t count, double limit) {
     return true;
 }
 
-// Runs up to `steps` steps and returns how many were completed; fewer only where a signal or a
-// coefficient is not finite or exceeds `limit`. The rows of the failed step are not valid.
-inline std::int64_t simulate(Controller& controller, Plant& plant, const double* w,
-                             std::int64_t steps, double limit, const Record& record) {
-    const PlantMatrices& size = plant.matrices();
-    const std::size_t l_theta = controller.theta().size();
-    const bool y_first = controller.measures_first();
-    for (std::int64_t k = 0; k < steps; ++k) {
-        const double* w_k = w + k * size.l_w;
-        double* u = record.u + k * size.l_u;
-        double* y = record.y + k * size.l_y;
-        double* z = record.z + k * size.l_z;
-        if (k % record.stride == 0)
-            std::copy_n(controller.theta().data(), l_theta,
-                        record.theta + k / record.stride * l_theta);
-        controller.begin();
-        std::fill_n(u, size.l_u, 0.0);
-        if (y_first) {  // then D_0 = 0 and y does not need u
-            plant.y(u, w_k, y);
-            controller.measure(y);
-            std::copy_n(controller.control(), size.l_u, u);
-        } else {
-            std::copy_n(controller.control(), size.l_u, u);
-            plant.y(u, w_k, y);
-            controller.measure(y);
+class Loop {
+public:
+    Loop(std::vector<Controller*> controllers, Plant& plant, Actuator& actuator,
+         const LoopOptions& options)
+        : controllers_(std::move(controllers)),
+          plant_(plant),
+          actuator_(actuator),
+          options_(options),
+          u_a_(plant.sizes().l_u) {
+        for (const Controller* c : controllers_) {
+            y_first_ = y_first_ || c->measures_first();
+            adapt_first_ = adapt_first_ || c->filter_form();
         }
-        plant.z(u, w_k, z);
-        if (!within(u, size.l_u, limit) || !within(y, size.l_y, limit) ||
-            !within(z, size.l_z, limit))
-            return k;
-        if (!controller.adapt(z)) return k;
-        plant.advance(u, w_k);
-        if (!within(controller.theta().data(), l_theta, limit) ||
-            !within(plant.x().data(), size.n, limit))
-            return k;
     }
-    return steps;
-}
+
+    // Step k of the record up to the point where the predictor's update is due.
+    Outcome move(std::int64_t row, const double* w, const Record& record) {
+        const Sizes& size = plant_.sizes();
+        double *u = record.u + row * static_cast<std::int64_t>(size.l_u),
+               *y = record.y + row * static_cast<std::int64_t>(size.l_y);
+        z_ = record.z + row * static_cast<std::int64_t>(size.l_z);
+        const double* r = w + options_.r_in_w;
+        if (row % record.stride == 0) keep_theta(record.theta, row / record.stride);
+        for (Controller* c : controllers_) c->begin();
+        if (!plant_.begin(controllers_.front()->step())) return Outcome::plant_failed;
+        // Before u(k) is known it acts on nothing: an order that needs it was refused.
+        std::fill(u_a_.begin(), u_a_.end(), 0.0);
+        plant_.receive(u_a_.data());
+        if (y_first_) {
+            if (!plant_.y(w, y)) return Outcome::plant_failed;
+            for (Controller* c : controllers_) c->measure(y, r);
+        }
+        if (adapt_first_) {
+            if (!plant_.z(w, z_)) return Outcome::plant_failed;
+            if (!finite(z_, size.l_z) || !finite(y, size.l_y)) return Outcome::plant_not_finite;
+            for (Controller* c : controllers_)
+                if (c->filter_form() && !c->adapt(z_)) return Outcome::overflow;
+        }
+        std::fill_n(u, size.l_u, 0.0);
+        for (Controller* c : controllers_) {
+            const double* own = c->control();
+            for (std::size_t i = 0; i < size.l_u; ++i) u[i] += own[i];
+        }
+        std::copy_n(actuator_.apply(u), size.l_u, u_a_.begin());
+        if (options_.shared_u || controllers_.size() == 1)
+            for (Controller* c : controllers_) c->apply(u_a_.data());
+        if (record.u_applied)
+            std::copy(u_a_.begin(), u_a_.end(),
+                      record.u_applied + row * static_cast<std::int64_t>(size.l_u));
+        plant_.receive(u_a_.data());
+        if (!y_first_) {
+            if (!plant_.y(w, y)) return Outcome::plant_failed;
+            for (Controller* c : controllers_) c->measure(y, r);
+        }
+        if (!plant_.z(w, z_)) return Outcome::plant_failed;
+        if (!finite(y, size.l_y) || !finite(z_, size.l_z))
+            return finite(u, size.l_u) && finite_state() ? Outcome::plant_not_finite
+                                                         : Outcome::diverged;
+        if (!within(u, size.l_u, options_.limit) || !within(y, size.l_y, options_.limit) ||
+            !within(z_, size.l_z, options_.limit))
+            return Outcome::diverged;
+        return Outcome::completed;
+    }
+
+    Outcome adapt() {
+        for (Controller* c : controllers_)
+            if (!c->adapted() && !c->adapt(z_)) return Outcome::overflow;
+        return Outcome::completed;
+    }
+
+    Outcome finish(const double* w) {
+        for (Controller* c : controllers_) {
+            c->finish();
+            if (!within(c->theta().data(), c->theta().size(), options_.limit))
+                return Outcome::diverged;
+            if (options_.stop_where_unsupported && c->update().guard().count > 0)
+                return Outcome::unsupported;
+        }
+        if (!plant_.advance(w)) return Outcome::plant_failed;
+        if (!finite_state()) return Outcome::plant_not_finite;
+        return within(plant_.x().data(), plant_.x().size(), options_.limit) ? Outcome::completed
+                                                                            : Outcome::diverged;
+    }
+
+    const std::vector<Controller*>& controllers() const { return controllers_; }
+    const double* z() const { return z_; }
+
+private:
+    bool finite_state() const { return finite(plant_.x().data(), plant_.x().size()); }
+
+    void keep_theta(double* kept, std::int64_t row) const {
+        std::size_t l_theta = 0;
+        for (const Controller* c : controllers_) l_theta += c->theta().size();
+        double* place = kept + row * static_cast<std::int64_t>(l_theta);
+        for (const Controller* c : controllers_)
+            place = std::copy(c->theta().begin(), c->theta().end(), place);
+    }
+
+    std::vector<Controller*> controllers_;
+    Plant& plant_;
+    Actuator& actuator_;
+    LoopOptions options_;
+    std::vector<double> u_a_;
+    double* z_ = nullptr;
+    bool y_first_ = false, adapt_first_ = false;
+};
 
 }  // namespace rcac

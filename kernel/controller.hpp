@@ -1,127 +1,320 @@
 // One RCAC controller: regressor, control, target-model filter and update.
 #pragma once
 
-#include <functional>
 #include <memory>
 
+#include "adaptation_rules.hpp"
+#include "pole_reflection.hpp"
 #include "target_filter.hpp"
 #include "update.hpp"
 
 namespace rcac {
 
-// The structure of a controller is nothing but tables of taps: signals 0..l_u-1 are the
-// components of u, l_u..l_u+l_y-1 those of y.
+// s(k) = pole s(k-1) + now [y; r](k) + before [y; r](k-1)
+struct DerivedSignal {
+    std::vector<double> now, before;
+    double pole;
+};
+
+// The structure of a controller is nothing but tables of taps on scalar signals, numbered
+// u, y, r, derived signals.
 struct Structure {
-    std::size_t l_u, l_y;
+    std::size_t l_u, l_y, l_r;
+    std::vector<DerivedSignal> derived;
     std::vector<Tap> regressor;  // phi(k), and Phi(k) = phi(k)' (x) I as in (2.30)
     std::vector<Tap> channels;   // what the target-model filter is fed with; u(k) comes first
     std::vector<Tap> filtered;   // phi_f: (channel, delay) for every entry of phi
+
+    std::size_t signals() const { return l_u + l_y + l_r + derived.size(); }
 };
 
-struct Weights {
+struct ControllerPlan {
+    Structure structure;
+    std::vector<TargetModel> targets;  // of one order; the first one is there from step 0
+    Weight R_z, R_u;
     double lambda;
-    std::vector<double> R_z, R_u;  // l_z x l_z
-    // Where set, R_u(k) = R_u_of_z(z(k)).
-    std::function<void(const double* z, double* R_u)> R_u_of_z;
-};
-
-struct Schedule {
     std::int64_t k_w;       // u = 0 before it (2.29)
     std::int64_t k_update;  // first step of the update
     std::int64_t k_filter;  // the target-model filter sees zero before it
+    bool filter_form;       // update before control, (2.47)-(2.48)
+    bool reflect_poles;
+    std::vector<Event> events;  // by step
+    ForgettingRule forgetting;
+    ResetRule reset;
+    std::vector<double> noise;  // rows a with Q = sum a a', (2.46)
 };
 
+// A step is: begin; measure and control in the order that the feedthrough of the plant allows;
+// apply; adapt; finish. In the filter form adapt comes before control.
 class Controller {
 public:
-    Controller(Structure structure, TargetModel model, Weights weights, Schedule schedule,
-               std::unique_ptr<Update> update, std::vector<double> theta)
-        : structure_(std::move(structure)),
-          weights_(std::move(weights)),
-          schedule_(schedule),
+    Controller(ControllerPlan plan, std::unique_ptr<Update> update, std::vector<double> theta)
+        : plan_(std::move(plan)),
           update_(std::move(update)),
           theta_(std::move(theta)),
-          signals_(structure_.l_u + structure_.l_y,
-                   std::max(longest_delay(structure_.regressor), longest_delay(structure_.channels))),
-          filter_(std::move(model), structure_.channels.size(), longest_delay(structure_.filtered)),
-          phi_(structure_.regressor.size()),
-          Phi_f_(filter_.model().l_z * theta_.size()),
-          target_(filter_.model().l_z),
-          u_(structure_.l_u) {}
-
-    // A step is begin, then measure and control in the order that the plant's feedthrough
-    // allows, then adapt.
-    void begin() {
-        signals_.advance();
-        filter_.advance();
+          lambda_(plan_.lambda),
+          signals_(structure().signals(), std::max<std::size_t>(
+                       {longest_delay(structure().regressor), longest_delay(structure().channels), 1})),
+          filter_(plan_.targets.at(0), structure().channels.size(),
+                  longest_delay(structure().filtered)),
+          power_(std::max(plan_.forgetting.long_window,
+                          plan_.reset.growth > 0.0 ? plan_.reset.long_window : 0)),
+          watches_power_(plan_.forgetting.long_window > 0 || plan_.reset.growth > 0.0),
+          Phi_f_(l_z() * theta_.size()),
+          target_(l_z()),
+          u_(l_u()),
+          R_z_(plan_.R_z.base),
+          R_u_(plan_.R_u.base) {
+        std::vector<std::size_t> regressor, filtered;
+        for (const Tap& tap : structure().regressor)
+            regressor.push_back(signals_.offset(tap.source, tap.delay));
+        for (std::size_t row = 0; row < l_z(); ++row)
+            for (const Tap& tap : structure().filtered)
+                for (std::size_t i = 0; i < l_u(); ++i)
+                    filtered.push_back(
+                        filter_.outputs().offset(filter_.index(tap.source, row, i), tap.delay));
+        if (regressor.size() * l_u() != theta_.size() || filtered.size() != Phi_f_.size())
+            throw std::invalid_argument("l_theta does not fit");
+        regressor_ = TapReader(std::move(regressor));
+        filtered_ = TapReader(std::move(filtered));
+        phi_.resize(regressor_.size());
+        initial_trace_ = update_->trace();
     }
 
-    void measure(const double* y) {
-        for (std::size_t i = 0; i < structure_.l_y; ++i) signals_.now(structure_.l_u + i) = y[i];
+    void begin() {
+        while (next_event_ < events() && event().step <= step_) act(plan_.events[as_size(next_event_++)]);
+        signals_.advance();
+        filter_.advance();
+        adapted_ = false;
+    }
+
+    void measure(const double* y, const double* r) {
+        const std::size_t first = l_u(), l_y = structure().l_y, l_r = structure().l_r;
+        for (std::size_t i = 0; i < l_y; ++i) signals_.now(first + i) = y[i];
+        for (std::size_t i = 0; i < l_r; ++i) signals_.now(first + l_y + i) = r[i];
+        std::size_t number = first + l_y + l_r;
+        for (const DerivedSignal& signal : structure().derived) {
+            double value = signal.pole * signals_.before(number);
+            for (std::size_t i = 0; i < l_y + l_r; ++i)
+                value += signal.now[i] * signals_.now(first + i) +
+                         signal.before[i] * signals_.before(first + i);
+            signals_.now(number++) = value;
+        }
     }
 
     // u(k) = Phi(k) theta(k), (2.29).
     const double* control() {
+        const std::size_t l_u = this->l_u();
         std::fill(u_.begin(), u_.end(), 0.0);
-        if (step_ >= schedule_.k_w)
-            for (std::size_t j = 0; j < phi_.size(); ++j) {
-                const double tap = signals_(structure_.regressor[j]);
-                for (std::size_t i = 0; i < u_.size(); ++i) u_[i] += theta_[j * u_.size() + i] * tap;
-            }
-        for (std::size_t i = 0; i < u_.size(); ++i) signals_.now(i) = u_[i];
+        if (step_ >= plan_.k_w) {
+            regressor_.read(signals_.values(), phi_.data());
+            if (l_u == 1)
+                u_[0] = answer();
+            else
+                for (std::size_t j = 0; j < phi_.size(); ++j)
+                    for (std::size_t i = 0; i < l_u; ++i) u_[i] += theta_[j * l_u + i] * phi_[j];
+        }
+        apply(u_.data());
         return u_.data();
     }
 
-    // Filter this step's signals and replace theta(k) by theta(k+1); false where that overflowed.
-    bool adapt(const double* z) {
-        const bool filtering = step_ >= schedule_.k_filter;
-        for (std::size_t c = 0; c < structure_.channels.size(); ++c)
-            filter_.filter(c, filtering ? signals_(structure_.channels[c]) : 0.0);
-        const bool done = step_ < schedule_.k_update || update(z);
-        ++step_;
-        return done;
+    // What the actuator made of u(k) takes its place in every later regressor.
+    void apply(const double* u) {
+        for (std::size_t i = 0; i < l_u(); ++i) signals_.now(i) = u[i];
     }
 
+    // The same one step later, for a device that learns afterwards what was applied; G_f must be
+    // strictly proper, so that nothing has used u(k-1) yet.
+    void correct_previous(const double* u) {
+        for (std::size_t i = 0; i < l_u(); ++i) {
+            signals_.before(i) = u[i];
+            for (std::size_t c = 0; c < structure().channels.size(); ++c) {
+                const Tap& tap = structure().channels[c];
+                if (tap.source == i && tap.delay == 0 && step_ > plan_.k_filter)
+                    filter_.previous_input(c) = u[i];
+            }
+        }
+    }
+
+    // Filter this step's signals and form its data; false where no update is due.
+    bool prepare(const double* z) {
+        if (step_ >= plan_.k_filter)
+            for (std::size_t c = 0; c < structure().channels.size(); ++c)
+                filter_.input(c) = signals_(structure().channels[c]);
+        filter_.run();
+        if (watches_power_) power_.add(z, l_z());
+        if (step_ < plan_.k_update || frozen_) return false;
+
+        filtered_.read(filter_.outputs().values(), Phi_f_.data());
+        for (std::size_t r = 0; r < l_z(); ++r) {
+            target_[r] = z[r];
+            for (std::size_t i = 0; i < l_u(); ++i)
+                target_[r] -= filter_.outputs()(filter_.index(i, r, i), 0);
+        }
+        if (!plan_.R_z.is_constant() || !plan_.R_u.is_constant()) {
+            for (std::size_t i = 0; i < l_u(); ++i) u_[i] = signals_(i, plan_.filter_form ? 1 : 0);
+            const double* y = measured(z);
+            plan_.R_z.evaluate(step_, y, z, u_.data(), l_z(), R_z_.data());
+            plan_.R_u.evaluate(step_, y, z, u_.data(), l_z(), R_u_.data());
+        }
+        if (plan_.forgetting.long_window > 0) {
+            const ForgettingRule& rule = plan_.forgetting;
+            const double excess = power_.growth(rule.short_window, rule.long_window) - 1.0;
+            lambda_ = std::max(rule.smallest, 1.0 / (1.0 + rule.gain * std::max(0.0, excess)));
+        }
+        if (reset_is_due()) {
+            update_->reset();
+            ++resets_;
+        }
+        return true;
+    }
+
+    Data data() const {
+        return {l_z(), theta_.size(), Phi_f_.data(), target_.data(), R_z_.data(), R_u_.data(), lambda_};
+    }
+
+    // What follows an update: process noise and pole reflection.
+    void conclude() {
+        if (!plan_.noise.empty())
+            update_->inflate(plan_.noise.data(), plan_.noise.size() / theta_.size());
+        if (plan_.reflect_poles) reflect_poles();
+    }
+
+    // theta(k+1) from theta(k); false where that left the range of float64.
+    bool adapt(const double* z) {
+        adapted_ = true;
+        if (!prepare(z)) return true;
+        if (!(*update_)(data(), step_, theta_.data())) return false;
+        conclude();
+        return true;
+    }
+
+    void finish() {
+        if (plan_.filter_form && step_ >= plan_.k_filter)  // u(k) was not known to the filter yet
+            for (std::size_t c = 0; c < structure().channels.size(); ++c)
+                filter_.input(c) = signals_(structure().channels[c]);
+        ++step_;
+    }
+
+    void set_frozen(bool frozen) { frozen_ = frozen; }
+    void reset_covariance() {
+        update_->reset();
+        ++resets_;
+    }
+
+    const Structure& structure() const { return plan_.structure; }
+    std::size_t l_u() const { return plan_.structure.l_u; }
+    std::size_t l_z() const { return plan_.targets.front().l_z; }
     const std::vector<double>& theta() const { return theta_; }
-    const Structure& structure() const { return structure_; }
-    std::size_t l_z() const { return filter_.model().l_z; }
+    std::vector<double>& theta() { return theta_; }
     std::int64_t step() const { return step_; }
-    const Update& arithmetic() const { return *update_; }
+    bool adapted() const { return adapted_; }
+    bool filter_form() const { return plan_.filter_form; }
+    const Update& update() const { return *update_; }
+    Update& update() { return *update_; }
+    double lambda() const { return lambda_; }
+    std::int64_t reflections() const { return reflections_; }
+    std::int64_t resets() const { return resets_; }
     bool measures_first() const {
-        for (const Tap& tap : structure_.regressor)
+        if (plan_.filter_form) return true;
+        for (const Tap& tap : structure().regressor)
             if (tap.delay == 0) return true;
         return false;
     }
 
-private:
-    bool update(const double* z) {
-        const std::size_t l_z = this->l_z(), l_u = structure_.l_u, l_theta = theta_.size();
-        for (std::size_t r = 0; r < l_z; ++r) {
-            target_[r] = z[r];
-            for (std::size_t i = 0; i < l_u; ++i)
-                target_[r] -= filter_(i, 0, r, i);
-            for (std::size_t j = 0; j < structure_.filtered.size(); ++j) {
-                const Tap tap = structure_.filtered[j];
-                for (std::size_t i = 0; i < l_u; ++i)
-                    Phi_f_[r * l_theta + j * l_u + i] = filter_(tap.source, tap.delay, r, i);
-            }
-        }
-        if (weights_.R_u_of_z) weights_.R_u_of_z(z, weights_.R_u.data());
-        const Data data{l_z,           l_theta,
-                        Phi_f_.data(), target_.data(),
-                        weights_.R_z.data(), weights_.R_u.data(),
-                        weights_.lambda};
-        return (*update_)(data, step_, theta_.data());
+    void visit(Archive& archive) {
+        archive(theta_);
+        archive(lambda_);
+        archive(step_);
+        archive(next_event_);
+        archive(reflections_);
+        archive(resets_);
+        archive(last_reset_);
+        archive(target_number_);
+        archive(frozen_);
+        if (archive.reading()) filter_.replace(plan_.targets.at(as_size(target_number_)));
+        signals_.visit(archive);
+        filter_.visit(archive);
+        power_.visit(archive);
+        update_->visit(archive);
     }
 
-    Structure structure_;
-    Weights weights_;
-    Schedule schedule_;
+private:
+    static std::size_t as_size(std::int64_t i) { return static_cast<std::size_t>(i); }
+    std::int64_t events() const { return static_cast<std::int64_t>(plan_.events.size()); }
+    const Event& event() const { return plan_.events[as_size(next_event_)]; }
+
+    void act(const Event& event) {
+        switch (event.kind) {
+            case Event::freeze: frozen_ = true; break;
+            case Event::resume: frozen_ = false; break;
+            case Event::reset: reset_covariance(); break;
+            case Event::forgetting: lambda_ = event.value; break;
+            case Event::target:
+                target_number_ = static_cast<std::int64_t>(event.index);
+                filter_.replace(plan_.targets.at(event.index));
+                break;
+        }
+    }
+
+    bool reset_is_due() {
+        const ResetRule& rule = plan_.reset;
+        const std::int64_t age = step_ - std::max(plan_.k_update, last_reset_);
+        const bool due =
+            (rule.every > 0 && age > 0 && (step_ - plan_.k_update) % rule.every == 0) ||
+            (rule.trace_below > 0.0 && update_->trace() < rule.trace_below * initial_trace_) ||
+            (rule.growth > 0.0 && age >= static_cast<std::int64_t>(rule.long_window) &&
+             power_.growth(rule.short_window, rule.long_window) > rule.growth);
+        if (due) last_reset_ = step_;
+        return due;
+    }
+
+    void reflect_poles() {
+        std::size_t order = 0;
+        for (const Tap& tap : structure().regressor)
+            if (tap.source == 0) order = std::max(order, tap.delay);
+        polynomial_.assign(order + 1, 0.0);
+        polynomial_[0] = 1.0;
+        for (std::size_t j = 0; j < theta_.size(); ++j)
+            if (structure().regressor[j].source == 0)
+                polynomial_[structure().regressor[j].delay] = -theta_[j];
+        if (!reflect(polynomial_)) return;
+        ++reflections_;
+        for (std::size_t j = 0; j < theta_.size(); ++j)
+            if (structure().regressor[j].source == 0)
+                theta_[j] = -polynomial_[structure().regressor[j].delay];
+    }
+
+    // phi(k)' theta, in four sums, because one would wait for each addition before the next.
+    double answer() const {
+        double sums[4] = {};
+        std::size_t j = 0;
+        for (; j + 4 <= phi_.size(); j += 4)
+            for (std::size_t i = 0; i < 4; ++i) sums[i] += theta_[j + i] * phi_[j + i];
+        for (; j < phi_.size(); ++j) sums[0] += theta_[j] * phi_[j];
+        return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    }
+
+    // y(k) in one piece, for weights that are functions of it.
+    const double* measured(const double* otherwise) {
+        y_.resize(structure().l_y);
+        for (std::size_t i = 0; i < y_.size(); ++i) y_[i] = signals_(l_u() + i, 0);
+        return y_.empty() ? otherwise : y_.data();
+    }
+
+    ControllerPlan plan_;
     std::unique_ptr<Update> update_;
     std::vector<double> theta_;
-    DelayLine signals_;
+    double lambda_;
+    History signals_;
     TargetFilter filter_;
-    std::vector<double> phi_, Phi_f_, target_, u_;
-    std::int64_t step_ = 0;
+    RecentPower power_;
+    bool watches_power_, frozen_ = false, adapted_ = false;
+    TapReader regressor_, filtered_;
+    std::vector<double> phi_, Phi_f_, target_, u_, R_z_, R_u_, y_, polynomial_;
+    double initial_trace_ = 0.0;
+    std::int64_t step_ = 0, next_event_ = 0, reflections_ = 0, resets_ = 0, last_reset_ = -1,
+                 target_number_ = 0;
 };
 
 }  // namespace rcac

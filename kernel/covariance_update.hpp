@@ -14,7 +14,7 @@ namespace rcac {
 class CovarianceUpdate final : public Update {
 public:
     CovarianceUpdate(const double* P0, std::size_t l_theta)
-        : n_(l_theta), P_(P0, P0 + l_theta * l_theta) {}
+        : n_(l_theta), P_0_(P0, P0 + l_theta * l_theta), P_(P_0_) {}
 
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
         const std::size_t m = data.l_z;
@@ -78,9 +78,28 @@ public:
 
     void covariance(double* P) const override { std::copy(P_.begin(), P_.end(), P); }
 
+    void reset() override { P_ = P_0_; }
+
+    void inflate(const double* noise, std::size_t count) override {
+        for (std::size_t a = 0; a < count; ++a, noise += n_)
+            for (std::size_t i = 0; i < n_; ++i)
+                for (std::size_t j = 0; j < n_; ++j) P_[i * n_ + j] += noise[i] * noise[j];
+    }
+
+    double trace() const override {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < n_; ++i) sum += P_[i * n_ + i];
+        return sum;
+    }
+
+    void visit(Archive& archive) override {
+        Update::visit(archive);
+        archive(P_);
+    }
+
 private:
     std::size_t n_;
-    std::vector<double> P_, PPhi_, right_, W_, scaled_, Upsilon_;
+    std::vector<double> P_0_, P_, PPhi_, right_, W_, scaled_, Upsilon_;
 };
 
 }  // namespace rcac

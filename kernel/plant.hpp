@@ -1,52 +1,91 @@
-// The standard problem (2.1)-(2.3), one step at a time.
+// What a controller acts on: the interface, and plants given by functions.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <vector>
+#include <functional>
+
+#include "history.hpp"
 
 namespace rcac {
 
-// Row-major matrices, named as in (2.1)-(2.3).
-struct PlantMatrices {
+struct Sizes {
     std::size_t n, l_u, l_w, l_y, l_z;
-    std::vector<double> A, B, D_1, C, D_0, D_2, E_1, E_2, E_0;
 };
 
+// One step is: begin; receive u(k); y and z at the present state; advance. y and z are asked for
+// before `receive` where the controller needs them first, and then must not depend on u(k).
 class Plant {
 public:
-    Plant(PlantMatrices matrices, std::vector<double> x0)
-        : m_(std::move(matrices)), x_(std::move(x0)), next_(m_.n) {}
+    Plant(const Sizes& sizes, std::vector<double> x_0)
+        : sizes_(sizes), x_(std::move(x_0)), next_(x_.size()) {}
+    virtual ~Plant() = default;
 
-    void y(const double* u, const double* w, double* y) const {
-        output(m_.C, m_.D_0, m_.D_2, m_.l_y, u, w, y);
-    }
-    void z(const double* u, const double* w, double* z) const {
-        output(m_.E_1, m_.E_2, m_.E_0, m_.l_z, u, w, z);
-    }
-    void advance(const double* u, const double* w) {
-        output(m_.A, m_.B, m_.D_1, m_.n, u, w, next_.data());
-        std::swap(x_, next_);
-    }
+    // False where a function of the user has failed.
+    virtual bool begin(std::int64_t /*k*/) { return true; }
+    virtual void receive(const double* u) { u_ = u; }
+    virtual bool y(const double* w, double* y) = 0;
+    virtual bool z(const double* w, double* z) = 0;
+    virtual bool advance(const double* w) = 0;
 
+    const Sizes& sizes() const { return sizes_; }
     const std::vector<double>& x() const { return x_; }
-    const PlantMatrices& matrices() const { return m_; }
+    virtual void visit(Archive& archive) {
+        archive(k_);
+        archive(x_);
+    }
+
+protected:
+    Sizes sizes_;
+    std::vector<double> x_, next_;
+    const double* u_ = nullptr;
+    std::int64_t k_ = 0;
+};
+
+// x(k+1) = f(k, x, u, w), [y; z](k) = h(k, x, w): u acts on y and z through the state only.
+// Functions return 0; anything else ends the run.
+struct PlantFunctions {
+    using Advance = std::function<bool(std::int64_t k, const double* x, const double* u,
+                                       const double* w, double* x_next)>;
+    using Output =
+        std::function<bool(std::int64_t k, const double* x, const double* w, double* y, double* z)>;
+    Advance advance;
+    Output output;
+};
+
+class FunctionPlant final : public Plant {
+public:
+    FunctionPlant(const Sizes& sizes, PlantFunctions functions, std::vector<double> x_0)
+        : Plant(sizes, std::move(x_0)), functions_(std::move(functions)), z_(sizes.l_z), y_(sizes.l_y) {}
+
+    bool begin(std::int64_t k) override {
+        k_ = k;
+        measured_ = false;
+        return true;
+    }
+    bool y(const double* w, double* y) override {
+        if (!measure(w)) return false;
+        std::copy(y_.begin(), y_.end(), y);
+        return true;
+    }
+    bool z(const double* w, double* z) override {
+        if (!measure(w)) return false;
+        std::copy(z_.begin(), z_.end(), z);
+        return true;
+    }
+    bool advance(const double* w) override {
+        if (!functions_.advance(k_, x_.data(), u_, w, next_.data())) return false;
+        std::swap(x_, next_);
+        ++k_;
+        return true;
+    }
 
 private:
-    void output(const std::vector<double>& S, const std::vector<double>& T,
-                const std::vector<double>& V, std::size_t rows, const double* u, const double* w,
-                double* out) const {
-        for (std::size_t i = 0; i < rows; ++i) {
-            double sum = 0.0;
-            for (std::size_t j = 0; j < m_.n; ++j) sum += S[i * m_.n + j] * x_[j];
-            for (std::size_t j = 0; j < m_.l_u; ++j) sum += T[i * m_.l_u + j] * u[j];
-            for (std::size_t j = 0; j < m_.l_w; ++j) sum += V[i * m_.l_w + j] * w[j];
-            out[i] = sum;
-        }
+    bool measure(const double* w) {  // one call for both, at most once a step
+        if (!measured_) measured_ = functions_.output(k_, x_.data(), w, y_.data(), z_.data());
+        return measured_;
     }
-
-    PlantMatrices m_;
-    std::vector<double> x_, next_;
+    PlantFunctions functions_;
+    std::vector<double> z_, y_;
+    bool measured_ = false;
 };
 
 }  // namespace rcac

@@ -1,9 +1,7 @@
 // The target model G_f = D_f^{-1} N_f (2.38) applied to several scalar channels at once.
 #pragma once
 
-#include <algorithm>
-
-#include "delay_line.hpp"
+#include "history.hpp"
 
 namespace rcac {
 
@@ -18,52 +16,87 @@ struct TargetModel {
 // is filtered once, F(k) = G_f(q) s(k) (l_z x l_u), and every filtered tap reads a delayed F.
 class TargetFilter {
 public:
-    TargetFilter(TargetModel model, std::size_t channels, std::size_t max_tap_delay)
-        : model_(std::move(model)),
-          block_(model_.l_z * model_.l_u),
-          inputs_(channels, model_.order),
-          outputs_(channels * block_, std::max(model_.order, max_tap_delay)) {}
+    TargetFilter(const TargetModel& model, std::size_t channels, std::size_t max_tap_delay)
+        : l_z_(model.l_z),
+          l_u_(model.l_u),
+          order_(model.order),
+          channels_(channels),
+          inputs_(channels, order_),
+          outputs_(channels * l_z_ * l_u_, std::max(order_, max_tap_delay)) {
+        replace(model);
+    }
+
+    // Another model of the same order; past inputs and outputs stay.
+    void replace(const TargetModel& model) {
+        const std::size_t block = l_z_ * l_u_, length = order_ + 1;
+        numerator_.assign(block * length, 0.0);
+        for (std::size_t i = 0; i < length; ++i)
+            for (std::size_t b = 0; b < block; ++b)
+                numerator_[b * length + i] = model.numerator[i * block + b];
+        recursive_ = false;
+        denominator_ = model.denominator;
+        for (std::size_t i = l_z_ * l_z_; i < denominator_.size(); ++i)
+            if (denominator_[i] != 0.0) recursive_ = true;
+        scalar_ = block == 1;
+    }
 
     void advance() {
         inputs_.advance();
         outputs_.advance();
     }
 
-    void filter(std::size_t channel, double value) {
-        inputs_.now(channel) = value;
-        for (std::size_t row = 0; row < model_.l_z; ++row)
-            for (std::size_t column = 0; column < model_.l_u; ++column)
-                outputs_.now(at(channel, row, column)) = entry(channel, row, column);
+    double& input(std::size_t channel) { return inputs_.now(channel); }
+    double& previous_input(std::size_t channel) { return inputs_.before(channel); }
+
+    // F(k) of every channel from the inputs up to now.
+    void run() {
+        for (std::size_t c = 0; c < channels_; ++c)
+            for (std::size_t row = 0; row < l_z_; ++row)
+                for (std::size_t column = 0; column < l_u_; ++column)
+                    outputs_.now(index(c, row, column)) =
+                        scalar_ ? scalar_entry(c) : entry(c, row, column);
     }
 
-    // F(k - delay)[row, column] of a channel.
-    double operator()(std::size_t channel, std::size_t delay, std::size_t row,
-                      std::size_t column) const {
-        return outputs_(at(channel, row, column), delay);
+    // The number of F[row, column] of a channel among the filtered signals.
+    std::size_t index(std::size_t channel, std::size_t row, std::size_t column) const {
+        return (channel * l_z_ + row) * l_u_ + column;
     }
+    const History& outputs() const { return outputs_; }
+    std::size_t l_z() const { return l_z_; }
 
-    const TargetModel& model() const { return model_; }
+    void visit(Archive& archive) {
+        inputs_.visit(archive);
+        outputs_.visit(archive);
+    }
 
 private:
-    std::size_t at(std::size_t channel, std::size_t row, std::size_t column) const {
-        return channel * block_ + row * model_.l_u + column;
-    }
-
-    double entry(std::size_t channel, std::size_t row, std::size_t column) const {
+    double scalar_entry(std::size_t channel) const {
+        const double *in = inputs_.past(channel), *out = outputs_.past(channel);
         double sum = 0.0;
-        for (std::size_t i = 0; i <= model_.order; ++i)
-            sum += model_.numerator[i * block_ + row * model_.l_u + column] * inputs_(channel, i);
-        const std::size_t square = model_.l_z * model_.l_z;
-        for (std::size_t i = 1; i <= model_.order; ++i)
-            for (std::size_t m = 0; m < model_.l_z; ++m)
-                sum -= model_.denominator[i * square + row * model_.l_z + m] *
-                       outputs_(at(channel, m, column), i);
+        for (std::size_t i = 0; i <= order_; ++i) sum += numerator_[i] * in[i];
+        if (recursive_)
+            for (std::size_t i = 1; i <= order_; ++i) sum -= denominator_[i] * out[i];
         return sum;
     }
 
-    TargetModel model_;
-    std::size_t block_;
-    DelayLine inputs_, outputs_;
+    double entry(std::size_t channel, std::size_t row, std::size_t column) const {
+        const double *in = inputs_.past(channel),
+                     *numerator = numerator_.data() + (row * l_u_ + column) * (order_ + 1);
+        double sum = 0.0;
+        for (std::size_t i = 0; i <= order_; ++i) sum += numerator[i] * in[i];
+        if (recursive_)
+            for (std::size_t m = 0; m < l_z_; ++m) {
+                const double* out = outputs_.past(index(channel, m, column));
+                for (std::size_t i = 1; i <= order_; ++i)
+                    sum -= denominator_[(i * l_z_ + row) * l_z_ + m] * out[i];
+            }
+        return sum;
+    }
+
+    std::size_t l_z_, l_u_, order_, channels_;
+    bool recursive_ = false, scalar_ = false;
+    std::vector<double> numerator_, denominator_;  // numerator_ with the powers innermost
+    History inputs_, outputs_;
 };
 
 }  // namespace rcac

@@ -14,19 +14,31 @@ namespace rcac {
 class UdUpdate final : public Update {
 public:
     UdUpdate(const double* P0, std::size_t l_theta)
-        : n_(l_theta), U_(l_theta * (l_theta - 1) / 2), D_(l_theta), gain_(l_theta), row_(l_theta) {
-        factorise(P0);
+        : n_(l_theta),
+          P_0_(P0, P0 + l_theta * l_theta),
+          U_(l_theta * (l_theta - 1) / 2),
+          D_(l_theta),
+          gain_(l_theta),
+          row_(l_theta) {
+        reset();
     }
 
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
+        if (!measure(data, step, theta)) return false;
+        if (data.lambda != 1.0)
+            for (double& d : D_) d /= data.lambda;
+        return finite(theta, n_) && finite(D_.data(), n_);
+    }
+
+    // The update without the division of P by lambda: rows of variance lambda.
+    bool measure(const Data& data, std::int64_t step, double* theta) {
         // With W = R_z + R_u = L L', the rows of L' Phi_f carry uncorrelated noise of variance
         // lambda, so l_z scalar updates do what (2.42)-(2.44) do with one l_z x l_z inverse.
         const std::size_t m = data.l_z;
         L_.resize(m * m);
         rhs_.assign(m, 0.0);
         for (std::size_t i = 0; i < m * m; ++i) L_[i] = data.R_z[i] + data.R_u[i];
-        if (!cholesky(L_.data(), m))
-            throw std::domain_error("R_z + R_u is not positive definite");
+        if (!cholesky(L_.data(), m)) return false;  // a weight that is a function may do that
         for (std::size_t i = 0; i < m; ++i)
             for (std::size_t j = 0; j < m; ++j) rhs_[i] += data.R_z[i * m + j] * data.target[j];
         for (std::size_t i = 0; i < m; ++i) {  // rhs <- L^{-1} R_z (z - u_f) = L' W^{-1} R_z (..)
@@ -40,9 +52,7 @@ public:
                     row_[j] += L_[i * m + r] * data.Phi_f[i * n_ + j];
             if (!scalar_update(row_.data(), rhs_[r], data.lambda, step, theta)) return false;
         }
-        if (data.lambda != 1.0)
-            for (double& d : D_) d /= data.lambda;
-        return finite(theta, n_) && finite(D_.data(), n_);
+        return true;
     }
 
     void covariance(double* P) const override {
@@ -52,6 +62,43 @@ public:
                 for (std::size_t m = j + 1; m < n_; ++m) sum += column(m)[i] * D_[m] * column(m)[j];
                 P[i * n_ + j] = P[j * n_ + i] = sum;
             }
+    }
+
+    void reset() override { factorise(P_0_.data()); }
+
+    // One rank-one update for each row of `noise` (Agee and Turner 1972). Only sums of positive
+    // terms and ratios below one occur, so P stays positive definite here too.
+    void inflate(const double* noise, std::size_t count) override {
+        for (std::size_t m = 0; m < count; ++m, noise += n_) {
+            std::copy_n(noise, n_, row_.data());
+            double weight = 1.0;
+            for (std::size_t j = n_; j-- > 0 && weight > 0.0;) {
+                const double a = row_[j], old = D_[j];
+                if (a == 0.0) continue;
+                D_[j] = old + weight * a * a;
+                const double gain = weight * a / D_[j];
+                weight *= old / D_[j];
+                for (std::size_t i = 0; i < j; ++i) {
+                    row_[i] -= a * column(j)[i];
+                    column(j)[i] += gain * row_[i];
+                }
+            }
+        }
+    }
+
+    double trace() const override {
+        double sum = 0.0;
+        for (std::size_t j = 0; j < n_; ++j) {
+            sum += D_[j];
+            for (std::size_t i = 0; i < j; ++i) sum += D_[j] * column(j)[i] * column(j)[i];
+        }
+        return sum;
+    }
+
+    void visit(Archive& archive) override {
+        Update::visit(archive);
+        archive(U_);
+        archive(D_);
     }
 
 private:
@@ -86,7 +133,7 @@ private:
     }
 
     std::size_t n_;
-    std::vector<double> U_, D_, gain_, row_, L_, rhs_;
+    std::vector<double> P_0_, U_, D_, gain_, row_, L_, rhs_;
 };
 
 }  // namespace rcac

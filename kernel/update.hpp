@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "archive.hpp"
+
 namespace rcac {
 
 // One step's data of the retrospective cost (2.41): rows of Phi_f, z - u_f and the weights.
@@ -36,6 +38,17 @@ public:
     virtual bool operator()(const Data& data, std::int64_t step, double* theta) = 0;
     // P(k), l_theta x l_theta row-major.
     virtual void covariance(double* P) const = 0;
+    // P <- P(0).
+    virtual void reset() {}
+    // P <- P + sum of a a' over the `count` rows a of `noise` (2.46).
+    virtual void inflate(const double* /*noise*/, std::size_t /*count*/) {}
+    // trace P, for rules that watch it.
+    virtual double trace() const { return 0.0; }
+    // What the next update depends on, beside the settings.
+    virtual void visit(Archive& archive) {
+        archive(guard_.count);
+        archive(guard_.first_step);
+    }
     const Guard& guard() const { return guard_; }
 
 protected:

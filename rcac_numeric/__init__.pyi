@@ -1,3 +1,9 @@
+from .actuators import Saturation as Saturation
+from .adaptation_rules import CovarianceReset as CovarianceReset
+from .adaptation_rules import SignalWeight as SignalWeight
+from .adaptation_rules import VariableRateForgetting as VariableRateForgetting
+from .batches import Case as Case
+from .batches import simulate_many as simulate_many
 from .closed_loop import ClosedLoop as ClosedLoop
 from .closed_loop import Match as Match
 from .closed_loop import intercalated_match as intercalated_match
@@ -6,12 +12,14 @@ from .comparison import compare as compare
 from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
 from .controller_settings import ControllerSettings as ControllerSettings
+from .decentralized import Decentralized as Decentralized
 from .era import EigensystemRealisation as EigensystemRealisation
 from .era import eigensystem_realisation as eigensystem_realisation
 from .experiment import Experiment as Experiment
 from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
 from .filter_targets import target_model as target_model
+from .function_plants import FunctionPlant as FunctionPlant
 from .high_authority_targets import high_authority_target as high_authority_target
 from .identified_modelling import (
     modelling_information_from_markov as modelling_information_from_markov,
@@ -29,6 +37,8 @@ from .output_subspaces import output_subspace_target as output_subspace_target
 from .output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .placement_conditioning import PlacementConditioning as PlacementConditioning
 from .placement_conditioning import placement_conditioning as placement_conditioning
+from .plant_schedules import Change as Change
+from .plant_schedules import PlantSchedule as PlantSchedule
 from .plants import Plant as Plant
 from .plants import servo_plant as servo_plant
 from .plants import standard_plant as standard_plant
@@ -38,6 +48,8 @@ from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
 from .residual_split import ResidualSplit as ResidualSplit
 from .residual_split import split_residual as split_residual
+from .runs import Run as Run
+from .saved_states import SavedState as SavedState
 from .signals import Signal as Signal
 from .signals import exogenous as exogenous
 from .signals import harmonic as harmonic
@@ -48,11 +60,19 @@ from .signals import recorded_channels as recorded_channels
 from .signals import sequence as sequence
 from .signals import step as step
 from .signals import white_noise as white_noise
-from .simulation import Run as Run
+from .simulation import frozen_twin as frozen_twin
 from .simulation import simulate as simulate
+from .structure_kinds import feedforward as feedforward
+from .structure_kinds import fir as fir
+from .structure_kinds import fir_integrator as fir_integrator
+from .structure_kinds import iir as iir
+from .structure_kinds import pid as pid
+from .structure_kinds import quasi_fir as quasi_fir
+from .structures import DerivedSignal as DerivedSignal
 from .structures import Structure as Structure
-from .structures import fir as fir
-from .structures import iir as iir
+from .structures import Tap as Tap
+from .structures import difference as difference
+from .structures import integral as integral
 from .target_models import TargetModel as TargetModel
 from .target_models import fir_target as fir_target
 from .target_models import pole_placement_target as pole_placement_target

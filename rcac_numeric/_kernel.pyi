@@ -1,19 +1,31 @@
-"""The compiled kernel; kernel/bindings.cpp is its source."""
+"""The compiled kernel; the directory kernel is its source."""
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from rcac_numeric.validation import Array
 
 Pairs = Sequence[tuple[int, int]]
+Sizes = tuple[int, int, int, int, int]
 
 class Controller:
-    def step(self, y: Array, z: Array) -> tuple[Array, bool]: ...
+    def step(self, y: Array, z: Array, r: Array, u_applied: Array) -> tuple[Array, bool]: ...
+    def freeze(self, frozen: bool) -> None: ...
+    def reset_covariance(self) -> None: ...
+    def save(self) -> Array: ...
+    def restore(self, state: Array) -> None: ...
     @property
     def theta(self) -> Array: ...
     @property
     def P(self) -> Array: ...
     @property
     def k(self) -> int: ...
+    @property
+    def forgetting_factor(self) -> float: ...
+    @property
+    def reflections(self) -> int: ...
+    @property
+    def resets(self) -> int: ...
     @property
     def guard_count(self) -> int: ...
     @property
@@ -22,55 +34,79 @@ class Controller:
 class Plant:
     @property
     def x(self) -> Array: ...
-    def output(self, u: Array, w: Array) -> tuple[Array, Array]: ...
+    def output(self, k: int, u: Array, w: Array) -> tuple[Array, Array]: ...
     def advance(self, u: Array, w: Array) -> None: ...
 
+class Loop:
+    def __init__(
+        self,
+        *,
+        controllers: Sequence[Controller],
+        plant: Plant,
+        low: Array,
+        high: Array,
+        rate: Array,
+        limit: float,
+        stop_where_unsupported: bool,
+        shared_u: bool,
+        r_in_w: int,
+    ) -> None: ...
+    def save(self) -> Array: ...
+    def restore(self, state: Array) -> None: ...
+
+class Job:
+    def __init__(
+        self,
+        loop: Loop,
+        w: Array,
+        u: Array,
+        u_applied: Array | None,
+        y: Array,
+        z: Array,
+        theta: Array,
+        stride: int,
+    ) -> None: ...
+    @property
+    def done(self) -> int: ...
+    @property
+    def outcome(self) -> int: ...
+
+def run_jobs(jobs: Sequence[Job], threads: int, rows: int) -> bool: ...
 def controller(
     *,
     l_u: int,
     l_y: int,
+    l_r: int,
     l_z: int,
+    derived: Sequence[tuple[Array, Array, float]],
     regressor: Pairs,
     channels: Pairs,
     filtered: Pairs,
-    numerator: Array,
-    denominator: Array,
-    forgetting: float,
-    R_z: Array,
-    R_u: Array,
-    R_u_of_z: Callable[[Array], Array] | None,
+    targets: Sequence[tuple[Array, Array]],
+    R_z: Any,
+    R_u: Any,
+    forgetting_factor: float,
     k_w: int,
     k_update: int,
     k_filter: int,
+    filter_form: bool,
+    reflect_poles: bool,
+    events: Sequence[tuple[int, str, float]],
+    forgetting: tuple[int, int, float, float],
+    reset: tuple[int, float, float, int, int],
+    noise: Array,
     update: str,
     P_0: Array,
     theta_0: Array,
+    window: int,
+    step_size: float,
 ) -> Controller: ...
-def plant(
-    *,
-    A: Array,
-    B: Array,
-    D_1: Array,
-    C: Array,
-    D_0: Array,
-    D_2: Array,
-    E_1: Array,
-    E_2: Array,
-    E_0: Array,
+def linear_plant(
+    sizes: Sizes,
+    segments: Sequence[tuple[int, Sequence[Array], bool, Array, int]],
     x_0: Array,
-    l_u: int,
-    l_w: int,
-    l_y: int,
-    l_z: int,
 ) -> Plant: ...
-def simulate(
-    controller: Controller,
-    plant: Plant,
-    w: Array,
-    limit: float,
-    u: Array,
-    y: Array,
-    z: Array,
-    theta: Array,
-    stride: int,
-) -> int: ...
+def python_plant(
+    sizes: Sizes, advance: Callable[..., Any], output: Callable[..., Any], x_0: Array
+) -> Plant: ...
+def compiled_plant(sizes: Sizes, advance: Any, output: Any, x_0: Array) -> Plant: ...

@@ -5,10 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import DivergedError, InputError
+from compensator_theory.errors import DivergedError, FunctionFailedError, InputError
 from rcac_numeric.compensators import Compensator
 from rcac_numeric.controller_settings import ControllerSettings
+from rcac_numeric.fingerprints import fingerprint
+from rcac_numeric.kernel_controllers import Failures, compiled_controller
+from rcac_numeric.saved_states import SavedState
 from rcac_numeric.validation import Array, real_array
+
+NOTHING = np.zeros(0)
 
 
 class Controller:
@@ -36,10 +41,20 @@ class Controller:
     """
 
     def __init__(self, settings: ControllerSettings) -> None:
+        if not isinstance(settings, ControllerSettings):
+            raise InputError(f"settings = {settings!r}: ControllerSettings are needed.")
         self.settings = settings
-        self._kernel = settings.kernel()
+        self._failures = Failures()
+        self._kernel = compiled_controller(settings, self._failures)
+        self._broken = ""
 
-    def step(self, y: ArrayLike, z: ArrayLike) -> Array:
+    def step(
+        self,
+        y: ArrayLike,
+        z: ArrayLike,
+        r: ArrayLike | None = None,
+        u_applied: ArrayLike | None = None,
+    ) -> Array:
         """One step of the controller.
 
         Parameters
@@ -48,6 +63,11 @@ class Controller:
             The measurement y(k).
         z : array, shape (l_z,), or a number
             The performance variable z(k).
+        r : array, shape (l_r,), or a number
+            The command r(k), where the structure reads one.
+        u_applied : array, shape (l_u,), or a number
+            What the actuator made of the last u, u(k-1), where it was not applied as it was
+            returned; the target model must then be strictly proper.
 
         Returns
         -------
@@ -57,19 +77,71 @@ class Controller:
         Raises
         ------
         InputError
-            Where y or z has the wrong size or is not finite; the controller has not moved.
+            Where an argument has the wrong size or is not finite; the controller has not moved.
         DivergedError
             Where the controller's own numbers have left float64.
+        FunctionFailedError
+            Where a weight that is a function failed.
         """
-        structure = self.settings.structure
-        y, z = self._sized(y, "y", structure.l_y), self._sized(z, "z", self.settings.target.l_z)
-        u, finite = self._kernel.step(y, z)
+        structure, target = self.settings.structure, self.settings.target
+        if self._broken:
+            raise DivergedError(self._broken)
+        y = self._sized(y, "y", structure.l_y)
+        z = self._sized(z, "z", target.l_z)
+        if (r is None) != (structure.l_r == 0):
+            raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
+        command = NOTHING if r is None else self._sized(r, "r", structure.l_r)
+        applied = NOTHING
+        if u_applied is not None:
+            applied = self._sized(u_applied, "u_applied", structure.l_u)
+            if self.k == 0:
+                raise InputError("u_applied belongs to the step before; at step 0 there is none.")
+            if any(t.relative_degree == 0 for t in (target, *self.settings.later_targets.values())):
+                raise InputError("u_applied needs a strictly proper target model.")
+        u, finite = self._kernel.step(y, z, command, applied)
+        if self._failures.error is not None:
+            self._broken = "a weight of this controller has failed; start a new one."
+            raise FunctionFailedError(
+                f"a weight that is a function failed at step {self.k - 1}: {self._failures.error}"
+            ) from self._failures.error
         if not (finite and np.isfinite(u).all()):
-            raise DivergedError(
+            self._broken = (
                 f"the controller left the range of float64 at step {self.k - 1}; its coefficients "
                 "are no longer usable. Start a new one, with a larger R_theta or another target."
             )
+            raise DivergedError(self._broken)
         return np.asarray(u)
+
+    def freeze(self) -> None:
+        """Stop the adaptation: theta and P stay, signals are still recorded."""
+        self._kernel.freeze(True)
+
+    def resume(self) -> None:
+        """Go on adapting after `freeze`."""
+        self._kernel.freeze(False)
+
+    def reset_covariance(self) -> None:
+        """Set P back to P(0); theta stays."""
+        self._kernel.reset_covariance()
+
+    @property
+    def state(self) -> SavedState:
+        """Everything that later steps depend on, beside the settings."""
+        return SavedState("controller", self.k, self._kernel.save(), fingerprint(self.settings))
+
+    def restore(self, state: SavedState) -> None:
+        """Go back, or forward, to a saved state of a controller with the same settings.
+
+        Raises
+        ------
+        InputError
+            Where the state belongs to other settings; the controller has not moved.
+        """
+        if not isinstance(state, SavedState):
+            raise InputError(f"state = {state!r} is not a SavedState.")
+        state.require("controller", fingerprint(self.settings), self._kernel.save().size)
+        self._kernel.restore(state.values)
+        self._broken = ""
 
     @property
     def k(self) -> int:
@@ -87,9 +159,14 @@ class Controller:
         return np.asarray(self._kernel.P)
 
     @property
+    def guard_count(self) -> int:
+        """Updates so far that rounding decided; see `Run`."""
+        return int(self._kernel.guard_count)
+
+    @property
     def compensator(self) -> Compensator:
-        """The present controller as a fixed compensator."""
-        return self.settings.structure.compensator(self.theta)
+        """The present controller as a fixed compensator from [y; r] to u."""
+        return self.settings.compensator(self.theta)
 
     @staticmethod
     def _sized(value: ArrayLike, name: str, size: int) -> Array:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import InputError
-from rcac_numeric import _kernel
+from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.adaptation_rules import CovarianceReset, SignalWeight, VariableRateForgetting
+from rcac_numeric.compensators import Compensator
 from rcac_numeric.structures import Structure
 from rcac_numeric.target_models import TargetModel
-from rcac_numeric.validation import Array, Read, integer, matrix, number, one_of, real_array
+from rcac_numeric.validation import Array, Read, integer, number, one_of, real_array
+from rcac_numeric.weights import constant_weight, inverse
 
-UPDATES = ("ud", "covariance")
+UPDATES = ("ud", "covariance", "sliding window", "instantaneous", "gradient")
+FORMS = ("predictor", "filter")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -30,9 +35,9 @@ class ControllerSettings:
     R_theta : float or array, shape (l_theta, l_theta)
         Weight of theta - theta(0) in (2.41); P(0) is its inverse. A number stands for that
         multiple of the identity.
-    R_z, R_u : float or array, shape (l_z, l_z)
-        Weights of (2.41); R_z positive definite, R_u positive semidefinite. R_u may be a
-        function of z(k).
+    R_z, R_u : float, array of shape (l_z, l_z), SignalWeight, or function
+        Weights of (2.41); R_z positive definite, R_u positive semidefinite. A function is called
+        as R(k, y, z, u) at every update and returns a number or a matrix.
     lambda_ : float
         Forgetting factor, in (0, 1].
     k_w : int, optional
@@ -41,10 +46,36 @@ class ControllerSettings:
         First step of the update; k_w by default.
     k_filter : int
         First step that the target-model filter sees; 0 by default.
-    update : {"ud", "covariance"}
-        Arithmetic of (2.42)-(2.45): factorised P = U D U', or P as printed.
+    update : str
+        "ud" (2.42)-(2.45) with P = U D U' factorised; "covariance", P as printed;
+        "sliding window", the batch minimiser over the last `window` steps; "instantaneous", the
+        cost of one step plus (theta - theta(k))' R_theta (theta - theta(k)); "gradient", one
+        step of size `step_size` down the gradient of the cost of this step.
     theta_0 : array, shape (l_theta,), optional
         theta(0); zero by default.
+    process_noise : float or array, shape (l_theta, l_theta), optional
+        Q of (2.46), added to P after every update; for "ud" and "covariance" with lambda = 1.
+    form : {"predictor", "filter"}
+        "filter" is (2.47)-(2.48): the update with z(k) comes before the control u(k) of the same
+        step. (As printed, (2.47) mixes Phi_f(k+1) with Upsilon(k); both belong to k+1 here.)
+    window : int
+        Steps that "sliding window" remembers.
+    step_size : float
+        Of "gradient".
+    forgetting : VariableRateForgetting, optional
+        In place of a constant lambda.
+    lambda_changes : mapping from steps to numbers
+        lambda from that step on.
+    target_changes : mapping from steps to TargetModel
+        G_f from that step on. The filter keeps the past inputs and outputs of the old one.
+    reset : CovarianceReset, optional
+    freeze : sequence of (start, stop)
+        Steps start <= k < stop without update; stop = None: to the end.
+    reflect_poles : bool
+        Replace unstable controller poles by their reciprocals after every update (section
+        6.2.2); l_u = 1.
+    stop_where_unsupported : bool
+        End the run at the first update that rounding decides (see `Run.guard_count`).
 
     Raises
     ------
@@ -70,111 +101,169 @@ class ControllerSettings:
     k_filter: int = 0
     update: str = "ud"
     theta_0: Read = None
+    process_noise: Read = None
+    form: str = "predictor"
+    window: int = 0
+    step_size: float = 0.0
+    forgetting: VariableRateForgetting | None = None
+    lambda_changes: Mapping[int, float] | None = None
+    target_changes: Mapping[int, TargetModel] | None = None
+    reset: CovarianceReset | None = None
+    freeze: Sequence[tuple[int, int | None]] = ()
+    reflect_poles: bool = False
+    stop_where_unsupported: bool = False
 
     def __post_init__(self) -> None:
         set_ = partial(object.__setattr__, self)
         structure, target = self.structure, self.target
         if not isinstance(structure, Structure):
-            raise InputError(f"structure = {structure!r}: use iir(...) or fir(...).")
-        if not isinstance(target, TargetModel):
-            raise InputError(
-                f"target = {target!r}: use fir_target, pole_placement_target or target_model."
-            )
-        if target.l_u != structure.l_u:
-            raise InputError(
-                f"the target model has {target.l_u} columns and the structure {structure.l_u} "
-                "control inputs; G_f must be l_z x l_u."
-            )
+            raise InputError(f"structure = {structure!r}: use iir(...), fir(...) or another kind.")
+        set_("target_changes", _changes(self.target_changes, "target_changes"))
+        for model in (target, *self.target_changes.values()):  # type: ignore[union-attr]
+            _require_target(model, structure, target)
         l_z, l_theta = target.l_z, structure.l_theta
-        set_("R_theta", _weight(self.R_theta, "R_theta", l_theta, definite=True))
-        set_("R_z", _weight(self.R_z, "R_z", l_z, definite=True))
-        if not callable(self.R_u):
-            set_("R_u", _weight(self.R_u, "R_u", l_z, definite=False))
-        set_("lambda_", number(self.lambda_, "lambda"))
-        if not 0 < self.lambda_ <= 1:
-            raise InputError(f"lambda = {self.lambda_} is not in (0, 1].")
-        shortest = max(structure.n_c, target.n_f)
-        set_("k_w", shortest if self.k_w is None else integer(self.k_w, "k_w"))
-        if self.k_w < shortest:
+        set_("R_theta", constant_weight(self.R_theta, "R_theta", l_theta, definite=True))
+        for name, definite in (("R_z", True), ("R_u", False)):
+            value = getattr(self, name)
+            if not (callable(value) or isinstance(value, SignalWeight)):
+                set_(name, constant_weight(value, name, l_z, definite=definite))
+        if isinstance(self.R_z, SignalWeight) and self.R_z.constant == 0:
             raise InputError(
-                f"k_w = {self.k_w} is shorter than max(n_c, n_f) = max({structure.n_c}, "
-                f"{target.n_f}) = {shortest}: the regressor and the target-model filter would not "
-                f"be filled with data. Use k_w >= {shortest}."
+                "R_z = z_squared z'z is not positive definite at z = 0; give constant."
             )
-        set_("k_update", self.k_w if self.k_update is None else integer(self.k_update, "k_update"))
-        set_("k_filter", integer(self.k_filter, "k_filter"))
-        one_of(self.update, "update", UPDATES)
+        set_("lambda_", _forgetting_factor(self.lambda_))
+        changes = _changes(self.lambda_changes, "lambda_changes")
+        set_("lambda_changes", {k: _forgetting_factor(v) for k, v in changes.items()})
+        self._require_start(set_)
         theta_0 = np.zeros(l_theta) if self.theta_0 is None else self.theta_0
         theta_0 = real_array(theta_0, "theta_0").reshape(-1)
         if theta_0.size != l_theta:
             raise InputError(f"theta_0 has {theta_0.size} entries; l_theta = {l_theta} are needed.")
         set_("theta_0", theta_0)
+        set_("freeze", tuple(_interval(pair) for pair in self.freeze))
+        self._require_update(set_)
+
+    def _require_start(self, set_: Any) -> None:
+        longest = max(self.target.n_f, *(t.n_f for t in self.later_targets.values()), 0)
+        shortest = max(self.structure.n_c, longest)
+        set_("k_w", shortest if self.k_w is None else integer(self.k_w, "k_w"))
+        if self.k_w < shortest:
+            raise InputError(
+                f"k_w = {self.k_w} is shorter than max(n_c, n_f) = max({self.structure.n_c}, "
+                f"{longest}) = {shortest}: the regressor and the target-model filter would not "
+                f"be filled with data. Use k_w >= {shortest}."
+            )
+        set_("k_update", self.k_w if self.k_update is None else integer(self.k_update, "k_update"))
+        set_("k_filter", integer(self.k_filter, "k_filter"))
+
+    def _require_update(self, set_: Any) -> None:
+        one_of(self.update, "update", UPDATES)
+        one_of(self.form, "form", FORMS)
+        recursive = self.update in ("ud", "covariance")
+        if self.process_noise is not None:
+            Q = constant_weight(
+                self.process_noise, "process_noise", self.structure.l_theta, definite=False
+            )
+            set_("process_noise", Q)
+            if not recursive or self.lambda_ != 1 or self.later_lambdas or self.forgetting:
+                raise InputError(
+                    'process_noise belongs to (2.46), that is to update = "ud" or "covariance" '
+                    "with lambda = 1."
+                )
+        if self.forgetting is not None and (self.lambda_ != 1 or self.later_lambdas):
+            raise InputError("give either forgetting or lambda and its changes, not both.")
+        forgets = self.lambda_ != 1 or self.later_lambdas or self.forgetting
+        if forgets and self.update in ("instantaneous", "gradient"):
+            raise InputError(
+                f'update = "{self.update}" keeps no past, so nothing can be forgotten.'
+            )
+        if self.reset is not None and not recursive:
+            raise InputError(f'update = "{self.update}" has no covariance that could be reset.')
+        changing = self.later_lambdas or self.forgetting
+        if changing and self.update == "sliding window":
+            raise InputError('update = "sliding window" needs a constant lambda.')
+        set_("window", integer(self.window, "window", at_most=1_000_000))
+        if (self.update == "sliding window") != (self.window > 0):
+            raise InputError('update = "sliding window" and window >= 1 belong together.')
+        set_("step_size", number(self.step_size, "step_size"))
+        if (self.update == "gradient") != (self.step_size > 0):
+            raise InputError('update = "gradient" and step_size > 0 belong together.')
+        targets = (self.target, *self.later_targets.values())
+        if self.form == "filter" and any(t.relative_degree == 0 for t in targets):
+            raise ImproperError(
+                'form = "filter" updates before u(k) is known, so the target model must be '
+                "strictly proper."
+            )
+        if self.reflect_poles and self.structure.l_u != 1:
+            raise InputError(
+                f"reflect_poles needs l_u = 1; this structure has l_u = {self.structure.l_u}, "
+                "where reflecting the roots of det D_c does not determine the coefficients."
+            )
+        if self.reflect_poles:
+            lags = sorted(tap.delay for tap in self.structure.taps if tap.signal == "u")
+            if not lags or lags != list(range(1, len(lags) + 1)):
+                raise InputError(
+                    "reflect_poles needs the taps u(k-1), ..., u(k-n) without gaps; this "
+                    f"{self.structure.name} structure has the lags {lags} of u."
+                )
+
+    def compensator(self, theta: ArrayLike) -> Compensator:
+        """The fixed compensator that the coefficients `theta` describe."""
+        return self.structure.compensator(theta)
+
+    @property
+    def later_targets(self) -> Mapping[int, TargetModel]:
+        """The target models that replace `target`, by step."""
+        return self.target_changes or {}
+
+    @property
+    def later_lambdas(self) -> Mapping[int, float]:
+        """The forgetting factors that replace `lambda_`, by step."""
+        return self.lambda_changes or {}
 
     @property
     def P_0(self) -> Array:
         """P(0) = R_theta^{-1}, exactly diagonal where R_theta is."""
-        R = np.asarray(self.R_theta)
-        diagonal = np.diag(R)
-        if np.array_equal(R, np.diag(diagonal)):
-            return np.diag(1.0 / diagonal)
-        return np.ascontiguousarray(np.linalg.inv(R))
-
-    def kernel(self) -> _kernel.Controller:
-        """A compiled controller at step 0."""
-        structure, target = self.structure, self.target
-        regressor = [(structure.index(tap), tap.delay) for tap in structure.taps]
-        if self.k_filter == 0:
-            # From zero initial conditions the filter commutes with the delays: one channel for
-            # each scalar signal serves all taps on it.
-            channels = [(i, 0) for i in range(structure.l_u + structure.l_y)]
-            filtered = regressor
-        else:
-            # A filter that is switched on later does not: each tap is a channel of its own.
-            channels = [*((i, 0) for i in range(structure.l_u)), *regressor]
-            filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
-        return _kernel.controller(
-            l_u=structure.l_u,
-            l_y=structure.l_y,
-            l_z=target.l_z,
-            regressor=regressor,
-            channels=channels,
-            filtered=filtered,
-            numerator=target.numerator,
-            denominator=target.denominator,
-            forgetting=self.lambda_,
-            R_z=self.R_z,
-            R_u=np.zeros((target.l_z, target.l_z)) if callable(self.R_u) else self.R_u,
-            R_u_of_z=self._checked_weight if callable(self.R_u) else None,
-            k_w=self.k_w,
-            k_update=self.k_update,
-            k_filter=self.k_filter,
-            update=self.update,
-            P_0=self.P_0,
-            theta_0=self.theta_0,
-        )
-
-    def _checked_weight(self, z: Array) -> Array:
-        return _weight(self.R_u(z), "R_u(z)", self.target.l_z, definite=False)
+        return inverse(np.asarray(self.R_theta))
 
 
-def _weight(value: ArrayLike, name: str, size: int, *, definite: bool) -> Array:
-    """A symmetric weight, positive definite or semidefinite; a number means a multiple of I."""
-    array = real_array(value, name)
-    array = float(array) * np.eye(size) if array.ndim == 0 else matrix(array, name, (size, size))
-    if not np.array_equal(array, array.T):
-        raise InputError(f"{name} is not symmetric; use ({name} + {name}') / 2.")
-    diagonal = np.diag(array)
-    is_diagonal = np.array_equal(array, np.diag(diagonal))
-    eigenvalues = diagonal if is_diagonal else np.linalg.eigvalsh(array)
-    smallest = eigenvalues.min()
-    if definite and smallest <= 0:
-        raise InputError(f"{name} has the eigenvalue {smallest:.6g}; it must be positive definite.")
-    if smallest < -1e-12 * max(abs(eigenvalues.max()), np.finfo(float).tiny):
+def _require_target(model: Any, structure: Structure, first: TargetModel) -> None:
+    if not isinstance(model, TargetModel):
         raise InputError(
-            f"{name} has the eigenvalue {smallest:.6g}; it must be positive semidefinite."
+            f"target = {model!r}: use fir_target, pole_placement_target or target_model."
         )
-    with np.errstate(over="ignore"):
-        invertible = not (definite and is_diagonal) or np.isfinite(1.0 / diagonal).all()
-    if not invertible:
-        raise InputError(f"{name} = {smallest:.3g} has no float64 inverse; use a larger weight.")
-    return real_array(array, name)
+    if model.l_u != structure.l_u:
+        raise InputError(
+            f"the target model has {model.l_u} columns and the structure {structure.l_u} "
+            "control inputs; G_f must be l_z x l_u."
+        )
+    if model.l_z != first.l_z:
+        raise InputError(f"the target models have {first.l_z} and {model.l_z} rows.")
+
+
+def _forgetting_factor(value: Any) -> float:
+    factor = number(value, "lambda")
+    if not 0 < factor <= 1:
+        raise InputError(f"lambda = {factor} is not in (0, 1].")
+    return factor
+
+
+def _changes(changes: Any, name: str) -> dict[int, Any]:
+    if changes is None:
+        return {}
+    if not isinstance(changes, Mapping):
+        raise InputError(f"{name} = {changes!r} must map steps to values, such as {{1000: ...}}.")
+    return {integer(k, f"a step of {name}", at_least=1): changes[k] for k in sorted(changes)}
+
+
+def _interval(pair: Any) -> tuple[int, int | None]:
+    try:
+        start, stop = pair
+    except (TypeError, ValueError):
+        raise InputError(
+            f"freeze has the entry {pair!r}; pairs (start, stop) are needed."
+        ) from None
+    first = integer(start, "start of freeze")
+    if stop is not None and integer(stop, "stop of freeze") <= first:
+        raise InputError(f"freeze has the empty interval ({start}, {stop}).")
+    return first, stop

@@ -13,8 +13,9 @@ from rcac_numeric.comparison import Comparison, compare
 from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.plants import Plant
 from rcac_numeric.residual_split import ResidualSplit, split_residual
+from rcac_numeric.runs import Run
 from rcac_numeric.signals import Signal, exogenous
-from rcac_numeric.simulation import Run, simulate
+from rcac_numeric.simulation import simulate
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +110,7 @@ class RunResult:
     @property
     def diverged(self) -> bool:
         """Whether the run, or one of its repetitions, diverged."""
-        return any(r.run.outcome == "diverged" for r in self.repetitions)
+        return any(r.run.outcome != "completed" for r in self.repetitions)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.adaptation_rules import SignalWeight
 from rcac_numeric.controller_settings import UPDATES, ControllerSettings
 from rcac_numeric.experiment import Experiment, RunSpecification
 from rcac_numeric.experiment_claims import claim
@@ -15,8 +14,9 @@ from rcac_numeric.experiment_files import Section, Table, merged, named, read_ex
 from rcac_numeric.experiment_signals import signals
 from rcac_numeric.experiment_targets import target_of
 from rcac_numeric.plants import MATRICES, Plant, from_problem, servo_plant, standard_plant
-from rcac_numeric.structures import Structure, fir, iir
-from rcac_numeric.validation import Array, integer, number, one_of
+from rcac_numeric.structure_kinds import fir, iir
+from rcac_numeric.structures import Structure
+from rcac_numeric.validation import integer, number, one_of
 
 # What a run may keep in memory before it is refused.
 MAX_BYTES = 8 * 2**30
@@ -181,14 +181,7 @@ def _control_weight(value: Any) -> Any:
         return value
     if set(value) != {"z_squared"}:
         raise InputError(f"R_u = {value} is not known; use a number, a matrix or z_squared = c.")
-    factor = number(value["z_squared"], "R_u.z_squared")
-    if factor < 0:
-        raise InputError(f"R_u.z_squared = {factor} must not be negative.")
-
-    def weight(z: Array) -> Array:
-        return np.asarray(factor * (z @ z) * np.eye(z.size))
-
-    return weight
+    return SignalWeight(z_squared=number(value["z_squared"], "R_u.z_squared"))
 
 
 def _description(table: Table) -> dict[str, str]:

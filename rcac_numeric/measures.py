@@ -94,7 +94,7 @@ def first_unstable_controller(r: Repetition) -> float:
     """First step at which theta(k) describes an unstable controller; -1 if there is none."""
     run = r.run
     for row, theta in enumerate(run.theta):
-        if np.abs(run.settings.structure.compensator(theta).poles()).max() > 1:
+        if np.abs(run.settings.compensator(theta).poles()).max() > 1:
             return float(row * run.stride)
     return -1.0
 
@@ -131,7 +131,7 @@ def _window(r: Repetition, start: int, stop: int | None) -> np.ndarray:
 def _unstable(r: Repetition, stop: int | None) -> np.ndarray:
     run = r.run
     rows = run.theta if stop is None else run.theta[: -(-stop // run.stride)]
-    structure, plant = run.settings.structure, run.plant
+    settings, plant = run.settings, run.plant
     return np.array(
-        [not ClosedLoop(plant, structure.compensator(theta)).is_stable for theta in rows]
+        [not ClosedLoop(plant, settings.compensator(theta)).is_stable for theta in rows]
     )

@@ -121,19 +121,35 @@ class Plant:
     def simulator(self, x_0: Array | None = None) -> Any:
         """A compiled copy of the plant for a loop in Python.
 
-        `output(u, w)` returns (y, z) at the present state and `advance(u, w)` moves it; the
+        `output(k, u, w)` returns (y, z) at the present state and `advance(u, w)` moves it; the
         arithmetic is that of `simulate`, bit for bit.
         """
-        start = np.zeros(self.n) if x_0 is None else real_array(x_0, "x_0").reshape(-1)
-        if start.size != self.n:
-            raise InputError(f"x_0 has {start.size} entries; the plant has {self.n} states.")
-        sizes = {name: getattr(self, name) for name in ("l_u", "l_w", "l_y", "l_z")}
-        matrices = {name: getattr(self, name) for name in MATRICES}
-        return _kernel.plant(**matrices, x_0=start, **sizes)
+        matrices = [getattr(self, name) for name in MATRICES]
+        segments = [(0, matrices, False, np.zeros(0), 0)]
+        sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)
+        return _kernel.linear_plant(sizes, segments, initial_state(x_0, self.n))
+
+    @property
+    def y_needs_u(self) -> bool:
+        """Whether y(k) depends on u(k)."""
+        return bool(np.any(self.D_0))
+
+    @property
+    def z_needs_u(self) -> bool:
+        """Whether z(k) depends on u(k)."""
+        return bool(np.any(self.E_2))
 
     def __repr__(self) -> str:
         sizes = (f"{name}={getattr(self, name)}" for name in ("n", "l_u", "l_w", "l_y", "l_z"))
         return f"Plant({', '.join(sizes)})"
+
+
+def initial_state(x_0: Any, n: int) -> Array:
+    """x(0) as an array of n entries; zero where it is left out."""
+    start = np.zeros(n) if x_0 is None else real_array(x_0, "x_0").reshape(-1)
+    if start.size != n:
+        raise InputError(f"x_0 has {start.size} entries; the plant has {n} states.")
+    return start
 
 
 MATRICES = tuple(f.name for f in fields(Plant) if f.name not in ("blocks", "exact"))

@@ -54,7 +54,7 @@ def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
     k = np.arange(len(run.theta)) * run.stride
     axes[2, 0].plot(k, run.theta, linewidth=1.0)
     axes[2, 0].set(xlabel="step $k$", ylabel=r"coefficients $\theta$")
-    if run.outcome == "diverged":
+    if run.outcome != "completed":
         for axis in axes[:, 0]:
             axis.set_yscale("symlog")
         axes[0, 0].set_title(f"diverged after step {run.steps - 1}", color=WANTED, fontsize=10)

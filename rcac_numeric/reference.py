@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.plants import MATRICES, Plant
-from rcac_numeric.simulation import Run, check_sizes
+from rcac_numeric.prepared_runs import check_sizes
+from rcac_numeric.runs import Run
 from rcac_numeric.structures import Structure
 from rcac_numeric.validation import Array, integer, signal_array
 
@@ -33,7 +34,7 @@ class ReferenceRun(Run):
         largest entry.
     """
 
-    digits: float
+    digits: float = float("nan")
 
 
 def simulate_reference(
@@ -152,6 +153,7 @@ def _run(plant: Plant, settings: ControllerSettings, w: Array) -> ReferenceRun:
         outcome="completed",
         guard_count=0,
         guard_first_step=-1,
+        u_applied=rounded["u"],
         digits=float("inf") if worst == 0 else float(-np.log10(worst / size)),
     )
 

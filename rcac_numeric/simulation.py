@@ -2,163 +2,125 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
+from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
-from rcac_numeric.compensators import Compensator
+from rcac_numeric.actuators import Saturation
 from rcac_numeric.controller_settings import ControllerSettings
-from rcac_numeric.plants import Plant
-from rcac_numeric.validation import Array, integer, number, signal_array
+from rcac_numeric.decentralized import Decentralized
+from rcac_numeric.prepared_runs import AnyPlant, PreparedRun
+from rcac_numeric.runs import Run
+from rcac_numeric.saved_states import SavedState
+from rcac_numeric.validation import Array, integer
 
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """A closed-loop run and its evidence.
-
-    Attributes
-    ----------
-    plant, settings : what was asked for.
-    w, u, y, z : arrays, shape (steps, width)
-        The signals at k = 0, ..., steps-1.
-    theta : array, shape (ceil(steps / stride), l_theta)
-        theta[j] made u(j * stride).
-    theta_final : array, shape (l_theta,)
-        The coefficients after the last completed step.
-    outcome : {"completed", "diverged"}
-        Where a loop diverged, the arrays end before the failed step.
-    guard_count, guard_first_step : int
-        Updates decided by rounding and the first such step (-1: none): for "ud", a direction
-        that the data excite by no more than their rounding errors while R_theta is so small that
-        theta follows them; for "covariance", Upsilon not positive. Not zero: the data cannot
-        support this R_theta in this arithmetic.
-    """
-
-    plant: Plant
-    settings: ControllerSettings
-    w: Array
-    u: Array
-    y: Array
-    z: Array
-    theta: Array
-    theta_final: Array
-    stride: int
-    outcome: str
-    guard_count: int
-    guard_first_step: int
-
-    @property
-    def steps(self) -> int:
-        """Number of completed steps."""
-        return len(self.u)
-
-    @property
-    def compensator(self) -> Compensator:
-        """The controller after the last completed step."""
-        return self.settings.structure.compensator(self.theta_final)
-
-    def compensator_at(self, k: int) -> Compensator:
-        """The controller that made u(k), for k a multiple of the stride."""
-        row, rest = divmod(integer(k, "k"), self.stride)
-        if rest or row >= len(self.theta):
-            raise InputError(
-                f"theta({k}) was not kept; it is kept at multiples of {self.stride} below "
-                f"{self.steps}."
-            )
-        return self.settings.structure.compensator(self.theta[row])
-
-    def __repr__(self) -> str:
-        return f"Run({self.outcome}, steps={self.steps}, {self.plant!r})"
+# Rows that the kernel runs before Python may look at a key that was pressed.
+CHUNK = 1 << 16
 
 
 def simulate(
-    plant: Plant,
-    settings: ControllerSettings,
+    plant: AnyPlant,
+    settings: ControllerSettings | Decentralized,
     w: ArrayLike,
     *,
     x_0: Array | None = None,
     stride: int = 1,
     divergence_limit: float = 1e100,
+    saturation: Saturation | None = None,
+    start: SavedState | None = None,
 ) -> Run:
     """Run a controller on a plant.
 
     Parameters
     ----------
-    plant : Plant
-    settings : ControllerSettings
+    plant : Plant, PlantSchedule or FunctionPlant
+    settings : ControllerSettings or Decentralized
     w : array, shape (steps, l_w)
-        The exogenous input; its length is the number of steps.
+        The exogenous input; its length is the number of steps. Where the structure reads a
+        command, that is the block "r" of w.
     x_0 : array, shape (n,), optional
         Initial state; zero by default.
     stride : int
         theta is kept at every stride-th step.
     divergence_limit : float
         The loop counts as diverged where an entry of u, y, z, x or theta exceeds it in size.
+    saturation : Saturation, optional
+    start : SavedState, optional
+        The state of an earlier run with the same plant, settings and saturation; this run goes on
+        from there, bit for bit as if it had not been cut.
 
     Raises
     ------
     InputError
-        Where sizes do not fit.
+        Where sizes do not fit, or `start` belongs to another loop.
     ImproperError
         Where u(k) and y(k) depend on each other.
+    FunctionFailedError
+        Where a function of the plant or of a weight raised or returned the wrong shape; the
+        attribute `run` of the error holds what came before.
 
     Examples
     --------
     >>> from rcac_numeric import *
     >>> plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
     >>> settings = ControllerSettings(structure=iir(n_c=3), target=fir_target(plant), R_theta=0.2)
-    >>> run = simulate(plant, settings, exogenous([step(), step(0), step(0)], steps=1000))
+    >>> w = exogenous([step(), step(0), step(0)], steps=1000)
+    >>> run = simulate(plant, settings, w)
     >>> run
     Run(completed, steps=1000, Plant(n=2, l_u=1, l_w=3, l_y=1, l_z=1))
     >>> bool(abs(run.z[-1, 0]) < 0.01)
     True
+    >>> half = simulate(plant, settings, w[:500])
+    >>> rest = simulate(plant, settings, w[500:], start=half.state)
+    >>> bool((rest.theta_final == run.theta_final).all())
+    True
     """
-    w = signal_array(w, "w", plant.l_w)
-    check_sizes(plant, settings)
-    steps, stride = len(w), integer(stride, "stride", at_least=1)
-    limit = number(divergence_limit, "divergence_limit")
-    if limit <= 0:
-        raise InputError(f"divergence_limit = {limit} must be positive.")
-    controller = settings.kernel()
-    u, y, z = (np.empty((steps, width)) for width in (plant.l_u, plant.l_y, plant.l_z))
-    theta = np.empty((-(-steps // stride), settings.structure.l_theta))
-    done = _kernel.simulate(controller, plant.simulator(x_0), w, limit, u, y, z, theta, stride)
-    last = len(theta) if done == steps else done // stride + 1
-    final = np.asarray(controller.theta)
-    return Run(
-        plant=plant,
-        settings=settings,
-        w=w[:done],
-        u=u[:done],
-        y=y[:done],
-        z=z[:done],
-        theta=theta[: min(last, -(-done // stride))],
-        theta_final=final if done == steps else theta[last - 1].copy(),
+    prepared = PreparedRun(
+        plant,
+        settings,
+        w,
+        x_0=x_0,
         stride=stride,
-        outcome="completed" if done == steps else "diverged",
-        guard_count=controller.guard_count,
-        guard_first_step=controller.guard_first_step,
+        divergence_limit=divergence_limit,
+        saturation=saturation,
+        start=start,
     )
+    while _kernel.run_jobs([prepared.job], 1, CHUNK):
+        pass
+    return prepared.result()
 
 
-def check_sizes(plant: Plant, settings: ControllerSettings) -> None:
-    """Raise where a plant and a controller do not fit together."""
-    structure, target = settings.structure, settings.target
-    pairs = {
-        "l_u": (plant.l_u, structure.l_u),
-        "l_y": (plant.l_y, structure.l_y),
-        "l_z": (plant.l_z, target.l_z),
-    }
-    for name, (of_plant, of_controller) in pairs.items():
-        if of_plant != of_controller:
-            raise InputError(
-                f"the plant has {name} = {of_plant} and the controller {name} = {of_controller}."
-            )
-    if structure.measures_first and np.any(plant.D_0):
-        raise ImproperError(
-            "the controller is exactly proper (k_c = 0) and D_0 is not zero, so u(k) and y(k) "
-            "depend on each other. Use k_c = 1."
+def frozen_twin(run: Run, k: int) -> Run:
+    """The same run with the adaptation stopped at step k: the fixed controller beside it.
+
+    Examples
+    --------
+    >>> from rcac_numeric import *
+    >>> slow, fast = standard_plant("1/(q - 0.9)"), standard_plant("4/(q - 0.9)")
+    >>> plant = PlantSchedule([Change(start=0, plant=slow), Change(start=500, plant=fast)])
+    >>> settings = ControllerSettings(structure=iir(n_c=1), target=fir_target(slow), R_theta=1e-3)
+    >>> run = simulate(plant, settings, exogenous([white_noise()], 1000))
+    >>> run.outcome, frozen_twin(run, 500).outcome
+    ('completed', 'completed')
+    """
+    if run.first_step != 0:
+        raise InputError("the run is the continuation of another; freeze the whole run instead.")
+    freeze = ((integer(k, "k"), None),)
+    if isinstance(run.settings, Decentralized):
+        frozen: Any = replace(
+            run.settings,
+            controllers=[replace(c, freeze=(*c.freeze, *freeze)) for c in run.settings.controllers],
         )
+    else:
+        frozen = replace(run.settings, freeze=(*run.settings.freeze, *freeze))
+    return simulate(
+        run.plant,
+        frozen,
+        run.w,
+        x_0=run.x_0,
+        stride=run.stride,
+        saturation=run.saturation,
+    )

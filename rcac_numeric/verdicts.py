@@ -162,7 +162,7 @@ def _values(check: Check, result: RunResult) -> tuple[float, ...]:
         try:
             return MEASURES[check.measure](repetition, **check.arguments)
         except CompensatorError:
-            if repetition.run.outcome == "diverged":
+            if repetition.run.outcome != "completed":
                 return float("nan")  # nothing to measure at the end; the check fails
             raise
         except TypeError as error:

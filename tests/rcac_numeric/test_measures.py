@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import Compensator, iir, standard_plant
+from rcac_numeric import Compensator, SignalWeight, iir, standard_plant
 from rcac_numeric.experiment_builder import build
 from rcac_numeric.measures import MEASURES
 
@@ -22,7 +22,7 @@ def repetition(z, theta, stride=1):
         stride=stride,
         steps=len(z),
         plant=standard_plant("1/(q - 0.5)"),
-        settings=SimpleNamespace(structure=structure),
+        settings=SimpleNamespace(structure=structure, compensator=structure.compensator),
         compensator=structure.compensator(theta[-1]),
         compensator_at=lambda k: structure.compensator(theta[k // stride]),
         guard_count=3,
@@ -86,6 +86,4 @@ def test_a_weight_written_as_z_squared():
         "controller": {"n_c": 1, "R_theta": 1.0, "R_u": {"z_squared": 0.5}},
         "run": {"steps": 10},
     }
-    weight = build(table, "case").main_run.settings.R_u
-    assert weight(np.array([3.0])).tolist() == [[4.5]]
-    assert weight(np.array([1.0, -2.0])).tolist() == [[2.5, 0.0], [0.0, 2.5]]
+    assert build(table, "case").main_run.settings.R_u == SignalWeight(z_squared=0.5)

@@ -51,7 +51,7 @@ def batch_minimiser(settings, u, y, z):
         g = H * balls(settings.theta_0[:, None])
         for i in range(start, steps):
             F, weight = balls(Phi_f[i]), lam ** (steps - 1 - i)
-            R_u = settings.R_u(z[i]) if callable(settings.R_u) else settings.R_u
+            R_u = settings.R_u(i, y[i], z[i], u[i]) if callable(settings.R_u) else settings.R_u
             H += F.transpose() * balls(R_z + R_u) * F * weight
             g -= F.transpose() * balls(R_z) * (balls(z[i][:, None]) - balls(u_f[i])) * weight
         return np.array([float(v.mid()) for v in H.solve(g).entries()])
@@ -98,7 +98,7 @@ def test_a_weight_may_depend_on_the_performance(data, l_u, l_z, seed):
     settings = data.draw(controllers(l_u, 1, l_z))
     rng = np.random.default_rng(seed)
     y, z = 0.3 * rng.standard_normal((10, 1)), rng.standard_normal((10, l_z))
-    varying = replace(settings, R_u=lambda z: 0.5 * (z @ z) * np.eye(len(z)))
+    varying = replace(settings, R_u=lambda k, y, z, u: 0.5 * (z @ z) * np.eye(len(z)))
     controller = Controller(varying)
     u = np.array([controller.step(*signals) for signals in zip(y, z, strict=True)])
     exact = batch_minimiser(varying, u, y, z)

@@ -1,0 +1,10 @@
+// The parts of the module, one file each.
+#pragma once
+
+#include "numpy_arrays.hpp"
+
+namespace rcac {
+void bind_controller(nb::module_& m);
+void bind_plants(nb::module_& m);
+void bind_loop(nb::module_& m);
+}  // namespace rcac

@@ -1,0 +1,146 @@
+// The standard problem (2.1)-(2.3), with matrices that may change while it runs.
+#pragma once
+
+#include <memory>
+
+#include "plant.hpp"
+
+namespace rcac {
+
+// All nine matrices as one, row-major: [x(k+1); y; z] = rows of [A B D_1; C D_0 D_2; E_1 E_2 E_0]
+// times [x; u; w].
+struct PlantMatrices {
+    std::size_t n;
+    std::vector<double> rows;
+};
+
+// From `start` on the plant has these matrices. The state is carried over by `state_map`
+// (n x n of the segment before; empty: as it is). With `ramp` the matrices move linearly towards
+// those of the next segment, which they reach at its start. u acts `delay` steps late.
+struct Segment {
+    std::int64_t start;
+    PlantMatrices matrices;
+    bool ramp;
+    std::vector<double> state_map;
+    std::size_t delay;
+};
+
+class LinearPlant final : public Plant {
+public:
+    LinearPlant(const Sizes& sizes, std::vector<Segment> segments, std::vector<double> x_0)
+        : Plant(sizes, std::move(x_0)), segments_(std::move(segments)), m_(segments_.at(0).matrices) {
+        resize();
+        std::size_t longest = 0;
+        for (const Segment& s : segments_) longest = std::max(longest, s.delay);
+        if (longest > 0) {
+            past_u_ = std::make_unique<History>(sizes.l_u, longest);
+            delayed_.resize(sizes.l_u);
+        }
+    }
+
+    bool begin(std::int64_t k) override {
+        k_ = k;
+        while (number_ + 1 < segments_.size() && segments_[number_ + 1].start <= k) enter(number_ + 1);
+        if (segments_[number_].ramp) interpolate(k);
+        if (past_u_) {
+            past_u_->advance();
+            delay_input();
+        }
+        return true;
+    }
+
+    void receive(const double* u) override {
+        if (past_u_) {
+            for (std::size_t i = 0; i < sizes_.l_u; ++i) past_u_->now(i) = u[i];
+            delay_input();
+            u = delayed_.data();
+        }
+        std::copy_n(u, sizes_.l_u, input_.data() + m_.n);
+    }
+
+    bool y(const double* w, double* y) override {
+        output(m_.n, sizes_.l_y, w, y);
+        return true;
+    }
+    bool z(const double* w, double* z) override {
+        output(m_.n + sizes_.l_y, sizes_.l_z, w, z);
+        return true;
+    }
+    bool advance(const double* w) override {
+        output(0, m_.n, w, next_.data());
+        std::swap(x_, next_);
+        std::copy(x_.begin(), x_.end(), input_.begin());
+        ++k_;
+        return true;
+    }
+
+    void visit(Archive& archive) override {
+        archive(k_);
+        auto number = static_cast<std::int64_t>(number_);
+        archive(number);
+        if (archive.reading()) {
+            number_ = static_cast<std::size_t>(number);
+            m_ = segments_.at(number_).matrices;
+            x_.resize(m_.n);
+            resize();
+        }
+        archive(x_);
+        std::copy(x_.begin(), x_.end(), input_.begin());
+        if (past_u_) past_u_->visit(archive);
+    }
+
+private:
+    void enter(std::size_t number) {
+        const Segment& segment = segments_[number];
+        const std::size_t n = segment.matrices.n;
+        if (!segment.state_map.empty()) {
+            next_.assign(n, 0.0);
+            for (std::size_t i = 0; i < n; ++i)
+                for (std::size_t j = 0; j < x_.size(); ++j)
+                    next_[i] += segment.state_map[i * x_.size() + j] * x_[j];
+            std::swap(x_, next_);
+        }
+        number_ = number;
+        m_ = segment.matrices;
+        resize();
+    }
+
+    void resize() {
+        next_.resize(m_.n);
+        input_.assign(m_.n + sizes_.l_u + sizes_.l_w, 0.0);
+        std::copy(x_.begin(), x_.end(), input_.begin());
+    }
+
+    void interpolate(std::int64_t k) {
+        const Segment &from = segments_[number_], &to = segments_[number_ + 1];
+        const double part =
+            static_cast<double>(k - from.start) / static_cast<double>(to.start - from.start);
+        for (std::size_t i = 0; i < m_.rows.size(); ++i)
+            m_.rows[i] = (1.0 - part) * from.matrices.rows[i] + part * to.matrices.rows[i];
+    }
+
+    // Where u(k) is not known yet, it does not act on y or z, and its place holds a zero.
+    void delay_input() {
+        for (std::size_t i = 0; i < sizes_.l_u; ++i)
+            delayed_[i] = (*past_u_)(i, segments_[number_].delay);
+    }
+
+    void output(std::size_t first, std::size_t count, const double* w, double* out) {
+        std::copy_n(w, sizes_.l_w, input_.data() + m_.n + sizes_.l_u);
+        const std::size_t width = input_.size();
+        const double* row = m_.rows.data() + first * width;
+        for (std::size_t i = 0; i < count; ++i, row += width) {
+            double sum = 0.0;
+            for (std::size_t j = 0; j < width; ++j) sum += row[j] * input_[j];
+            out[i] = sum;
+        }
+    }
+
+    std::vector<Segment> segments_;
+    PlantMatrices m_;
+    std::size_t number_ = 0;
+    std::unique_ptr<History> past_u_;
+    std::vector<double> delayed_, input_;  // input_ is [x; u; w]
+};
+
+}  // namespace rcac

@@ -1,0 +1,82 @@
+"""What a controller or a whole loop carries from step to step, to be saved and restored exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.validation import Array
+
+
+@dataclass(frozen=True, eq=False)
+class SavedState:
+    """The state of a controller, or of controller, actuator and plant together, after k steps.
+
+    Attributes
+    ----------
+    kind : {"controller", "loop"}
+    k : int
+        Number of steps taken.
+    values : array
+        Every number of the state; integers as their bits.
+    fingerprint : str
+        Of the settings that the state belongs to; it can be restored into no others.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Controller, ControllerSettings, TargetModel, iir
+    >>> settings = ControllerSettings(structure=iir(n_c=1), target=TargetModel([0, 1]), R_theta=1)
+    >>> first, second = Controller(settings), Controller(settings)
+    >>> for k in range(10):
+    ...     _ = first.step(y=k % 3, z=k % 2)
+    >>> second.restore(first.state)
+    >>> bool((first.step(1, 1) == second.step(1, 1)).all())
+    True
+    """
+
+    kind: str
+    k: int
+    values: Array
+    fingerprint: str
+
+    def save(self, path: str | Path) -> None:
+        """Write the state to a .npz file."""
+        with Path(path).open("wb") as file:
+            np.savez(
+                file,
+                kind=np.array(self.kind),
+                k=np.array(self.k),
+                # As integers, so that no reader can mistake or normalise a bit pattern.
+                bits=np.asarray(self.values).view(np.int64),
+                fingerprint=np.array(self.fingerprint),
+            )
+
+    @classmethod
+    def load(cls, path: str | Path) -> SavedState:
+        """Read a state that `save` wrote."""
+        try:
+            with np.load(path, allow_pickle=False) as data:
+                return cls(
+                    str(data["kind"]),
+                    int(data["k"]),
+                    np.ascontiguousarray(data["bits"]).view(np.float64),
+                    str(data["fingerprint"]),
+                )
+        except OSError as error:
+            raise InputError(f"{path} cannot be read: {error}.") from None
+        except (KeyError, ValueError) as error:
+            raise InputError(f"{path} holds no saved state: {error}.") from None
+
+    def require(self, kind: str, fingerprint: str, size: int) -> None:
+        """Raise where this state does not belong to what it is to be restored into."""
+        if not isinstance(self, SavedState) or self.kind != kind:
+            raise InputError(f"a {kind} cannot be restored from the state of a {self.kind}.")
+        if self.fingerprint != fingerprint or self.values.size != size:
+            raise InputError(
+                f"the state belongs to a {kind} with other settings (fingerprint "
+                f"{self.fingerprint}, {self.values.size} numbers) than this one ({fingerprint}, "
+                f"{size} numbers). Restore it with the settings that it was saved with."
+            )
