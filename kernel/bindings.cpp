@@ -7,6 +7,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "bindings_updates.hpp"
 #include "closed_loop.hpp"
 #include "covariance_update.hpp"
 #include "ud_update.hpp"
@@ -117,6 +118,8 @@ std::pair<nb::ndarray<nb::numpy, double>, bool> controller_step(Controller& cont
 
 NB_MODULE(_kernel, m) {
     nb::set_leak_warnings(false);  // objects alive at interpreter exit are not leaks
+
+    bind_updates(m);
 
     nb::class_<Controller>(m, "Controller")
         .def("step", &controller_step, nb::arg("y"), nb::arg("z"))
