@@ -117,16 +117,30 @@ RCAC_INLINE Vec sums_of(const Vec* a) {
 #endif
 }
 
+// One step of a reduction across the lanes: lane i and the one `width >> step` further.
+RCAC_INLINE Vec folded_over(Vec a, int step) {
+#if defined(RCAC_SHUFFLE) && RCAC_WIDTH == 8
+    return step == 1   ? __builtin_shufflevector(a, a, 4, 5, 6, 7, 0, 1, 2, 3)
+           : step == 2 ? __builtin_shufflevector(a, a, 2, 3, 0, 1, 6, 7, 4, 5)
+                       : __builtin_shufflevector(a, a, 1, 0, 3, 2, 5, 4, 7, 6);
+#elif defined(RCAC_SHUFFLE) && RCAC_WIDTH == 4
+    return step == 1 ? __builtin_shufflevector(a, a, 2, 3, 0, 1)
+                     : __builtin_shufflevector(a, a, 1, 0, 3, 2);
+#else
+    const Vec b = a;
+    for (std::size_t i = 0; i < width; ++i) a[i] = b[i ^ (width >> step)];
+    return a;
+#endif
+}
+
 RCAC_INLINE double sum_of(Vec a) {
-    double sum = a[0];
-    for (std::size_t i = 1; i < width; ++i) sum += a[i];
-    return sum;
+    for (int step = 1; (width >> step) > 0; ++step) a = a + folded_over(a, step);
+    return a[0];
 }
 
 RCAC_INLINE double largest_of(Vec a) {
-    double largest = a[0];
-    for (std::size_t i = 1; i < width; ++i) largest = a[i] > largest ? a[i] : largest;
-    return largest;
+    for (int step = 1; (width >> step) > 0; ++step) a = larger(folded_over(a, step), a);
+    return a[0];
 }
 
 // Lane c of the result is a[0] + ... + a[c].

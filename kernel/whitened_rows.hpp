@@ -14,6 +14,14 @@ public:
     void take(const Data& data) {
         const std::size_t m = data.l_z;
         L_.resize(m * m);
+        if (m == 1) {  // the same in four operations
+            const double W = data.R_z[0] + data.R_u[0];
+            if (!(W > 0.0)) throw std::domain_error("R_z + R_u is not positive definite");
+            L_[0] = std::sqrt(W);
+            rhs_.resize(1);
+            rhs_[0] = data.R_z[0] * data.target[0] / L_[0];
+            return;
+        }
         rhs_.assign(m, 0.0);
         for (std::size_t i = 0; i < m * m; ++i) L_[i] = data.R_z[i] + data.R_u[i];
         if (!cholesky(L_.data(), m)) throw std::domain_error("R_z + R_u is not positive definite");
