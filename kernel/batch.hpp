@@ -33,7 +33,7 @@ struct Job {
         const double* row = w + done * static_cast<std::int64_t>(l_w);
         outcome = loop->move(done, row, record);
         if (outcome == Outcome::completed) outcome = loop->adapt();
-        if (outcome == Outcome::completed) outcome = loop->finish(row);
+        if (outcome == Outcome::completed) outcome = loop->finish();
         return outcome == Outcome::completed;
     }
 };

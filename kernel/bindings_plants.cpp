@@ -129,9 +129,9 @@ void bind_plants(nb::module_& m) {
                  require(u.size(), size.l_u, "u");
                  require(w.size(), size.l_w, "w");
                  std::vector<double> y(size.l_y), z(size.l_z);
-                 self.begin(k);
+                 self.begin(k, w.data());
                  self.receive(u.data());
-                 if (!self.y(w.data(), y.data()) || !self.z(w.data(), z.data()))
+                 if (!self.y(y.data()) || !self.z(z.data()))
                      throw std::runtime_error("the plant's output function failed");
                  return std::make_pair(to_numpy(std::move(y), {size.l_y}),
                                        to_numpy(std::move(z), {size.l_z}));
@@ -141,8 +141,9 @@ void bind_plants(nb::module_& m) {
              [](Plant& self, const Array& u, const Array& w) {
                  require(u.size(), self.sizes().l_u, "u");
                  require(w.size(), self.sizes().l_w, "w");
+                 self.disturb(w.data());
                  self.receive(u.data());
-                 if (!self.advance(w.data()))
+                 if (!self.advance())
                      throw std::runtime_error("the plant's advance function failed");
              },
              nb::arg("u"), nb::arg("w"));

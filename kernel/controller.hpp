@@ -105,7 +105,7 @@ public:
     // u(k) = Phi(k) theta(k), (2.29).
     const double* control() {
         const std::size_t l_u = this->l_u();
-        std::fill(u_.begin(), u_.end(), 0.0);
+        for (double& u : u_) u = 0.0;
         if (step_ >= plan_.k_w) {
             regressor_.read(signals_.values(), phi_.data());
             if (l_u == 1)

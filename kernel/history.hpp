@@ -8,6 +8,16 @@
 
 namespace rcac {
 
+// For a handful of numbers, where a call of the library's copy costs more than the copy.
+inline void copy_few(const double* from, std::size_t count, double* to) {
+    for (std::size_t i = 0; i < count; ++i) {
+        to[i] = from[i];
+#if defined(__GNUC__)
+        asm volatile("" ::: "memory");  // else the compiler makes the call itself
+#endif
+    }
+}
+
 // One entry of a regressor: signal `source`, `delay` steps back.
 struct Tap {
     std::size_t source;

@@ -38,7 +38,7 @@ public:
         }
     }
 
-    bool begin(std::int64_t k) override {
+    bool begin(std::int64_t k, const double* w) override {
         k_ = k;
         while (number_ + 1 < segments_.size() && segments_[number_ + 1].start <= k) enter(number_ + 1);
         if (segments_[number_].ramp) interpolate(k);
@@ -46,7 +46,12 @@ public:
             past_u_->advance();
             delay_input();
         }
+        disturb(w);
         return true;
+    }
+
+    void disturb(const double* w) override {
+        copy_few(w, sizes_.l_w, input_.data() + m_.n + sizes_.l_u);
     }
 
     void receive(const double* u) override {
@@ -55,21 +60,21 @@ public:
             delay_input();
             u = delayed_.data();
         }
-        std::copy_n(u, sizes_.l_u, input_.data() + m_.n);
+        copy_few(u, sizes_.l_u, input_.data() + m_.n);
     }
 
-    bool y(const double* w, double* y) override {
-        output(m_.n, sizes_.l_y, w, y);
+    bool y(double* y) override {
+        output(m_.n, sizes_.l_y, y);
         return true;
     }
-    bool z(const double* w, double* z) override {
-        output(m_.n + sizes_.l_y, sizes_.l_z, w, z);
+    bool z(double* z) override {
+        output(m_.n + sizes_.l_y, sizes_.l_z, z);
         return true;
     }
-    bool advance(const double* w) override {
-        output(0, m_.n, w, next_.data());
+    bool advance() override {
+        output(0, m_.n, next_.data());
         std::swap(x_, next_);
-        std::copy(x_.begin(), x_.end(), input_.begin());
+        copy_few(x_.data(), m_.n, input_.data());
         ++k_;
         return true;
     }
@@ -125,8 +130,7 @@ private:
             delayed_[i] = (*past_u_)(i, segments_[number_].delay);
     }
 
-    void output(std::size_t first, std::size_t count, const double* w, double* out) {
-        std::copy_n(w, sizes_.l_w, input_.data() + m_.n + sizes_.l_u);
+    void output(std::size_t first, std::size_t count, double* out) const {
         const std::size_t width = input_.size();
         const double* row = m_.rows.data() + first * width;
         for (std::size_t i = 0; i < count; ++i, row += width) {
