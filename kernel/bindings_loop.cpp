@@ -33,7 +33,6 @@ public:
             require(c->structure().l_y, size.l_y, "l_y");
             require(c->l_z(), size.l_z, "l_z");
             if (r_in_w + c->structure().l_r > size.l_w) throw std::invalid_argument("r beyond w");
-            l_theta_ += c->theta().size();
         }
     }
 
@@ -53,7 +52,7 @@ public:
         require(y.size(), rows * size.l_y, "y");
         require(z.size(), rows * size.l_z, "z");
         if (u_applied) require(u_applied->size(), rows * size.l_u, "u_applied");
-        require(theta.size(), static_cast<std::size_t>((steps + stride - 1) / stride) * l_theta_,
+        require(theta.size(), static_cast<std::size_t>((steps + stride - 1) / stride) * loop_.l_theta(),
                 "theta");
         const auto at = [first](double* data, std::size_t width) {
             return data + first * static_cast<std::int64_t>(width);
@@ -62,7 +61,7 @@ public:
                             u_applied ? at(u_applied->data(), size.l_u) : nullptr,
                             at(y.data(), size.l_y),
                             at(z.data(), size.l_z),
-                            theta.data() + first / stride * static_cast<std::int64_t>(l_theta_),
+                            theta.data() + first / stride * static_cast<std::int64_t>(loop_.l_theta()),
                             stride};
         const double* start = w.data() + first * static_cast<std::int64_t>(size.l_w);
         Outcome outcome = Outcome::completed;
@@ -70,6 +69,8 @@ public:
         const std::int64_t done = simulate(loop_, start, size.l_w, count, record, outcome);
         return {done, static_cast<int>(outcome)};
     }
+
+    const std::vector<double>& theta_before() const { return loop_.theta_before(); }
 
     void visit(Archive& archive) {
         for (Controller* c : loop_.controllers()) c->visit(archive);
@@ -90,7 +91,6 @@ private:
     Plant* plant_;
     Actuator actuator_;
     Loop loop_;
-    std::size_t l_theta_ = 0;
 };
 
 }  // namespace
@@ -105,6 +105,11 @@ void bind_loop(nb::module_& m) {
         .def("run", &OwnedLoop::run, nb::arg("w"), nb::arg("u"), nb::arg("u_applied").none(),
              nb::arg("y"), nb::arg("z"), nb::arg("theta"), nb::arg("stride"), nb::arg("first"),
              nb::arg("count"))
+        .def("theta_before",
+             [](const OwnedLoop& self) {
+                 const auto& theta = self.theta_before();
+                 return to_numpy(theta.data(), theta.size());
+             })
         .def("save",
              [](OwnedLoop& self) {
                  Archive archive;

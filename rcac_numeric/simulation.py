@@ -122,7 +122,6 @@ def simulate(
             w, u, None if u_applied is u else u_applied, y, z, theta, stride, done, count
         )
         done += moved
-    last = len(theta) if outcome == 0 else done // stride + 1
     run = Run(
         plant=plant,
         settings=settings,
@@ -130,11 +129,11 @@ def simulate(
         u=u[:done],
         y=y[:done],
         z=z[:done],
-        theta=theta[: min(last, -(-done // stride))],
+        theta=theta[: -(-done // stride)],
         theta_final=(
             np.concatenate([kernel.theta for kernel in kernels])
             if outcome == 0
-            else theta[last - 1].copy()
+            else loop.theta_before()
         ),
         stride=stride,
         outcome=OUTCOMES[outcome],
