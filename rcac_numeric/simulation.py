@@ -19,7 +19,7 @@ from rcac_numeric.kernel_controllers import Failures, compiled_controller
 from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
 from rcac_numeric.runs import OUTCOMES, Run, controllers_of
-from rcac_numeric.saved_states import SavedState
+from rcac_numeric.saved_states import SavedState, saved_state
 from rcac_numeric.validation import Array, integer, number, signal_array
 
 AnyPlant = Plant | PlantSchedule | FunctionPlant
@@ -107,8 +107,7 @@ def simulate(
     if start is not None:
         if x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
-        start.require("loop", name, loop.save().size)
-        loop.restore(start.values)
+        saved_state(start, "start").restore_into(loop, "loop", name)
         first_step = start.k
     u, y, z = (np.empty((steps, width)) for width in (plant.l_u, plant.l_y, plant.l_z))
     u_applied = u if saturation is None else np.empty_like(u)
