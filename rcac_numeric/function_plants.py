@@ -102,7 +102,9 @@ class FunctionPlant:
         sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)
         start = initial_state(x_0, self.n)
         if self.is_compiled:
-            return _kernel.compiled_plant(sizes, self.advance[0], self.output[0], start)
+            # A LowLevelCallable is a tuple of a capsule and what it was made from, but refuses [0].
+            capsules = [tuple.__getitem__(f, 0) for f in (self.advance, self.output)]
+            return _kernel.compiled_plant(sizes, *capsules, start)
         keep = failures or Failures()
         return _kernel.python_plant(
             sizes, keep.guard(self._checked_advance), keep.guard(self._checked_output), start
