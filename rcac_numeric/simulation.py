@@ -20,7 +20,7 @@ from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
 from rcac_numeric.runs import OUTCOMES, Run, controllers_of
 from rcac_numeric.saved_states import SavedState, saved_state
-from rcac_numeric.validation import Array, integer, number, signal_array
+from rcac_numeric.validation import Array, instance_of, integer, number, signal_array
 
 AnyPlant = Plant | PlantSchedule | FunctionPlant
 
@@ -85,6 +85,10 @@ def simulate(
     >>> bool((rest.theta_final == run.theta_final).all())
     True
     """
+    instance_of(plant, "plant", AnyPlant)
+    instance_of(settings, "settings", ControllerSettings | Decentralized)
+    if saturation is not None:
+        instance_of(saturation, "saturation", Saturation)
     w = signal_array(w, "w", plant.l_w)
     check_sizes(plant, settings)
     steps, stride = len(w), integer(stride, "stride", at_least=1)
@@ -171,7 +175,7 @@ def frozen_twin(run: Run, k: int) -> Run:
     >>> run.outcome, frozen_twin(run, 500).outcome
     ('completed', 'completed')
     """
-    if run.first_step != 0:
+    if instance_of(run, "run", Run).first_step != 0:
         raise InputError("the run is the continuation of another; freeze the whole run instead.")
     freeze = ((integer(k, "k"), None),)
     if isinstance(run.settings, Decentralized):
