@@ -30,13 +30,11 @@ public:
             require(c->structure().l_y, size.l_y, "l_y");
             require(c->l_z(), size.l_z, "l_z");
             if (r_in_w + c->structure().l_r > size.l_w) throw std::invalid_argument("r beyond w");
-            l_theta_ += c->theta().size();
         }
     }
 
     Loop& loop() { return loop_; }
     const Sizes& sizes() const { return plant_->sizes(); }
-    std::size_t l_theta() const { return l_theta_; }
 
     void visit(Archive& archive) {
         for (Controller* c : loop_.controllers()) c->visit(archive);
@@ -57,7 +55,6 @@ private:
     Plant* plant_;
     Actuator actuator_;
     Loop loop_;
-    std::size_t l_theta_ = 0;
 };
 
 // A job with the arrays that it reads and writes.
@@ -75,7 +72,7 @@ public:
         require(y.size(), steps * size.l_y, "y");
         require(z.size(), steps * size.l_z, "z");
         if (u_applied) require(u_applied->size(), steps * size.l_u, "u_applied");
-        require(theta.size(), (steps + per_row - 1) / per_row * owned.l_theta(), "theta");
+        require(theta.size(), (steps + per_row - 1) / per_row * owned.loop().l_theta(), "theta");
         const Record record{u.data(), u_applied ? u_applied->data() : nullptr, y.data(), z.data(),
                             theta.data(), stride};
         job = {&owned.loop(), w.data(), size.l_w, record, static_cast<std::int64_t>(steps)};
@@ -114,6 +111,11 @@ void bind_loop(nb::module_& m) {
              nb::kw_only(), nb::arg("controllers"), nb::arg("plant"), nb::arg("low"),
              nb::arg("high"), nb::arg("rate"), nb::arg("limit"), nb::arg("stop_where_unsupported"),
              nb::arg("shared_u"), nb::arg("r_in_w"))
+        .def("theta_before",
+             [](OwnedLoop& self) {
+                 const std::vector<double>& theta = self.loop().theta_before();
+                 return to_numpy(theta.data(), theta.size());
+             })
         .def("save",
              [](OwnedLoop& self) {
                  Archive archive;

@@ -49,7 +49,9 @@ public:
         for (const Controller* c : controllers_) {
             y_first_ = y_first_ || c->measures_first();
             adapt_first_ = adapt_first_ || c->filter_form();
+            l_theta_ += c->theta().size();
         }
+        theta_before_.resize(l_theta_);
     }
 
     // Step k of the record up to the point where the predictor's update is due.
@@ -59,11 +61,7 @@ public:
                *y = record.y + row * static_cast<std::int64_t>(size.l_y);
         z_ = record.z + row * static_cast<std::int64_t>(size.l_z);
         const double* r = w + options_.r_in_w;
-        if (row == 0) next_kept_ = 0;
-        if (row == next_kept_) {
-            keep_theta(record.theta, row / record.stride);
-            next_kept_ += record.stride;
-        }
+        keep_theta(theta_before_.data(), 0);
         for (Controller* c : controllers_) c->begin();
         if (!plant_.begin(controllers_.front()->step(), w)) return Outcome::plant_failed;
         if (y_first_) {
@@ -78,6 +76,12 @@ public:
             if (!finite(z_, size.l_z) || !finite(y, size.l_y)) return Outcome::plant_not_finite;
             for (Controller* c : controllers_)
                 if (c->filter_form() && !c->adapt(z_)) return Outcome::overflow;
+        }
+        // After the update of the filter form: these coefficients make u(k).
+        if (row == 0) next_kept_ = 0;
+        if (row == next_kept_) {
+            keep_theta(record.theta, row / record.stride);
+            next_kept_ += record.stride;
         }
         copy_few(controllers_.front()->control(), size.l_u, u);
         for (std::size_t number = 1; number < controllers_.size(); ++number) {
@@ -124,15 +128,15 @@ public:
     }
 
     const std::vector<Controller*>& controllers() const { return controllers_; }
-    const double* z() const { return z_; }
+    // The coefficients at the beginning of the last step, which are valid where it failed.
+    const std::vector<double>& theta_before() const { return theta_before_; }
+    std::size_t l_theta() const { return l_theta_; }
 
 private:
     bool finite_state() const { return finite(plant_.x().data(), plant_.x().size()); }
 
     void keep_theta(double* kept, std::int64_t row) const {
-        std::size_t l_theta = 0;
-        for (const Controller* c : controllers_) l_theta += c->theta().size();
-        double* place = kept + row * static_cast<std::int64_t>(l_theta);
+        double* place = kept + row * static_cast<std::int64_t>(l_theta_);
         for (const Controller* c : controllers_)
             place = std::copy(c->theta().begin(), c->theta().end(), place);
     }
@@ -141,7 +145,8 @@ private:
     Plant& plant_;
     Actuator& actuator_;
     LoopOptions options_;
-    std::vector<double> u_a_;
+    std::vector<double> u_a_, theta_before_;
+    std::size_t l_theta_ = 0;
     double* z_ = nullptr;
     std::int64_t next_kept_ = 0;
     bool y_first_ = false, adapt_first_ = false;

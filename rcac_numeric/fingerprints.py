@@ -34,6 +34,9 @@ def _pieces(value: Any) -> list[bytes]:
         ]
     if isinstance(value, Mapping):
         return [b"map", *(p for item in value.items() for part in item for p in _pieces(part))]
+    if type(value).__name__ == "LowLevelCallable":  # a tuple with an address in it
+        name = getattr(value.function, "__name__", type(value.function).__name__)
+        return [b"compiled", name.encode(), value.signature.encode()]
     if isinstance(value, list | tuple):
         return [b"list", *(piece for item in value for piece in _pieces(item))]
     if callable(value):

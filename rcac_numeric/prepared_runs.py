@@ -18,8 +18,8 @@ from rcac_numeric.kernel_controllers import Failures, compiled_controller
 from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
 from rcac_numeric.runs import OUTCOMES, Run, controllers_of
-from rcac_numeric.saved_states import SavedState
-from rcac_numeric.validation import Array, integer, number, signal_array
+from rcac_numeric.saved_states import SavedState, saved_state
+from rcac_numeric.validation import Array, instance_of, integer, number, signal_array
 
 AnyPlant = Plant | PlantSchedule | FunctionPlant
 
@@ -39,6 +39,10 @@ class PreparedRun:
         saturation: Saturation | None = None,
         start: SavedState | None = None,
     ) -> None:
+        instance_of(plant, "plant", AnyPlant)
+        instance_of(settings, "settings", ControllerSettings | Decentralized)
+        if saturation is not None:
+            instance_of(saturation, "saturation", Saturation)
         self.plant, self.settings, self.x_0, self.saturation = plant, settings, x_0, saturation
         self.w = signal_array(w, "w", plant.l_w)
         check_sizes(plant, settings)
@@ -65,18 +69,14 @@ class PreparedRun:
         )
 
     def _continue(self, start: SavedState) -> None:
-        if not isinstance(start, SavedState):
-            raise InputError(f"start = {start!r} is not the state of a run.")
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
-        start.require("loop", self._name, self._loop.save().size)
-        self._loop.restore(start.values)
+        saved_state(start, "start").restore_into(self._loop, "loop", self._name)
         self.first_step = start.k
 
     def result(self) -> Run:
         """What the job has done so far, as a run; raises where a function of the user failed."""
         done, outcome = self.job.done, self.job.outcome
-        last = len(self.theta) if outcome == 0 else done // self.stride + 1
         kernels = self._kernels
         state = None
         if outcome == 0:
@@ -88,11 +88,11 @@ class PreparedRun:
             u=self.u[:done],
             y=self.y[:done],
             z=self.z[:done],
-            theta=self.theta[: min(last, -(-done // self.stride))],
+            theta=self.theta[: -(-done // self.stride)],
             theta_final=(
                 np.concatenate([kernel.theta for kernel in kernels])
                 if outcome == 0
-                else self.theta[last - 1].copy()
+                else self._loop.theta_before()
             ),
             stride=self.stride,
             outcome=OUTCOMES[outcome],

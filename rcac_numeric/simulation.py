@@ -15,7 +15,7 @@ from rcac_numeric.decentralized import Decentralized
 from rcac_numeric.prepared_runs import AnyPlant, PreparedRun
 from rcac_numeric.runs import Run
 from rcac_numeric.saved_states import SavedState
-from rcac_numeric.validation import Array, integer
+from rcac_numeric.validation import Array, instance_of, integer
 
 # Rows that the kernel runs before Python may look at a key that was pressed.
 CHUNK = 1 << 16
@@ -106,7 +106,7 @@ def frozen_twin(run: Run, k: int) -> Run:
     >>> run.outcome, frozen_twin(run, 500).outcome
     ('completed', 'completed')
     """
-    if run.first_step != 0:
+    if instance_of(run, "run", Run).first_step != 0:
         raise InputError("the run is the continuation of another; freeze the whole run instead.")
     freeze = ((integer(k, "k"), None),)
     if isinstance(run.settings, Decentralized):
