@@ -36,6 +36,7 @@ from .saved_states import SavedState as SavedState
 from .signals import Signal as Signal
 from .signals import exogenous as exogenous
 from .signals import harmonic as harmonic
+from .signals import piecewise as piecewise
 from .signals import sequence as sequence
 from .signals import step as step
 from .signals import white_noise as white_noise

@@ -6,8 +6,9 @@ from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.experiment_files import Section
+from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
-from rcac_numeric.signals import Signal, harmonic, sequence, step, white_noise
+from rcac_numeric.signals import Signal, harmonic, piecewise, sequence, step, white_noise
 from rcac_numeric.validation import number
 
 # For each kind of signal the function that makes it and the argument that its key stands for.
@@ -19,7 +20,7 @@ KINDS: dict[str, tuple[Any, str]] = {
 }
 
 
-def signals(section: Section, plant: Plant) -> tuple[Signal, ...]:
+def signals(section: Section, plant: Plant | PlantSchedule) -> tuple[Signal, ...]:
     """One signal for each channel of w; a block that the file does not name is zero."""
     for key in section.table:
         if key not in plant.blocks:
@@ -57,6 +58,8 @@ def _signal(value: Any, name: str) -> Signal:
             raise InputError(f"[signals] {name}: sum = {value['sum']!r} must be a list of signals.")
         parts = [_signal(part, name) for part in value["sum"]]
         return sum(parts[1:], parts[0])
+    if isinstance(value, dict) and set(value) == {"piecewise"}:
+        return piecewise([(start, _signal(part, name)) for start, part in _pieces(value, name)])
     for kind in KINDS.keys() & (value.keys() if isinstance(value, dict) else ()):
         make, first = KINDS[kind]
         arguments = {first if key == kind else key: entry for key, entry in value.items()}
@@ -69,5 +72,14 @@ def _signal(value: Any, name: str) -> Signal:
         return signal
     raise InputError(
         f"[signals] {name} = {value!r} is not a signal; use a number, or a table with one of "
-        f"{', '.join(KINDS)} or sum."
+        f"{', '.join(KINDS)}, piecewise or sum."
     )
+
+
+def _pieces(value: dict[str, Any], name: str) -> list[Any]:
+    pieces = value["piecewise"]
+    if not (isinstance(pieces, list) and all(isinstance(p, list) and len(p) == 2 for p in pieces)):
+        raise InputError(
+            f"[signals] {name}: piecewise = {pieces!r} must be a list of pairs [start, signal]."
+        )
+    return pieces

@@ -79,7 +79,9 @@ def simulate_reference(
         ctx.prec = precision
 
 
-def require_supported(plant: Any, settings: Any, saturation: Any = None) -> None:
+def require_supported(
+    plant: Any, settings: Any, saturation: Any = None
+) -> tuple[Plant, ControllerSettings]:
     """Refuse what the reference would otherwise leave out of the run without a word."""
     if not isinstance(plant, Plant):
         raise InputError(f"the reference needs a plant that does not change, not {plant!r}.")
@@ -108,6 +110,7 @@ def require_supported(plant: Any, settings: Any, saturation: Any = None) -> None
         value = getattr(settings, name)
         if value is not None and not (isinstance(value, bool | dict | tuple) and not value):
             raise InputError(f"the reference does not know {name}; leave it out.")
+    return plant, settings
 
 
 def _run(plant: Plant, settings: ControllerSettings, w: Array) -> ReferenceRun:

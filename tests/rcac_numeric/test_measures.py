@@ -26,6 +26,7 @@ def repetition(z, theta, stride=1):
         compensator=structure.compensator(theta[-1]),
         compensator_at=lambda k: structure.compensator(theta[k // stride]),
         guard_count=3,
+        outcome="completed",
     )
     return SimpleNamespace(run=run)
 
