@@ -31,7 +31,7 @@ def print_report(verification: Verification, console: Console | None = None) -> 
         out.print(escape(experiment.source), style="dim")
     for name, words in experiment.description.items():
         if words:
-            out.print(f"  [dim]{name:<11}[/dim]{escape(words)}")
+            out.print(f"  [dim]{name:<12}[/dim]{escape(words)}")
     if verification.verdicts:
         _print_claims(out, verification)
     if len(verification.results) > 1:
@@ -45,6 +45,8 @@ def print_report(verification: Verification, console: Console | None = None) -> 
             "what follows is the controller of that step.[/red]"
         )
     out.print(f"\n[bold]The controller of run {escape(repr(main.specification.name))}[/bold]")
+    if repetition.run.saturation is not None:
+        out.print("  What follows is the linear loop, without the saturation.", style="yellow")
     if repetition.is_scalar:
         _print_comparison(out, repetition.comparison)
     else:
