@@ -44,7 +44,9 @@ KEYS: dict[str, set[str]] = {
     "run": {
         "steps", "seed", "stride", "arithmetic", "repetitions", "perturbation", "expected",
     },
-    "runs": {"name", "plant", "signals", "target", "controller", "controllers", "saturation", "run"},
+    "runs": {
+        "name", "plant", "signals", "target", "controller", "controllers", "saturation", "run",
+    },
     "claims": {"text", "claimed", "checks", "correction", "verdict"},
 }  # fmt: skip
 # One of several controllers: all that [controller] may say, and a target of its own.

@@ -22,9 +22,7 @@ KINDS: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
     "feedforward": (feedforward, ("n_c",), ("feedback", "first_r", "k_c")),
     "taps": (Structure, ("taps",), ("derived", "n_c")),
 }
-STRUCTURE_KEYS = {"structure"}.union(
-    *(needed + optional for _, needed, optional in KINDS.values())
-)
+STRUCTURE_KEYS = {"structure"}.union(*(needed + optional for _, needed, optional in KINDS.values()))
 
 
 def structure_of(section: Section, plant: Plant | PlantSchedule) -> Structure:

@@ -81,7 +81,7 @@ def _history(axis: Axes, values: np.ndarray, label: str, symbol: str) -> None:
 
 
 def _control(axis: Axes, run: Run) -> None:
-    """u as the controller asked for it and, where that differs, as the actuator applied it."""
+    """What the controller asked for and, where that differs, what the actuator applied."""
     _history(axis, run.u, "control $u$", "u")
     if run.u_applied is run.u or np.array_equal(run.u_applied, run.u):
         return
