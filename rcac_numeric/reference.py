@@ -45,8 +45,8 @@ def simulate_reference(
     Parameters
     ----------
     plant, settings, w
-        As for `simulate`; the float64 data are taken as exact, `settings.update` is ignored and
-        R_u must be constant.
+        As for `simulate`; the float64 data are taken as exact. The update is the recursive one
+        with constant weights and nothing that changes on the way.
     digits : int
         Working precision. Balls grow by about one digit every few steps, so a few hundred digits
         serve a few hundred steps.
@@ -54,7 +54,7 @@ def simulate_reference(
     Raises
     ------
     InputError
-        Where sizes do not fit or R_u is a function.
+        Where sizes do not fit, or the settings ask for something that the reference does not do.
     DivergedError
         Where the balls have grown until nothing is certain.
 
@@ -69,15 +69,48 @@ def simulate_reference(
     >>> reference.digits > 100
     True
     """
+    require_supported(plant, settings)
     check_sizes(plant, settings)
     w = signal_array(w, "w", plant.l_w)
-    if callable(settings.R_u):
-        raise InputError("the reference needs a constant R_u, not a function of z.")
     precision, ctx.prec = ctx.prec, int(integer(digits, "digits", at_least=16) * 3.33) + 8
     try:
         return _run(plant, settings, w)
     finally:
         ctx.prec = precision
+
+
+def require_supported(
+    plant: Any, settings: Any, saturation: Any = None
+) -> tuple[Plant, ControllerSettings]:
+    """Refuse what the reference would otherwise leave out of the run without a word."""
+    if not isinstance(plant, Plant):
+        raise InputError(f"the reference needs a plant that does not change, not {plant!r}.")
+    if not isinstance(settings, ControllerSettings):
+        raise InputError("the reference runs one controller, not a decentralised one.")
+    if saturation is not None:
+        raise InputError("the reference runs without saturation.")
+    other = [tap.signal for tap in settings.structure.taps if tap.signal not in ("u", "y")]
+    if other:
+        raise InputError(
+            f"the reference knows regressors of u and y; this {settings.structure.name} structure "
+            f"has taps on {', '.join(sorted(set(other)))}."
+        )
+    for name in ("R_z", "R_u"):
+        if not isinstance(getattr(settings, name), np.ndarray):
+            raise InputError(f"the reference needs a constant {name}, not a function of signals.")
+    if settings.update not in ("ud", "covariance") or settings.form != "predictor":
+        raise InputError(
+            "the reference runs the recursive update (2.42)-(2.45) in predictor form, not "
+            f'update = "{settings.update}" with form = "{settings.form}".'
+        )
+    for name in (
+        "process_noise", "forgetting", "lambda_changes", "target_changes", "reset", "freeze",
+        "reflect_poles",
+    ):  # fmt: skip
+        value = getattr(settings, name)
+        if value is not None and not (isinstance(value, bool | dict | tuple) and not value):
+            raise InputError(f"the reference does not know {name}; leave it out.")
+    return plant, settings
 
 
 def _run(plant: Plant, settings: ControllerSettings, w: Array) -> ReferenceRun:
