@@ -33,17 +33,21 @@ public:
         }
     }
 
-    // Row r of L' Phi_f, for the measurement  row theta + rhs(r) = 0.
-    void row(const Data& data, std::size_t r, double* row) const {
+    // Row r of L' Phi_f is scale() times this, for the measurement  row theta + rhs(r) = 0.
+    const double* phi(const Data& data, std::size_t r) {
         const std::size_t m = data.l_z, n = data.l_theta;
-        for (std::size_t j = 0; j < n; ++j) row[j] = L_[r * m + r] * data.Phi_f[r * n + j];
+        if (m == 1) return data.Phi_f;
+        row_.resize(n);
+        for (std::size_t j = 0; j < n; ++j) row_[j] = L_[r * m + r] * data.Phi_f[r * n + j];
         for (std::size_t i = r + 1; i < m; ++i)
-            for (std::size_t j = 0; j < n; ++j) row[j] += L_[i * m + r] * data.Phi_f[i * n + j];
+            for (std::size_t j = 0; j < n; ++j) row_[j] += L_[i * m + r] * data.Phi_f[i * n + j];
+        return row_.data();
     }
+    double scale() const { return L_.size() == 1 ? L_[0] : 1.0; }
     double rhs(std::size_t r) const { return rhs_[r]; }
 
 private:
-    std::vector<double> L_, rhs_;
+    std::vector<double> L_, rhs_, row_;
 };
 
 }  // namespace rcac
