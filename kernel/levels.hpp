@@ -43,9 +43,19 @@ struct SymmetricTiles {
     double scale, coefficient;
 };
 
-// Lanes of independent runs in lock step: entry (i, j), i < j, of lane k is
-// U[(j (j - 1) / 2 + i) * lanes + k], and D, row, gain and theta are [i * lanes + k].
+// Lanes of independent runs in lock step: D, row, gain and theta hold entry i of lane k at
+// [i * lanes + k]. U is cut into blocks of 4 columns, in a block row by row the entries above its
+// triangle and then the triangle column by column, so that one pointer walks through all of it.
 constexpr std::size_t lanes = 8;
+constexpr std::size_t lane_block = 4;
+// Place of U_ij, i < j, of lane 0; lane k is k further.
+static inline std::size_t lane_place(std::size_t n, std::size_t i, std::size_t j) {
+    const std::size_t first = j / lane_block * lane_block, c = j - first;
+    const std::size_t columns = n - first < lane_block ? n - first : lane_block;
+    const std::size_t inside = i < first ? i * columns + c
+                                         : first * columns + c * (c - (c > 0)) / 2 + (i - first);
+    return (first * (first - (first > 0)) / 2 + inside) * lanes;
+}
 struct UdLaneFactors {
     std::size_t n;
     double* U;
