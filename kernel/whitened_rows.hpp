@@ -14,10 +14,10 @@ public:
     void take(const Data& data) {
         const std::size_t m = data.l_z;
         L_.resize(m * m);
-        if (m == 1) {  // the same in four operations
+        if (m == 1) {  // the same without loops
             const double W = data.R_z[0] + data.R_u[0];
             if (!(W > 0.0)) throw std::domain_error("R_z + R_u is not positive definite");
-            L_[0] = std::sqrt(W);
+            if (W != W_) L_[0] = std::sqrt(W_ = W);  // nearly always the W of the step before
             rhs_.resize(1);
             rhs_[0] = data.R_z[0] * data.target[0] / L_[0];
             return;
@@ -47,6 +47,7 @@ public:
     double rhs(std::size_t r) const { return rhs_[r]; }
 
 private:
+    double W_ = 0.0;  // of a scalar measurement, whose root is L_
     std::vector<double> L_, rhs_, row_;
 };
 
