@@ -12,27 +12,14 @@ from rcac_numeric.experiment import Experiment, RunSpecification
 from rcac_numeric.experiment_claims import claim
 from rcac_numeric.experiment_files import Section, Table, merged, named, read_example, read_file
 from rcac_numeric.experiment_signals import signals
-from rcac_numeric.modelling import ModellingInformation, modelling_information
+from rcac_numeric.experiment_targets import target_of
 from rcac_numeric.plants import MATRICES, Plant, from_problem, servo_plant, standard_plant
 from rcac_numeric.structure_kinds import fir, iir
 from rcac_numeric.structures import Structure
-from rcac_numeric.target_models import (
-    TargetModel,
-    fir_target,
-    pole_placement_target,
-    target_model,
-)
 from rcac_numeric.validation import integer, number, one_of
 
 # What a run may keep in memory before it is refused.
 MAX_BYTES = 8 * 2**30
-
-# The keys that each target model reads.
-TARGET_KEYS = {
-    "fir": ("d_zu", "H", "nmp_zeros"),
-    "pole placement": ("poles", "d_zu", "H", "nmp_zeros"),
-    "filter": ("G_f", "numerator", "denominator"),
-}
 
 
 def load_example(number: str) -> Experiment:
@@ -134,7 +121,7 @@ def _run(name: str, table: Table, plant: Plant, file: str) -> RunSpecification:
     run = Section(table.get("run", {}), "run", file)
     settings = Section(table.get("controller", {}), "controller", file)
     structure = _structure(settings, plant)
-    target = _target(Section(table.get("target", {}), "target", file), plant)
+    target = target_of(Section(table.get("target", {}), "target", file), plant)
     arithmetic = one_of(run.text("arithmetic", "ud"), "arithmetic", (*UPDATES, "reference"))
     options = settings.given("R_z", "k_w", "k_update", "k_filter", "theta_0")
     if "lambda" in settings.table:
@@ -170,6 +157,8 @@ def _require_sense(run: RunSpecification) -> None:
                 f"{name} = {start} is not before the end of the run of {run.steps} steps, so "
                 "nothing would be adapted. Use more steps."
             )
+    for signal in run.signals:
+        signal.require_length(run.steps)
     plant, kept = run.plant, run.settings.structure.l_theta / run.stride
     size = 8 * run.steps * (2 * plant.l_w + plant.l_u + plant.l_y + plant.l_z + kept)
     if size > MAX_BYTES:
@@ -184,37 +173,6 @@ def _structure(section: Section, plant: Plant) -> Structure:
     kind = one_of(section.text("structure", "iir"), "structure", tuple(kinds))
     order = section.require("n_c")
     return kinds[kind](order, plant.l_u, plant.l_y, **section.given("k_c"))
-
-
-def _target(section: Section, plant: Plant) -> TargetModel:
-    """The target model; what the file does not say of G_zu is taken from the plant."""
-    model = one_of(section.text("model"), "model", tuple(TARGET_KEYS))
-    section.only(f'model = "{model}"', "model", *TARGET_KEYS[model])
-    if model == "filter":
-        if "numerator" in section.table:
-            section.only('model = "filter" with numerator', "model", "numerator", "denominator")
-            target = TargetModel(**section.given("numerator", "denominator"))
-        else:
-            section.only('model = "filter" with G_f', "model", "G_f")
-            target = target_model(section.require("G_f"))
-        if (plant.l_z, plant.l_u) != (1, 1):
-            return target
-        if target.relative_degree != (wanted := modelling_information(plant).d_zu):
-            raise InputError(
-                f"the target model G_f has relative degree {target.relative_degree}, the plant's "
-                f"G_zu has {wanted}; the intercalated transfer function always has that of G_zu "
-                "(4.18). Multiply G_f by a power of q."
-            )
-        return target
-    given = section.given("d_zu", "H", "nmp_zeros")
-    known = (
-        ModellingInformation(**given)
-        if {"d_zu", "H"} <= given.keys()
-        else ModellingInformation(**{**vars(modelling_information(plant)), **given})
-    )
-    if model == "fir":
-        return fir_target(known)
-    return pole_placement_target(known, section.require("poles"))
 
 
 def _control_weight(value: Any) -> Any:

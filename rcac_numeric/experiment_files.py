@@ -24,7 +24,8 @@ KEYS: dict[str, set[str]] = {
     },
     "signals": {"w", "r", "d", "v"},
     "target": {
-        "model", "poles", "G_f", "numerator", "denominator", "d_zu", "H", "nmp_zeros",
+        "model", "poles", "G_f", "numerator", "denominator", "d_zu", "H", "nmp_zeros", "n_bar",
+        "markov_parameters",
     },
     "controller": {
         "structure", "n_c", "k_c", "k_w", "k_update", "k_filter", "R_theta", "R_z", "R_u",
