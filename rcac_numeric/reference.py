@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from flint import arb_mat, ctx
+from flint import arb, arb_mat, ctx
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
@@ -123,7 +123,7 @@ def _run(plant: Any, settings: ControllerSettings, w: Array, x_0: Array | None) 
     }
     final = controller.theta.entries()
     size = max(abs(float(b.mid())) for b in final) or 1.0
-    worst = max(float(b.rad()) for b in final)
+    worst = max(b.rad() for b in final)  # as a ball: it may be below every float
     return ReferenceRun(
         plant=plant,
         settings=settings,
@@ -139,5 +139,5 @@ def _run(plant: Any, settings: ControllerSettings, w: Array, x_0: Array | None) 
         guard_first_step=-1,
         u_applied=rounded["u"],
         x_0=x_0,
-        digits=float("inf") if worst == 0 else float(-np.log10(worst / size)),
+        digits=float("inf") if worst == 0 else -float((worst / size).log() / arb(10).log()),
     )

@@ -74,7 +74,10 @@ GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
         ({"R_z": lambda k, y, z, u: 1.0}, "a weight that is a function"),
         ({"update": "sliding window", "window": 3}, 'update = "sliding window"'),
         ({"forgetting": VariableRateForgetting(1, 2, 1.0)}, "variable-rate forgetting"),
-        ({"reset": CovarianceReset(trace_below=0.5)}, "a covariance reset by trace_below or growth"),
+        (
+            {"reset": CovarianceReset(trace_below=0.5)},
+            "a covariance reset by trace_below or growth",
+        ),
         ({"reset": CovarianceReset(growth=2.0)}, "a covariance reset by trace_below or growth"),
         ({"reflect_poles": True}, "reflect_poles"),
     ],
