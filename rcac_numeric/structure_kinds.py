@@ -84,7 +84,8 @@ def pid(terms: str = "PID", l_u: int = 1, l_y: int = 1) -> Structure:
     >>> pid("PI").l_theta
     2
     """
-    if not terms or set(terms) - set("PID") or len(set(terms)) < len(terms):
+    known = isinstance(terms, str) and terms and set(terms) <= set("PID")
+    if not known or len(set(terms)) < len(terms):
         raise InputError(
             f"terms = {terms!r}: name each of the terms P, I and D at most once, such as 'PI'."
         )

@@ -54,7 +54,10 @@ class DerivedSignal:
 
     def __post_init__(self) -> None:
         for name in ("now", "before"):
-            object.__setattr__(self, name, tuple(map(float, real_array(getattr(self, name), name))))
+            weights = real_array(getattr(self, name), name)
+            if weights.ndim != 1:
+                raise InputError(f"{name} = {getattr(self, name)} must be a list of numbers.")
+            object.__setattr__(self, name, tuple(map(float, weights)))
         if len(self.now) != len(self.before):
             raise InputError(
                 f"a derived signal has {len(self.now)} weights now and {len(self.before)} before; "
