@@ -234,6 +234,18 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ({"controller": {"structure": "taps", "taps": ["u"]}}, "taps has the entry 'u'"),
         ({"controller": {"structure": "taps", "taps": [["x", 0, 1]]}}, "'x' is not known"),
         ({"controller": {"n_c": None}}, "needs the key 'n_c'"),
+        ({"controller": {"structure": "pid", "n_c": None, "terms": 3}}, "terms = 3: name each"),
+        (
+            {
+                "controller": {
+                    "structure": "taps",
+                    "n_c": None,
+                    "taps": [["derived", 0, 1]],
+                    "derived": [{"now": [[1, 2]]}],
+                }
+            },
+            "must be a list of numbers",
+        ),
         ({"controller": {"shared_u": True}}, "which only [[controllers]] read"),
         ({"controller": {"reflect_poles": 1}}, "must be true or false"),
         ({"controller": {"freeze": 5}}, "freeze = 5 must be a list"),
