@@ -172,7 +172,8 @@ def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
     values = _values(check, results[check.run])
     if check.relative_to:
         others = _values(check, results[check.relative_to])
-        values = tuple(a / b for a, b in zip(values, others, strict=True))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = tuple(float(np.divide(a, b)) for a, b in zip(values, others, strict=True))
     return CheckResult(check, values)
 
 

@@ -205,6 +205,14 @@ def test_zeros_in_float64_are_those_of_the_exact_half():
         assert gaps.min(axis=1).max() < 1e-5  # zeros at 0 are multiple
 
 
+def test_a_ratio_to_nothing_is_no_defect():
+    """A measure that is 0 in the other run: the ratio is infinite or not a number."""
+    check = {"measure": "guard_count", "relative_to": "main", "at_most": 1}
+    table = case(claims=[{"text": "none", "checks": [check]}])
+    (verdict,) = verify(build(table, "case")).verdicts
+    assert verdict.verdict == "not reproduced" and "nan" in verdict.measured
+
+
 DIVERGING = {"controller": {"R_theta": 1e-6}, "target": {"H": 1}, "run": {"steps": 400}}
 
 
