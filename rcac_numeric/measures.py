@@ -7,11 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric import h2_costs
-from rcac_numeric.closed_loop import ClosedLoop
-from rcac_numeric.experiment import Repetition
+from rcac_numeric import cost_measures
 from rcac_numeric.frozen_plants import frozen_loop
-from rcac_numeric.validation import integer, number, one_of
+from rcac_numeric.repetitions import Repetition
+from rcac_numeric.validation import integer, one_of
 
 SIGNALS = ("z", "y", "u", "u_applied", "w")
 
@@ -23,6 +22,10 @@ def measure(function: Measure) -> Measure:
     """Make a function available to claims under its own name."""
     MEASURES[function.__name__] = function
     return function
+
+
+for _function in cost_measures.COST_MEASURES:
+    measure(_function)
 
 
 @measure
@@ -198,49 +201,9 @@ def closed_loop_zero_distance(r: Repetition, channel: str, omega: float = 0.0) -
 
 
 @measure
-def h2_cost(r: Repetition) -> float:
-    """Variance of z for white w of unit variance with the final controller."""
-    return h2_costs.h2_cost(r.loop)
-
-
-@measure
-def high_authority_cost(r: Repetition) -> float:
-    """The same with the high-authority LQG controller: the least cost there is."""
-    return h2_costs.h2_cost(_high_authority_loop(r))
-
-
-@measure
-def cost_over_high_authority(r: Repetition) -> float:
-    """The H2 cost of the final controller over that of high-authority LQG; at least 1."""
-    return h2_cost(r) / high_authority_cost(r)
-
-
-@measure
-def high_authority_pole_distance(r: Repetition, value: float) -> float:
-    """Distance from a real number to the nearest pole of the high-authority LQG controller."""
-    poles = _high_authority_loop(r).compensator.poles()
-    return float(np.abs(poles - number(value, "value")).min())
-
-
-@measure
-def high_authority_response_distance(r: Repetition) -> float:
-    """Median over frequency of the relative distance of abs(G_zw) to that of high-authority LQG."""
-    omega = (np.arange(1000) + 0.5) * np.pi / 1000
-    reached, best = (
-        np.linalg.norm(loop.frequency_response(omega), axis=(1, 2))
-        for loop in (r.loop, _high_authority_loop(r))
-    )
-    return float(np.median(np.abs(reached - best) / best))
-
-
-@measure
 def guard_count(r: Repetition) -> float:
     """Number of updates that rounding decided."""
     return float(r.run.guard_count)
-
-
-def _high_authority_loop(r: Repetition) -> ClosedLoop:
-    return ClosedLoop(r.plant, h2_costs.high_authority_compensator(r.plant))
 
 
 def _window(

@@ -8,7 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.closed_loop import Match
-from rcac_numeric.experiment import Repetition
+from rcac_numeric.repetitions import Repetition
 from rcac_numeric.runs import Run
 
 if TYPE_CHECKING:

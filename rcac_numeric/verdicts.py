@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.experiment import Check, Claim, Experiment, Repetition, RunResult
+from rcac_numeric.experiment import Check, Claim, Experiment, RunResult
 from rcac_numeric.measures import MEASURES
+from rcac_numeric.repetitions import Repetition
 
 REPRODUCED = "reproduced"
 CORRECTED = "reproduced with a correction"
