@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.experiment import Repetition
+from rcac_numeric import cost_measures
 from rcac_numeric.frozen_plants import frozen_loop
+from rcac_numeric.repetitions import Repetition
 from rcac_numeric.validation import integer, one_of
 
 SIGNALS = ("z", "y", "u", "u_applied", "w")
@@ -21,6 +22,10 @@ def measure(function: Measure) -> Measure:
     """Make a function available to claims under its own name."""
     MEASURES[function.__name__] = function
     return function
+
+
+for _function in cost_measures.COST_MEASURES:
+    measure(_function)
 
 
 @measure

@@ -8,7 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.closed_loop import Match
-from rcac_numeric.experiment import Repetition
+from rcac_numeric.repetitions import Repetition
 from rcac_numeric.runs import Run
 
 if TYPE_CHECKING:
@@ -118,6 +118,7 @@ def _pole_zero(axis: Axes, repetition: Repetition) -> None:
         axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
     else:
         poles, zeros = repetition.loop.poles(), np.zeros(0)
+        wanted = np.zeros(0, dtype=np.complex128)
         if repetition.run.plant.l_z == 1:
             zeros = np.concatenate([zeros, *repetition.zeros.values()])
             axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
@@ -129,8 +130,12 @@ def _pole_zero(axis: Axes, repetition: Repetition) -> None:
     axis.set_title("closed loop with the final controller", fontsize=10)
     axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
     hidden = [
-        f"{count} {name} beyond"
-        for name, values in (("poles", poles), ("zeros", np.unique(zeros)))
+        f"{name} beyond: {count}"
+        for name, values in (
+            ("asked for", wanted),
+            ("poles", poles),
+            ("zeros", np.unique(np.round(zeros, 9))),
+        )
         if (count := int((np.abs(values) > span).sum()))
     ]
     axis.annotate(", ".join(hidden), (0.02, 0.02), xycoords="axes fraction", fontsize=8)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rcac_numeric.comparison import Comparison
-    from rcac_numeric.experiment import Repetition
+    from rcac_numeric.repetitions import Repetition
 
 COLOURS = {REPRODUCED: "green", CORRECTED: "yellow", NOT_REPRODUCED: "red"}
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.experiment import Check, Claim, Experiment, Repetition, RunResult
+from rcac_numeric.experiment import Check, Claim, Experiment, RunResult
 from rcac_numeric.measures import MEASURES
+from rcac_numeric.repetitions import Repetition
 
 REPRODUCED = "reproduced"
 CORRECTED = "reproduced with a correction"
@@ -31,17 +32,28 @@ class CheckResult:
         judged = (
             [float(np.median(self.values))] if self.check.statistic == "median" else self.values
         )
-        inside = [self.check.at_least <= value <= self.check.at_most for value in judged]
+        inside = [self._inside(value) for value in judged]
         return True if all(inside) else None if any(inside) else False
 
     def __str__(self) -> str:
         name = self.check.measure.replace("_", " ")
         ratio = f" / that of {self.check.relative_to}" if self.check.relative_to else ""
-        value = f"{np.median(self.values):.3g}"
+        value = self._words(float(np.median(self.values)))
         if len(self.values) > 1:
-            low, high = min(self.values), max(self.values)
-            value = f"median {value} [{low:.3g}, {high:.3g}] of {len(self.values)}"
+            low, high = self._words(min(self.values)), self._words(max(self.values))
+            value = f"median {value} [{low}, {high}] of {len(self.values)}"
         return f"{name}{ratio} ({self.check.run}): {value}"
+
+    def _inside(self, value: float) -> bool:
+        return self.check.at_least <= value <= self.check.at_most
+
+    def _words(self, value: float) -> str:
+        """Three digits, or as many more as it takes to stand on its side of the bounds."""
+        for digits in range(3, 17):
+            words = f"{value:.{digits}g}"
+            if self._inside(float(words)) == self._inside(value):
+                break
+        return words
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +173,8 @@ def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
     values = _values(check, results[check.run])
     if check.relative_to:
         others = _values(check, results[check.relative_to])
-        values = tuple(a / b for a, b in zip(values, others, strict=True))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = tuple(float(np.divide(a, b)) for a, b in zip(values, others, strict=True))
     return CheckResult(check, values)
 
 

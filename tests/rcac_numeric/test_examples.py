@@ -48,6 +48,30 @@ def test_4_6_rounding_makes_the_ordering(verifications):
         assert max(plain) > 10 * min(plain) and np.median(plain) < 0.5 * exact[0]
 
 
+def test_2_8_diverges_as_written_and_says_so(verifications):
+    verification = verifications["2.8"]
+    assert verification.diverged == ["as written", "as written, R_theta = 1e6"]
+    assert not verification.surprising
+
+
+def test_2_6_adaptation_is_what_avoids_the_windup(verifications):
+    """With the gains of step 2000 kept, the integrator runs on and holds the wrong bound."""
+    adaptive, fixed = (
+        verifications["2.6"].results[name].first.run
+        for name in ("0.4 before 1", "gains fixed at 2000")
+    )
+    assert (adaptive.theta[:2001] == fixed.theta[:2001]).all()
+    assert (fixed.theta[2000:] == fixed.theta[2000]).all()
+    held = [np.flatnonzero(run.u_applied[2500:2999, 0] < 0.0)[0] for run in (adaptive, fixed)]
+    assert held[0] < 10 and held[1] > 50
+
+
+def test_a_radius_below_1_is_not_printed_as_1(verifications):
+    """Reflection pins the poles of example 6.2 just inside the circle, and the report shows it."""
+    (stable,) = [v for v in verifications["6.2"].verdicts if v.claim.text.endswith("is stable.")]
+    assert "radius (seed 0): 0.9999" in stable.measured
+
+
 @pytest.mark.long
 def test_2_3_fir_never_settles(in_full):
     """The FIR controller of Example 2.3 keeps an error of order one however long it runs."""

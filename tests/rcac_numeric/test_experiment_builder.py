@@ -205,6 +205,14 @@ def test_zeros_in_float64_are_those_of_the_exact_half():
         assert gaps.min(axis=1).max() < 1e-5  # zeros at 0 are multiple
 
 
+def test_a_ratio_to_nothing_is_no_defect():
+    """A measure that is 0 in the other run: the ratio is infinite or not a number."""
+    check = {"measure": "guard_count", "relative_to": "main", "at_most": 1}
+    table = case(claims=[{"text": "none", "checks": [check]}])
+    (verdict,) = verify(build(table, "case")).verdicts
+    assert verdict.verdict == "not reproduced" and "nan" in verdict.measured
+
+
 DIVERGING = {"controller": {"R_theta": 1e-6}, "target": {"H": 1}, "run": {"steps": 400}}
 
 
@@ -234,6 +242,18 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ({"controller": {"structure": "taps", "taps": ["u"]}}, "taps has the entry 'u'"),
         ({"controller": {"structure": "taps", "taps": [["x", 0, 1]]}}, "'x' is not known"),
         ({"controller": {"n_c": None}}, "needs the key 'n_c'"),
+        ({"controller": {"structure": "pid", "n_c": None, "terms": 3}}, "terms = 3: name each"),
+        (
+            {
+                "controller": {
+                    "structure": "taps",
+                    "n_c": None,
+                    "taps": [["derived", 0, 1]],
+                    "derived": [{"now": [[1, 2]]}],
+                }
+            },
+            "must be a list of numbers",
+        ),
         ({"controller": {"shared_u": True}}, "which only [[controllers]] read"),
         ({"controller": {"reflect_poles": 1}}, "must be true or false"),
         ({"controller": {"freeze": 5}}, "freeze = 5 must be a list"),

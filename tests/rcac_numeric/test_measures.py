@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import Compensator, SignalWeight, iir, standard_plant
+from rcac_numeric import ClosedLoop, Compensator, SignalWeight, iir, standard_plant
 from rcac_numeric.experiment_builder import build
 from rcac_numeric.measures import MEASURES
 
@@ -129,3 +129,29 @@ def test_a_weight_written_as_z_squared():
         "run": {"steps": 10},
     }
     assert build(table, "case").main_run.settings.R_u == SignalWeight(z_squared=0.5)
+
+
+def test_of_the_cost():
+    """A first-order plant: the cost is 1/(1 - p^2), and no controller goes below 1."""
+    plant = standard_plant("1/(q - 0.5)")
+    run = SimpleNamespace(plant=plant)
+
+    def closed_with(pole):
+        """u(k) = p u(k-1) + q y(k-1), whose loop has both its poles at `pole`."""
+        # (z - 0.5)(z - p) - q = (z - pole)^2
+        p = 2 * pole - 0.5
+        q = 0.5 * p - pole**2
+        return SimpleNamespace(
+            run=run, plant=plant, loop=ClosedLoop(plant, iir(1).compensator([p, q]))
+        )
+
+    best = closed_with(0.0)
+    # With both poles at zero z = (q - p)/q^2 w, p = -1/2: the variance is 1 + 1/4.
+    assert MEASURES["h2_cost"](best) == pytest.approx(1.25)
+    assert MEASURES["high_authority_cost"](best) == pytest.approx(1.25)
+    assert MEASURES["cost_over_high_authority"](best) == pytest.approx(1)
+    assert MEASURES["high_authority_response_distance"](best) < 1e-12
+    assert MEASURES["high_authority_pole_distance"](best, value=-0.4) == pytest.approx(0.1)
+    assert MEASURES["cost_over_high_authority"](closed_with(0.3)) > 1.001
+    assert MEASURES["high_authority_response_distance"](closed_with(0.3)) > 0.1
+    assert MEASURES["h2_cost"](closed_with(1.5)) == np.inf
