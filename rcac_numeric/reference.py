@@ -83,7 +83,9 @@ def simulate_reference(
         ctx.prec = precision
 
 
-def require_supported(plant: Any, settings: Any, saturation: Any = None) -> None:
+def require_supported(
+    plant: Any, settings: Any, saturation: Any = None
+) -> tuple[Plant | PlantSchedule, ControllerSettings]:
     """Refuse what the reference would otherwise leave out of the run without a word."""
     if not isinstance(settings, ControllerSettings):
         raise InputError(
@@ -93,6 +95,7 @@ def require_supported(plant: Any, settings: Any, saturation: Any = None) -> None
         raise InputError("the reference in ball arithmetic runs without saturation.")
     BallController(settings)
     BallPlant(plant, None)
+    return plant, settings
 
 
 def _run(plant: Any, settings: ControllerSettings, w: Array, x_0: Array | None) -> ReferenceRun:

@@ -82,11 +82,13 @@ def test_ud_keeps_its_digits_for_every_size_of_P_0(l_theta, l_z, seed, R_theta):
     data = record(seed, 3 * l_theta + 3, l_z, l_theta)
     data["P_0"] = np.eye(l_theta) / R_theta
     exact, _ = minimiser(data)
-    rounding = np.linalg.cond(data["Phi_f"].reshape(-1, l_theta)) ** 2 * 1e-14
+    rows = data["Phi_f"].reshape(-1, l_theta)
+    # theta passes through the solution of the first l_theta equations, which may be worse posed.
+    rounding = 1e-14 * (np.linalg.cond(rows) ** 2 + np.linalg.cond(rows[:l_theta]))
     for level in LEVELS:
         theta, _, _, _, finite = _kernel.replay_updates("ud", **data, level=level)
         assert finite
-        assert close(theta, exact, max(1e-13, rounding))
+        assert close(theta, exact, max(1e-12, rounding))
 
 
 @given(lengths, seeds)
