@@ -6,4 +6,5 @@ NB_MODULE(_kernel, m) {
     rcac::bind_controller(m);
     rcac::bind_plants(m);
     rcac::bind_loop(m);
+    rcac::bind_updates(m);
 }

@@ -7,4 +7,5 @@ namespace rcac {
 void bind_controller(nb::module_& m);
 void bind_plants(nb::module_& m);
 void bind_loop(nb::module_& m);
+void bind_updates(nb::module_& m);
 }  // namespace rcac

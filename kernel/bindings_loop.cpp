@@ -4,11 +4,8 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include <atomic>
-#include <thread>
-
 #include "bindings.hpp"
-#include "closed_loop.hpp"
+#include "batch.hpp"
 
 namespace rcac {
 namespace {
@@ -33,43 +30,11 @@ public:
             require(c->structure().l_y, size.l_y, "l_y");
             require(c->l_z(), size.l_z, "l_z");
             if (r_in_w + c->structure().l_r > size.l_w) throw std::invalid_argument("r beyond w");
-            l_theta_ += c->theta().size();
         }
     }
 
-    // Rows first, ..., first + count - 1 of the arrays.
-    std::pair<std::int64_t, int> run(const Array& w, const Output& u,
-                                     const std::optional<Output>& u_applied, const Output& y,
-                                     const Output& z, const Output& theta, std::int64_t stride,
-                                     std::int64_t first, std::int64_t count) {
-        const Sizes& size = plant_->sizes();
-        const auto steps = static_cast<std::int64_t>(u.shape(0));
-        if (stride < 1) throw std::invalid_argument("stride must be at least 1");
-        if (first < 0 || count < 0 || first + count > steps || first % stride != 0)
-            throw std::invalid_argument("no such rows");
-        const auto rows = static_cast<std::size_t>(steps);
-        require(w.size(), rows * size.l_w, "w");
-        require(u.size(), rows * size.l_u, "u");
-        require(y.size(), rows * size.l_y, "y");
-        require(z.size(), rows * size.l_z, "z");
-        if (u_applied) require(u_applied->size(), rows * size.l_u, "u_applied");
-        require(theta.size(), static_cast<std::size_t>((steps + stride - 1) / stride) * l_theta_,
-                "theta");
-        const auto at = [first](double* data, std::size_t width) {
-            return data + first * static_cast<std::int64_t>(width);
-        };
-        const Record record{at(u.data(), size.l_u),
-                            u_applied ? at(u_applied->data(), size.l_u) : nullptr,
-                            at(y.data(), size.l_y),
-                            at(z.data(), size.l_z),
-                            theta.data() + first / stride * static_cast<std::int64_t>(l_theta_),
-                            stride};
-        const double* start = w.data() + first * static_cast<std::int64_t>(size.l_w);
-        Outcome outcome = Outcome::completed;
-        nb::gil_scoped_release release;
-        const std::int64_t done = simulate(loop_, start, size.l_w, count, record, outcome);
-        return {done, static_cast<int>(outcome)};
-    }
+    Loop& loop() { return loop_; }
+    const Sizes& sizes() const { return plant_->sizes(); }
 
     void visit(Archive& archive) {
         for (Controller* c : loop_.controllers()) c->visit(archive);
@@ -90,8 +55,52 @@ private:
     Plant* plant_;
     Actuator actuator_;
     Loop loop_;
-    std::size_t l_theta_ = 0;
 };
+
+// A job with the arrays that it reads and writes.
+class OwnedJob {
+public:
+    OwnedJob(nb::object loop, Array w, Output u, std::optional<Output> u_applied, Output y, Output z,
+             Output theta, std::int64_t stride)
+        : loop_object_(loop), w_(w), u_(u), u_applied_(u_applied), y_(y), z_(z), theta_(theta) {
+        OwnedLoop& owned = *nb::cast<OwnedLoop*>(loop);
+        const Sizes& size = owned.sizes();
+        if (stride < 1) throw std::invalid_argument("stride must be at least 1");
+        const std::size_t steps = u.shape(0), per_row = static_cast<std::size_t>(stride);
+        require(w.size(), steps * size.l_w, "w");
+        require(u.size(), steps * size.l_u, "u");
+        require(y.size(), steps * size.l_y, "y");
+        require(z.size(), steps * size.l_z, "z");
+        if (u_applied) require(u_applied->size(), steps * size.l_u, "u_applied");
+        require(theta.size(), (steps + per_row - 1) / per_row * owned.loop().l_theta(), "theta");
+        const Record record{u.data(), u_applied ? u_applied->data() : nullptr, y.data(), z.data(),
+                            theta.data(), stride};
+        job = {&owned.loop(), w.data(), size.l_w, record, static_cast<std::int64_t>(steps)};
+    }
+
+    Job job;
+
+private:
+    nb::object loop_object_;
+    Array w_;
+    Output u_;
+    std::optional<Output> u_applied_;
+    Output y_, z_, theta_;
+};
+
+// Each job at most `rows` steps further; whether there is anything left to do.
+bool run_jobs(const std::vector<OwnedJob*>& owned, std::size_t threads, std::int64_t rows) {
+    std::vector<Job*> jobs;
+    for (OwnedJob* one : owned)
+        if (!one->job.finished()) jobs.push_back(&one->job);
+    {
+        nb::gil_scoped_release release;
+        in_threads(jobs.size(), threads, [&](std::size_t i) { jobs[i]->run(rows); });
+    }
+    for (const Job* job : jobs)
+        if (!job->finished()) return true;
+    return false;
+}
 
 }  // namespace
 
@@ -102,9 +111,11 @@ void bind_loop(nb::module_& m) {
              nb::kw_only(), nb::arg("controllers"), nb::arg("plant"), nb::arg("low"),
              nb::arg("high"), nb::arg("rate"), nb::arg("limit"), nb::arg("stop_where_unsupported"),
              nb::arg("shared_u"), nb::arg("r_in_w"))
-        .def("run", &OwnedLoop::run, nb::arg("w"), nb::arg("u"), nb::arg("u_applied").none(),
-             nb::arg("y"), nb::arg("z"), nb::arg("theta"), nb::arg("stride"), nb::arg("first"),
-             nb::arg("count"))
+        .def("theta_before",
+             [](OwnedLoop& self) {
+                 const std::vector<double>& theta = self.loop().theta_before();
+                 return to_numpy(theta.data(), theta.size());
+             })
         .def("save",
              [](OwnedLoop& self) {
                  Archive archive;
@@ -116,6 +127,15 @@ void bind_loop(nb::module_& m) {
             self.visit(archive);
             archive.finish();
         });
+    nb::class_<OwnedJob>(m, "Job")
+        .def(nb::init<nb::object, Array, Output, std::optional<Output>, Output, Output, Output,
+                      std::int64_t>(),
+             nb::arg("loop"), nb::arg("w"), nb::arg("u"), nb::arg("u_applied").none(), nb::arg("y"),
+             nb::arg("z"), nb::arg("theta"), nb::arg("stride"))
+        .def_prop_ro("done", [](const OwnedJob& self) { return self.job.done; })
+        .def_prop_ro("outcome",
+                     [](const OwnedJob& self) { return static_cast<int>(self.job.outcome); });
+    m.def("run_jobs", &run_jobs, nb::arg("jobs"), nb::arg("threads"), nb::arg("rows"));
 }
 
 }  // namespace rcac

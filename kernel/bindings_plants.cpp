@@ -29,8 +29,16 @@ std::unique_ptr<Plant> linear_plant(const SizeTuple& tuple, const nb::list& segm
         while (n * n < matrices[0].size()) ++n;
         segment.matrices.n = n;
         const std::size_t rows[3] = {n, size.l_y, size.l_z}, columns[3] = {n, size.l_u, size.l_w};
-        for (std::size_t i = 0; i < 9; ++i)
-            segment.matrices.values[i] = copied(matrices[i], rows[i / 3] * columns[i % 3], names[i]);
+        for (std::size_t block = 0; block < 3; ++block) {
+            for (std::size_t i = 3 * block; i < 3 * block + 3; ++i)
+                require(matrices[i].size(), rows[block] * columns[i % 3], names[i]);
+            for (std::size_t row = 0; row < rows[block]; ++row)
+                for (std::size_t i = 0; i < 3; ++i) {
+                    const double* entries = matrices[3 * block + i].data() + row * columns[i];
+                    segment.matrices.rows.insert(segment.matrices.rows.end(), entries,
+                                                 entries + columns[i]);
+                }
+        }
         const std::size_t before = result.empty() ? n : result.back().matrices.n;
         if (map.size() > 0)
             segment.state_map = copied(map, n * before, "state_map");
@@ -121,9 +129,9 @@ void bind_plants(nb::module_& m) {
                  require(u.size(), size.l_u, "u");
                  require(w.size(), size.l_w, "w");
                  std::vector<double> y(size.l_y), z(size.l_z);
-                 self.begin(k);
+                 self.begin(k, w.data());
                  self.receive(u.data());
-                 if (!self.y(w.data(), y.data()) || !self.z(w.data(), z.data()))
+                 if (!self.y(y.data()) || !self.z(z.data()))
                      throw std::runtime_error("the plant's output function failed");
                  return std::make_pair(to_numpy(std::move(y), {size.l_y}),
                                        to_numpy(std::move(z), {size.l_z}));
@@ -133,8 +141,9 @@ void bind_plants(nb::module_& m) {
              [](Plant& self, const Array& u, const Array& w) {
                  require(u.size(), self.sizes().l_u, "u");
                  require(w.size(), self.sizes().l_w, "w");
+                 self.disturb(w.data());
                  self.receive(u.data());
-                 if (!self.advance(w.data()))
+                 if (!self.advance())
                      throw std::runtime_error("the plant's advance function failed");
              },
              nb::arg("u"), nb::arg("w"));

@@ -32,9 +32,9 @@ struct LoopOptions {
 };
 
 inline bool within(const double* values, std::size_t count, double limit) {
-    for (std::size_t i = 0; i < count; ++i)
-        if (!(std::fabs(values[i]) <= limit)) return false;  // also false for a NaN
-    return true;
+    bool all = true;
+    for (std::size_t i = 0; i < count; ++i) all &= std::fabs(values[i]) <= limit;  // NaN: false
+    return all;
 }
 
 class Loop {
@@ -49,7 +49,9 @@ public:
         for (const Controller* c : controllers_) {
             y_first_ = y_first_ || c->measures_first();
             adapt_first_ = adapt_first_ || c->filter_form();
+            l_theta_ += c->theta().size();
         }
+        theta_before_.resize(l_theta_);
     }
 
     // Step k of the record up to the point where the predictor's update is due.
@@ -59,46 +61,51 @@ public:
                *y = record.y + row * static_cast<std::int64_t>(size.l_y);
         z_ = record.z + row * static_cast<std::int64_t>(size.l_z);
         const double* r = w + options_.r_in_w;
-        if (row % record.stride == 0) keep_theta(record.theta, row / record.stride);
+        keep_theta(theta_before_.data(), 0);
         for (Controller* c : controllers_) c->begin();
-        if (!plant_.begin(controllers_.front()->step())) return Outcome::plant_failed;
-        // Before u(k) is known it acts on nothing: an order that needs it was refused.
-        std::fill(u_a_.begin(), u_a_.end(), 0.0);
-        plant_.receive(u_a_.data());
+        if (!plant_.begin(controllers_.front()->step(), w)) return Outcome::plant_failed;
         if (y_first_) {
-            if (!plant_.y(w, y)) return Outcome::plant_failed;
+            // Before u(k) is known it acts on nothing: an order that needs it was refused.
+            std::fill(u_a_.begin(), u_a_.end(), 0.0);
+            plant_.receive(u_a_.data());
+            if (!plant_.y(y)) return Outcome::plant_failed;
             for (Controller* c : controllers_) c->measure(y, r);
         }
         if (adapt_first_) {
-            if (!plant_.z(w, z_)) return Outcome::plant_failed;
+            if (!plant_.z(z_)) return Outcome::plant_failed;
             if (!finite(z_, size.l_z) || !finite(y, size.l_y)) return Outcome::plant_not_finite;
             for (Controller* c : controllers_)
                 if (c->filter_form() && !c->adapt(z_)) return Outcome::overflow;
         }
-        std::fill_n(u, size.l_u, 0.0);
-        for (Controller* c : controllers_) {
-            const double* own = c->control();
+        // After the update of the filter form: these coefficients make u(k).
+        if (row == 0) next_kept_ = 0;
+        if (row == next_kept_) {
+            keep_theta(record.theta, row / record.stride);
+            next_kept_ += record.stride;
+        }
+        copy_few(controllers_.front()->control(), size.l_u, u);
+        for (std::size_t number = 1; number < controllers_.size(); ++number) {
+            const double* own = controllers_[number]->control();
             for (std::size_t i = 0; i < size.l_u; ++i) u[i] += own[i];
         }
-        std::copy_n(actuator_.apply(u), size.l_u, u_a_.begin());
-        if (options_.shared_u || controllers_.size() == 1)
+        copy_few(actuator_.apply(u), size.l_u, u_a_.data());
+        if (!actuator_.is_ideal() || (options_.shared_u && controllers_.size() > 1))
             for (Controller* c : controllers_) c->apply(u_a_.data());
         if (record.u_applied)
             std::copy(u_a_.begin(), u_a_.end(),
                       record.u_applied + row * static_cast<std::int64_t>(size.l_u));
         plant_.receive(u_a_.data());
         if (!y_first_) {
-            if (!plant_.y(w, y)) return Outcome::plant_failed;
+            if (!plant_.y(y)) return Outcome::plant_failed;
             for (Controller* c : controllers_) c->measure(y, r);
         }
-        if (!plant_.z(w, z_)) return Outcome::plant_failed;
-        if (!finite(y, size.l_y) || !finite(z_, size.l_z))
-            return finite(u, size.l_u) && finite_state() ? Outcome::plant_not_finite
-                                                         : Outcome::diverged;
-        if (!within(u, size.l_u, options_.limit) || !within(y, size.l_y, options_.limit) ||
-            !within(z_, size.l_z, options_.limit))
-            return Outcome::diverged;
-        return Outcome::completed;
+        if (!plant_.z(z_)) return Outcome::plant_failed;
+        if (within(u, size.l_u, options_.limit) && within(y, size.l_y, options_.limit) &&
+            within(z_, size.l_z, options_.limit))
+            return Outcome::completed;
+        const bool of_the_plant = finite(u, size.l_u) && finite_state() &&
+                                  !(finite(y, size.l_y) && finite(z_, size.l_z));
+        return of_the_plant ? Outcome::plant_not_finite : Outcome::diverged;
     }
 
     Outcome adapt() {
@@ -107,7 +114,7 @@ public:
         return Outcome::completed;
     }
 
-    Outcome finish(const double* w) {
+    Outcome finish() {
         for (Controller* c : controllers_) {
             c->finish();
             if (!within(c->theta().data(), c->theta().size(), options_.limit))
@@ -115,22 +122,21 @@ public:
             if (options_.stop_where_unsupported && c->update().guard().count > 0)
                 return Outcome::unsupported;
         }
-        if (!plant_.advance(w)) return Outcome::plant_failed;
-        if (!finite_state()) return Outcome::plant_not_finite;
-        return within(plant_.x().data(), plant_.x().size(), options_.limit) ? Outcome::completed
-                                                                            : Outcome::diverged;
+        if (!plant_.advance()) return Outcome::plant_failed;
+        if (within(plant_.x().data(), plant_.x().size(), options_.limit)) return Outcome::completed;
+        return finite_state() ? Outcome::diverged : Outcome::plant_not_finite;
     }
 
     const std::vector<Controller*>& controllers() const { return controllers_; }
-    const double* z() const { return z_; }
+    // The coefficients at the beginning of the last step, which are valid where it failed.
+    const std::vector<double>& theta_before() const { return theta_before_; }
+    std::size_t l_theta() const { return l_theta_; }
 
 private:
     bool finite_state() const { return finite(plant_.x().data(), plant_.x().size()); }
 
     void keep_theta(double* kept, std::int64_t row) const {
-        std::size_t l_theta = 0;
-        for (const Controller* c : controllers_) l_theta += c->theta().size();
-        double* place = kept + row * static_cast<std::int64_t>(l_theta);
+        double* place = kept + row * static_cast<std::int64_t>(l_theta_);
         for (const Controller* c : controllers_)
             place = std::copy(c->theta().begin(), c->theta().end(), place);
     }
@@ -139,22 +145,11 @@ private:
     Plant& plant_;
     Actuator& actuator_;
     LoopOptions options_;
-    std::vector<double> u_a_;
+    std::vector<double> u_a_, theta_before_;
+    std::size_t l_theta_ = 0;
     double* z_ = nullptr;
+    std::int64_t next_kept_ = 0;
     bool y_first_ = false, adapt_first_ = false;
 };
-
-// Runs up to `steps` steps and returns how many were completed, fewer where the outcome is not
-// `completed`. The rows of the failed step are not valid.
-inline std::int64_t simulate(Loop& loop, const double* w, std::size_t l_w, std::int64_t steps,
-                             const Record& record, Outcome& outcome) {
-    for (std::int64_t row = 0; row < steps; ++row, w += l_w) {
-        outcome = loop.move(row, w, record);
-        if (outcome == Outcome::completed) outcome = loop.adapt();
-        if (outcome == Outcome::completed) outcome = loop.finish(w);
-        if (outcome != Outcome::completed) return row;
-    }
-    return steps;
-}
 
 }  // namespace rcac

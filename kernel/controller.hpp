@@ -65,15 +65,19 @@ public:
           u_(l_u()),
           R_z_(plan_.R_z.base),
           R_u_(plan_.R_u.base) {
-        const std::size_t l_u = this->l_u(), l_theta = theta_.size();
+        std::vector<std::size_t> regressor, filtered;
         for (const Tap& tap : structure().regressor)
-            regressor_.push_back(signals_.offset(tap.source, tap.delay));
-        for (std::size_t r = 0; r < l_z(); ++r)
+            regressor.push_back(signals_.offset(tap.source, tap.delay));
+        for (std::size_t row = 0; row < l_z(); ++row)
             for (const Tap& tap : structure().filtered)
-                for (std::size_t i = 0; i < l_u; ++i)
-                    filtered_.push_back(
-                        filter_.outputs().offset(filter_.index(tap.source, r, i), tap.delay));
-        if (filtered_.size() != l_z() * l_theta) throw std::invalid_argument("l_theta does not fit");
+                for (std::size_t i = 0; i < l_u(); ++i)
+                    filtered.push_back(
+                        filter_.outputs().offset(filter_.index(tap.source, row, i), tap.delay));
+        if (regressor.size() * l_u() != theta_.size() || filtered.size() != Phi_f_.size())
+            throw std::invalid_argument("l_theta does not fit");
+        regressor_ = TapReader(std::move(regressor));
+        filtered_ = TapReader(std::move(filtered));
+        phi_.resize(regressor_.size());
         initial_trace_ = update_->trace();
     }
 
@@ -101,19 +105,14 @@ public:
     // u(k) = Phi(k) theta(k), (2.29).
     const double* control() {
         const std::size_t l_u = this->l_u();
-        std::fill(u_.begin(), u_.end(), 0.0);
+        for (double& u : u_) u = 0.0;
         if (step_ >= plan_.k_w) {
-            const double* values = signals_.values();
-            if (l_u == 1) {
-                double sum = 0.0;
-                for (std::size_t j = 0; j < regressor_.size(); ++j)
-                    sum += theta_[j] * values[regressor_[j]];
-                u_[0] = sum;
-            } else {
-                for (std::size_t j = 0; j < regressor_.size(); ++j)
-                    for (std::size_t i = 0; i < l_u; ++i)
-                        u_[i] += theta_[j * l_u + i] * values[regressor_[j]];
-            }
+            regressor_.read(signals_.values(), phi_.data());
+            if (l_u == 1)
+                u_[0] = answer();
+            else
+                for (std::size_t j = 0; j < phi_.size(); ++j)
+                    for (std::size_t i = 0; i < l_u; ++i) u_[i] += theta_[j * l_u + i] * phi_[j];
         }
         apply(u_.data());
         return u_.data();
@@ -146,8 +145,7 @@ public:
         if (watches_power_) power_.add(z, l_z());
         if (step_ < plan_.k_update || frozen_) return false;
 
-        const double* values = filter_.outputs().values();
-        for (std::size_t j = 0; j < filtered_.size(); ++j) Phi_f_[j] = values[filtered_[j]];
+        filtered_.read(filter_.outputs().values(), Phi_f_.data());
         for (std::size_t r = 0; r < l_z(); ++r) {
             target_[r] = z[r];
             for (std::size_t i = 0; i < l_u(); ++i)
@@ -287,6 +285,21 @@ private:
                 theta_[j] = -polynomial_[structure().regressor[j].delay];
     }
 
+    // phi(k)' theta, in four sums, because one would wait for each addition before the next.
+    double answer() const {
+        const double *theta = theta_.data(), *phi = phi_.data();
+        double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
+        std::size_t j = 0;
+        for (; j + 4 <= phi_.size(); j += 4) {
+            a += theta[j] * phi[j];
+            b += theta[j + 1] * phi[j + 1];
+            c += theta[j + 2] * phi[j + 2];
+            d += theta[j + 3] * phi[j + 3];
+        }
+        for (; j < phi_.size(); ++j) a += theta[j] * phi[j];
+        return (a + b) + (c + d);
+    }
+
     // y(k) in one piece, for weights that are functions of it.
     const double* measured(const double* otherwise) {
         y_.resize(structure().l_y);
@@ -302,8 +315,8 @@ private:
     TargetFilter filter_;
     RecentPower power_;
     bool watches_power_, frozen_ = false, adapted_ = false;
-    std::vector<std::size_t> regressor_, filtered_;  // offsets of the taps
-    std::vector<double> Phi_f_, target_, u_, R_z_, R_u_, y_, polynomial_;
+    TapReader regressor_, filtered_;
+    std::vector<double> phi_, Phi_f_, target_, u_, R_z_, R_u_, y_, polynomial_;
     double initial_trace_ = 0.0;
     std::int64_t step_ = 0, next_event_ = 0, reflections_ = 0, resets_ = 0, last_reset_ = -1,
                  target_number_ = 0;

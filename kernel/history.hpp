@@ -2,10 +2,21 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
 
 #include "archive.hpp"
 
 namespace rcac {
+
+// For a handful of numbers, where a call of the library's copy costs more than the copy.
+inline void copy_few(const double* from, std::size_t count, double* to) {
+    for (std::size_t i = 0; i < count; ++i) {
+        to[i] = from[i];
+#if defined(__GNUC__)
+        asm volatile("" ::: "memory");  // else the compiler makes the call itself
+#endif
+    }
+}
 
 // One entry of a regressor: signal `source`, `delay` steps back.
 struct Tap {
@@ -58,6 +69,37 @@ public:
 private:
     std::size_t signals_, depth_, stretch_, now_;
     std::vector<double> values_;
+};
+
+// Reads many taps at once. Where neighbours in the list are neighbours in memory, as in every
+// regressor of past values of one signal, they are copied as one piece.
+class TapReader {
+public:
+    TapReader() = default;
+    explicit TapReader(std::vector<std::size_t> offsets) : offsets_(std::move(offsets)) {
+        for (std::size_t i = 0; i < offsets_.size(); ++i)
+            if (i > 0 && offsets_[i] == offsets_[i - 1] + 1)
+                ++pieces_.back().second;
+            else
+                pieces_.emplace_back(offsets_[i], 1);
+        in_pieces_ = 4 * pieces_.size() <= offsets_.size();
+    }
+
+    std::size_t size() const { return offsets_.size(); }
+
+    void read(const double* values, double* result) const {
+        if (in_pieces_) {
+            for (const auto& [offset, length] : pieces_)
+                result = std::copy_n(values + offset, length, result);
+        } else {
+            for (std::size_t i = 0; i < offsets_.size(); ++i) result[i] = values[offsets_[i]];
+        }
+    }
+
+private:
+    std::vector<std::size_t> offsets_;
+    std::vector<std::pair<std::size_t, std::size_t>> pieces_;
+    bool in_pieces_ = false;
 };
 
 inline std::size_t longest_delay(const std::vector<Tap>& taps) {

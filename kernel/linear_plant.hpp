@@ -1,17 +1,17 @@
 // The standard problem (2.1)-(2.3), with matrices that may change while it runs.
 #pragma once
 
-#include <array>
 #include <memory>
 
 #include "plant.hpp"
 
 namespace rcac {
 
-// Row-major matrices in the order A, B, D_1, C, D_0, D_2, E_1, E_2, E_0.
+// All nine matrices as one, row-major: [x(k+1); y; z] = rows of [A B D_1; C D_0 D_2; E_1 E_2 E_0]
+// times [x; u; w].
 struct PlantMatrices {
     std::size_t n;
-    std::array<std::vector<double>, 9> values;
+    std::vector<double> rows;
 };
 
 // From `start` on the plant has these matrices. The state is carried over by `state_map`
@@ -29,6 +29,7 @@ class LinearPlant final : public Plant {
 public:
     LinearPlant(const Sizes& sizes, std::vector<Segment> segments, std::vector<double> x_0)
         : Plant(sizes, std::move(x_0)), segments_(std::move(segments)), m_(segments_.at(0).matrices) {
+        resize();
         std::size_t longest = 0;
         for (const Segment& s : segments_) longest = std::max(longest, s.delay);
         if (longest > 0) {
@@ -37,7 +38,7 @@ public:
         }
     }
 
-    bool begin(std::int64_t k) override {
+    bool begin(std::int64_t k, const double* w) override {
         k_ = k;
         while (number_ + 1 < segments_.size() && segments_[number_ + 1].start <= k) enter(number_ + 1);
         if (segments_[number_].ramp) interpolate(k);
@@ -45,28 +46,35 @@ public:
             past_u_->advance();
             delay_input();
         }
+        disturb(w);
         return true;
+    }
+
+    void disturb(const double* w) override {
+        copy_few(w, sizes_.l_w, input_.data() + m_.n + sizes_.l_u);
     }
 
     void receive(const double* u) override {
-        u_ = u;
-        if (!past_u_) return;
-        for (std::size_t i = 0; i < sizes_.l_u; ++i) past_u_->now(i) = u[i];
-        delay_input();
+        if (past_u_) {
+            for (std::size_t i = 0; i < sizes_.l_u; ++i) past_u_->now(i) = u[i];
+            delay_input();
+            u = delayed_.data();
+        }
+        copy_few(u, sizes_.l_u, input_.data() + m_.n);
     }
 
-    bool y(const double* w, double* y) override {
-        output(3, sizes_.l_y, w, y);
+    bool y(double* y) override {
+        output(m_.n, sizes_.l_y, y);
         return true;
     }
-    bool z(const double* w, double* z) override {
-        output(6, sizes_.l_z, w, z);
+    bool z(double* z) override {
+        output(m_.n + sizes_.l_y, sizes_.l_z, z);
         return true;
     }
-    bool advance(const double* w) override {
-        next_.resize(m_.n);
-        output(0, m_.n, w, next_.data());
+    bool advance() override {
+        output(0, m_.n, next_.data());
         std::swap(x_, next_);
+        copy_few(x_.data(), m_.n, input_.data());
         ++k_;
         return true;
     }
@@ -79,8 +87,10 @@ public:
             number_ = static_cast<std::size_t>(number);
             m_ = segments_.at(number_).matrices;
             x_.resize(m_.n);
+            resize();
         }
         archive(x_);
+        std::copy(x_.begin(), x_.end(), input_.begin());
         if (past_u_) past_u_->visit(archive);
     }
 
@@ -97,16 +107,21 @@ private:
         }
         number_ = number;
         m_ = segment.matrices;
+        resize();
+    }
+
+    void resize() {
+        next_.resize(m_.n);
+        input_.assign(m_.n + sizes_.l_u + sizes_.l_w, 0.0);
+        std::copy(x_.begin(), x_.end(), input_.begin());
     }
 
     void interpolate(std::int64_t k) {
         const Segment &from = segments_[number_], &to = segments_[number_ + 1];
         const double part =
             static_cast<double>(k - from.start) / static_cast<double>(to.start - from.start);
-        for (std::size_t i = 0; i < m_.values.size(); ++i)
-            for (std::size_t j = 0; j < m_.values[i].size(); ++j)
-                m_.values[i][j] = (1.0 - part) * from.matrices.values[i][j] +
-                                  part * to.matrices.values[i][j];
+        for (std::size_t i = 0; i < m_.rows.size(); ++i)
+            m_.rows[i] = (1.0 - part) * from.matrices.rows[i] + part * to.matrices.rows[i];
     }
 
     // Where u(k) is not known yet, it does not act on y or z, and its place holds a zero.
@@ -115,17 +130,12 @@ private:
             delayed_[i] = (*past_u_)(i, segments_[number_].delay);
     }
 
-    // Rows of [S T V] [x; u; w], for the three matrices from `first` on.
-    void output(std::size_t first, std::size_t rows, const double* w, double* out) const {
-        const double* u = past_u_ ? delayed_.data() : u_;
-        const double *S = m_.values[first].data(), *T = m_.values[first + 1].data(),
-                     *V = m_.values[first + 2].data();
-        for (std::size_t i = 0; i < rows; ++i) {
+    void output(std::size_t first, std::size_t count, double* out) const {
+        const std::size_t width = input_.size();
+        const double* row = m_.rows.data() + first * width;
+        for (std::size_t i = 0; i < count; ++i, row += width) {
             double sum = 0.0;
-            for (std::size_t j = 0; j < m_.n; ++j) sum += S[i * m_.n + j] * x_[j];
-            if (u)
-                for (std::size_t j = 0; j < sizes_.l_u; ++j) sum += T[i * sizes_.l_u + j] * u[j];
-            for (std::size_t j = 0; j < sizes_.l_w; ++j) sum += V[i * sizes_.l_w + j] * w[j];
+            for (std::size_t j = 0; j < width; ++j) sum += row[j] * input_[j];
             out[i] = sum;
         }
     }
@@ -134,7 +144,7 @@ private:
     PlantMatrices m_;
     std::size_t number_ = 0;
     std::unique_ptr<History> past_u_;
-    std::vector<double> delayed_;
+    std::vector<double> delayed_, input_;  // input_ is [x; u; w]
 };
 
 }  // namespace rcac

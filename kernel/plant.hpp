@@ -20,11 +20,12 @@ public:
     virtual ~Plant() = default;
 
     // False where a function of the user has failed.
-    virtual bool begin(std::int64_t /*k*/) { return true; }
-    virtual void receive(const double* u) { u_ = u; }
-    virtual bool y(const double* w, double* y) = 0;
-    virtual bool z(const double* w, double* z) = 0;
-    virtual bool advance(const double* w) = 0;
+    virtual bool begin(std::int64_t k, const double* w) = 0;
+    virtual void disturb(const double* w) = 0;  // w(k); `begin` does it
+    virtual void receive(const double* u) = 0;
+    virtual bool y(double* y) = 0;
+    virtual bool z(double* z) = 0;
+    virtual bool advance() = 0;
 
     const Sizes& sizes() const { return sizes_; }
     const std::vector<double>& x() const { return x_; }
@@ -36,7 +37,6 @@ public:
 protected:
     Sizes sizes_;
     std::vector<double> x_, next_;
-    const double* u_ = nullptr;
     std::int64_t k_ = 0;
 };
 
@@ -56,35 +56,39 @@ public:
     FunctionPlant(const Sizes& sizes, PlantFunctions functions, std::vector<double> x_0)
         : Plant(sizes, std::move(x_0)), functions_(std::move(functions)), z_(sizes.l_z), y_(sizes.l_y) {}
 
-    bool begin(std::int64_t k) override {
+    bool begin(std::int64_t k, const double* w) override {
         k_ = k;
+        w_ = w;
         measured_ = false;
         return true;
     }
-    bool y(const double* w, double* y) override {
-        if (!measure(w)) return false;
+    void disturb(const double* w) override { w_ = w; }
+    void receive(const double* u) override { u_ = u; }
+    bool y(double* y) override {
+        if (!measure()) return false;
         std::copy(y_.begin(), y_.end(), y);
         return true;
     }
-    bool z(const double* w, double* z) override {
-        if (!measure(w)) return false;
+    bool z(double* z) override {
+        if (!measure()) return false;
         std::copy(z_.begin(), z_.end(), z);
         return true;
     }
-    bool advance(const double* w) override {
-        if (!functions_.advance(k_, x_.data(), u_, w, next_.data())) return false;
+    bool advance() override {
+        if (!functions_.advance(k_, x_.data(), u_, w_, next_.data())) return false;
         std::swap(x_, next_);
         ++k_;
         return true;
     }
 
 private:
-    bool measure(const double* w) {  // one call for both, at most once a step
-        if (!measured_) measured_ = functions_.output(k_, x_.data(), w, y_.data(), z_.data());
+    bool measure() {  // one call for both, at most once a step
+        if (!measured_) measured_ = functions_.output(k_, x_.data(), w_, y_.data(), z_.data());
         return measured_;
     }
     PlantFunctions functions_;
     std::vector<double> z_, y_;
+    const double *u_ = nullptr, *w_ = nullptr;
     bool measured_ = false;
 };
 

@@ -56,9 +56,9 @@ protected:
 };
 
 inline bool finite(const double* values, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i)
-        if (!std::isfinite(values[i])) return false;
-    return true;
+    bool all = true;  // without a branch, so that it runs over vectors
+    for (std::size_t i = 0; i < count; ++i) all &= values[i] - values[i] == 0.0;
+    return all;
 }
 
 // Lower Cholesky factor in place (row-major, n x n); false where A is not positive definite.

@@ -2,6 +2,8 @@ from .actuators import Saturation as Saturation
 from .adaptation_rules import CovarianceReset as CovarianceReset
 from .adaptation_rules import SignalWeight as SignalWeight
 from .adaptation_rules import VariableRateForgetting as VariableRateForgetting
+from .batches import Case as Case
+from .batches import simulate_many as simulate_many
 from .closed_loop import ClosedLoop as ClosedLoop
 from .closed_loop import Match as Match
 from .closed_loop import intercalated_match as intercalated_match
@@ -11,14 +13,28 @@ from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
 from .controller_settings import ControllerSettings as ControllerSettings
 from .decentralized import Decentralized as Decentralized
+from .era import EigensystemRealisation as EigensystemRealisation
+from .era import eigensystem_realisation as eigensystem_realisation
 from .experiment import Experiment as Experiment
 from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
+from .filter_targets import target_model as target_model
 from .function_plants import FunctionPlant as FunctionPlant
+from .high_authority_targets import high_authority_target as high_authority_target
+from .identified_modelling import (
+    modelling_information_from_markov as modelling_information_from_markov,
+)
+from .markov_identification import IdentifiedMarkovParameters as IdentifiedMarkovParameters
+from .markov_identification import identify_markov_parameters as identify_markov_parameters
+from .markov_models import markov_parameters as markov_parameters
+from .markov_models import markov_target as markov_target
 from .modelling import ModellingInformation as ModellingInformation
 from .modelling import modelling_information as modelling_information
 from .observer_forms import NumericObserverForms as NumericObserverForms
 from .observer_forms import numeric_observer_forms as numeric_observer_forms
+from .output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros
+from .output_subspaces import output_subspace_target as output_subspace_target
+from .output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .placement_conditioning import PlacementConditioning as PlacementConditioning
 from .placement_conditioning import placement_conditioning as placement_conditioning
 from .plant_schedules import Change as Change
@@ -27,6 +43,7 @@ from .plants import Plant as Plant
 from .plants import servo_plant as servo_plant
 from .plants import standard_plant as standard_plant
 from .plots import plot_sheet as plot_sheet
+from .recordings import read_recording as read_recording
 from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
 from .residual_split import ResidualSplit as ResidualSplit
@@ -37,6 +54,10 @@ from .signals import Signal as Signal
 from .signals import exogenous as exogenous
 from .signals import harmonic as harmonic
 from .signals import piecewise as piecewise
+from .signals import pulse as pulse
+from .signals import ramp as ramp
+from .signals import recorded as recorded
+from .signals import recorded_channels as recorded_channels
 from .signals import sequence as sequence
 from .signals import step as step
 from .signals import white_noise as white_noise
@@ -56,6 +77,6 @@ from .structures import integral as integral
 from .target_models import TargetModel as TargetModel
 from .target_models import fir_target as fir_target
 from .target_models import pole_placement_target as pole_placement_target
-from .target_models import target_model as target_model
+from .transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
 from .verdicts import Verification as Verification
 from .verdicts import verify as verify

@@ -41,6 +41,9 @@ class Saturation:
         for name in ("low", "high", "rate"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, real_array(getattr(self, name), name).reshape(-1))
+        widths = {b.size for b in (self.low, self.high, self.rate) if b is not None} - {1}
+        if len(widths) > 1:
+            raise InputError(f"low, high and rate have different sizes: {sorted(widths)}.")
         if self.low is not None and self.high is not None and np.any(self.low > self.high):
             raise InputError(f"low = {self.low} exceeds high = {self.high}.")
         if self.rate is not None and np.any(self.rate <= 0):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from compensator_theory.errors import InputError
-from rcac_numeric.validation import integer, number
+from rcac_numeric.validation import integer, items, number
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,8 @@ class CovarianceReset:
         Reset where trace P(k) < trace_below * trace P(0); 0: never.
     growth : float
         Reset where the root mean square of z over the last `short` steps exceeds `growth` times
-        that over the last `long` steps, and not again for `long` steps; 0: never.
+        that over the last `long` steps, but not within `long` steps of the first update or of
+        the last reset by `every`, `trace_below` or `growth`; 0: never.
     short, long : int
 
     Examples
@@ -86,7 +87,9 @@ class CovarianceReset:
     long: int = 100
 
     def __post_init__(self) -> None:
-        steps = tuple(sorted({integer(k, "the step of a covariance reset") for k in self.at}))
+        steps = tuple(
+            sorted({integer(k, "the step of a covariance reset") for k in items(self.at, "at")})
+        )
         object.__setattr__(self, "at", steps)
         integer(self.every, "every")
         integer(self.short, "short", at_least=1)

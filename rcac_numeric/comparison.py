@@ -134,6 +134,7 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
     (4e-06, 1e-06)
     """
     from compensator_theory import (
+        TransferFunction,
         closed_loop_polynomial,
         closed_loop_zero_polynomial,
         place_poles,
@@ -150,8 +151,12 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
     reached = closed_loop_polynomial(problem, N_c, D_c)
     asked, placed, obstacle = None, None, ""
     try:
-        if target.exact is None:
-            raise InputError("the target model was given by float64 coefficients only.")
+        if not isinstance(target.exact, TransferFunction):
+            raise InputError(
+                "the target model was given by float64 coefficients only."
+                if target.exact is None
+                else f"the target model is {target.l_z} x {target.l_u}, not scalar."
+            )
         asked = target_characteristic_polynomial(problem, compensator.n_c, target.exact)
         strictness = _strictness(compensator)
         placed = place_poles(

@@ -10,7 +10,7 @@ from rcac_numeric.compensators import Compensator
 from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.fingerprints import fingerprint
 from rcac_numeric.kernel_controllers import Failures, compiled_controller
-from rcac_numeric.saved_states import SavedState
+from rcac_numeric.saved_states import SavedState, saved_state
 from rcac_numeric.validation import Array, real_array
 
 NOTHING = np.zeros(0)
@@ -137,11 +137,10 @@ class Controller:
         InputError
             Where the state belongs to other settings; the controller has not moved.
         """
-        if not isinstance(state, SavedState):
-            raise InputError(f"state = {state!r} is not a SavedState.")
-        state.require("controller", fingerprint(self.settings), self._kernel.save().size)
-        self._kernel.restore(state.values)
-        self._broken = ""
+        saved_state(state, "state").restore_into(
+            self._kernel, "controller", fingerprint(self.settings)
+        )
+        self._broken, self._failures.error = "", None
 
     @property
     def k(self) -> int:

@@ -15,7 +15,16 @@ from rcac_numeric.adaptation_rules import CovarianceReset, SignalWeight, Variabl
 from rcac_numeric.compensators import Compensator
 from rcac_numeric.structures import Structure
 from rcac_numeric.target_models import TargetModel
-from rcac_numeric.validation import Array, Read, integer, number, one_of, real_array
+from rcac_numeric.validation import (
+    Array,
+    Read,
+    instance_of,
+    integer,
+    items,
+    number,
+    one_of,
+    real_array,
+)
 from rcac_numeric.weights import constant_weight, inverse
 
 UPDATES = ("ud", "covariance", "sliding window", "instantaneous", "gradient")
@@ -37,7 +46,8 @@ class ControllerSettings:
         multiple of the identity.
     R_z, R_u : float, array of shape (l_z, l_z), SignalWeight, or function
         Weights of (2.41); R_z positive definite, R_u positive semidefinite. A function is called
-        as R(k, y, z, u) at every update and returns a number or a matrix.
+        as R(k, y, z, u) at every update and returns a number or a matrix; u is u(k), or u(k-1) in
+        the filter form.
     lambda_ : float
         Forgetting factor, in (0, 1].
     k_w : int, optional
@@ -48,9 +58,11 @@ class ControllerSettings:
         First step that the target-model filter sees; 0 by default.
     update : str
         "ud" (2.42)-(2.45) with P = U D U' factorised; "covariance", P as printed;
-        "sliding window", the batch minimiser over the last `window` steps; "instantaneous", the
-        cost of one step plus (theta - theta(k))' R_theta (theta - theta(k)); "gradient", one
-        step of size `step_size` down the gradient of the cost of this step.
+        "sliding window", the batch minimiser over the last `window` updates and of (theta -
+        theta(0))' R_theta (theta - theta(0)), which is not forgotten; "instantaneous", the
+        cost of one step plus (theta - theta(k))' R_theta (theta - theta(k)); "gradient",
+        theta(k+1) = theta(k) - step_size Phi_f' [R_z zhat + R_u Phi_f theta(k)], half the gradient
+        of the cost of this step.
     theta_0 : array, shape (l_theta,), optional
         theta(0); zero by default.
     process_noise : float or array, shape (l_theta, l_theta), optional
@@ -140,7 +152,7 @@ class ControllerSettings:
         if theta_0.size != l_theta:
             raise InputError(f"theta_0 has {theta_0.size} entries; l_theta = {l_theta} are needed.")
         set_("theta_0", theta_0)
-        set_("freeze", tuple(_interval(pair) for pair in self.freeze))
+        set_("freeze", tuple(_interval(pair) for pair in items(self.freeze, "freeze")))
         self._require_update(set_)
 
     def _require_start(self, set_: Any) -> None:
@@ -160,6 +172,12 @@ class ControllerSettings:
         one_of(self.update, "update", UPDATES)
         one_of(self.form, "form", FORMS)
         recursive = self.update in ("ud", "covariance")
+        if self.forgetting is not None:
+            instance_of(self.forgetting, "forgetting", VariableRateForgetting)
+        if self.reset is not None:
+            instance_of(self.reset, "reset", CovarianceReset)
+        for name in ("reflect_poles", "stop_where_unsupported"):
+            instance_of(getattr(self, name), name, bool)
         if self.process_noise is not None:
             Q = constant_weight(
                 self.process_noise, "process_noise", self.structure.l_theta, definite=False
@@ -253,7 +271,8 @@ def _changes(changes: Any, name: str) -> dict[int, Any]:
         return {}
     if not isinstance(changes, Mapping):
         raise InputError(f"{name} = {changes!r} must map steps to values, such as {{1000: ...}}.")
-    return {integer(k, f"a step of {name}", at_least=1): changes[k] for k in sorted(changes)}
+    read = {integer(k, f"a step of {name}", at_least=1): v for k, v in changes.items()}
+    return dict(sorted(read.items()))
 
 
 def _interval(pair: Any) -> tuple[int, int | None]:

@@ -12,7 +12,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.compensators import Compensator
 from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.target_models import TargetModel
-from rcac_numeric.validation import Array, real_array
+from rcac_numeric.validation import Array, instance_of, items, real_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +42,10 @@ class Decentralized:
     shared_u: bool = False
 
     def __post_init__(self) -> None:
-        controllers = tuple(self.controllers)
+        controllers = items(self.controllers, "controllers", ControllerSettings)
         object.__setattr__(self, "controllers", controllers)
-        if not controllers or not all(isinstance(c, ControllerSettings) for c in controllers):
+        instance_of(self.shared_u, "shared_u", bool)
+        if not controllers:
             raise InputError("a decentralised controller needs a list of ControllerSettings.")
         widths = {(c.structure.l_u, c.structure.l_y, c.target.l_z) for c in controllers}
         if len(widths) > 1:

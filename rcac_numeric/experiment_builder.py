@@ -127,6 +127,8 @@ def _require_sense(run: RunSpecification) -> None:
                     f"{name} = {start} is not before the end of the run of {run.steps} steps, so "
                     "nothing would be adapted. Use more steps."
                 )
+    for signal in run.signals:
+        signal.require_length(run.steps)
     plant = run.plant
     kept = sum(c.structure.l_theta for c in controllers_of(run.settings)) / run.stride
     size = 8 * run.steps * (2 * plant.l_w + plant.l_u + plant.l_y + plant.l_z + kept)

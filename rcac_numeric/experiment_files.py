@@ -29,7 +29,8 @@ KEYS: dict[str, set[str]] = {
     },
     "signals": {"w", "r", "d", "v"},
     "target": {
-        "model", "poles", "G_f", "numerator", "denominator", "d_zu", "H", "nmp_zeros",
+        "model", "poles", "G_f", "numerator", "denominator", "d_zu", "H", "nmp_zeros", "n_bar",
+        "markov_parameters",
     },
     "controller": {
         "structure", "n_c", "k_c", "terms", "free_poles", "F", "feedback", "first_r", "taps",

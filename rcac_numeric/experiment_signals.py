@@ -2,18 +2,32 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.experiment_files import Section
 from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
-from rcac_numeric.signals import Signal, harmonic, piecewise, sequence, step, white_noise
+from rcac_numeric.recordings import read_recording
+from rcac_numeric.signals import (
+    Signal,
+    harmonic,
+    piecewise,
+    pulse,
+    ramp,
+    recorded,
+    sequence,
+    step,
+    white_noise,
+)
 from rcac_numeric.validation import number
 
 # For each kind of signal the function that makes it and the argument that its key stands for.
 KINDS: dict[str, tuple[Any, str]] = {
     "step": (step, "height"),
+    "ramp": (ramp, "slope"),
+    "pulse": (pulse, "height"),
     "harmonic": (harmonic, "omega"),
     "white_noise": (white_noise, "std"),
     "sequence": (sequence, "values"),
@@ -34,7 +48,8 @@ def signals(section: Section, plant: Plant | PlantSchedule) -> tuple[Signal, ...
         parts = value if isinstance(value, list) else [value]
         if len(parts) != width:
             raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
-        channels += [_signal(part, name) for part in parts]
+        folder = Path(section.file).parent
+        channels += [_signal(part, name, folder) for part in parts]
     return tuple(channels)
 
 
@@ -50,16 +65,19 @@ def real(value: Any, name: str) -> float:
     return float(expression)
 
 
-def _signal(value: Any, name: str) -> Signal:
+def _signal(value: Any, name: str, folder: Path) -> Signal:
     if isinstance(value, int | float) and not isinstance(value, bool):
         return step(value)
     if isinstance(value, dict) and set(value) == {"sum"}:
         if not isinstance(value["sum"], list) or not value["sum"]:
             raise InputError(f"[signals] {name}: sum = {value['sum']!r} must be a list of signals.")
-        parts = [_signal(part, name) for part in value["sum"]]
+        parts = [_signal(part, name, folder) for part in value["sum"]]
         return sum(parts[1:], parts[0])
+    if isinstance(value, dict) and "recorded" in value:
+        return _recorded(value, name, folder)
     if isinstance(value, dict) and set(value) == {"piecewise"}:
-        return piecewise([(start, _signal(part, name)) for start, part in _pieces(value, name)])
+        pieces = _pieces(value, name)
+        return piecewise([(start, _signal(part, name, folder)) for start, part in pieces])
     for kind in KINDS.keys() & (value.keys() if isinstance(value, dict) else ()):
         make, first = KINDS[kind]
         arguments = {first if key == kind else key: entry for key, entry in value.items()}
@@ -72,8 +90,23 @@ def _signal(value: Any, name: str) -> Signal:
         return signal
     raise InputError(
         f"[signals] {name} = {value!r} is not a signal; use a number, or a table with one of "
-        f"{', '.join(KINDS)}, piecewise or sum."
+        f"{', '.join(KINDS)}, recorded, piecewise or sum."
     )
+
+
+def _recorded(value: dict[str, Any], name: str, folder: Path) -> Signal:
+    """A list of numbers, or a column of a file whose path is relative to the experiment's."""
+    if unknown := value.keys() - {"recorded", "column"}:
+        raise InputError(
+            f"[signals] {name}: recorded does not read {', '.join(sorted(unknown))}; it reads "
+            "column, where it names a file."
+        )
+    source = value["recorded"]
+    if isinstance(source, str):
+        return recorded(read_recording(folder / source, value.get("column", 0)), source)
+    if "column" in value:
+        raise InputError(f"[signals] {name}: column is for a file; recorded is a list here.")
+    return recorded(source, f"[signals] {name}.recorded")
 
 
 def _pieces(value: dict[str, Any], name: str) -> list[Any]:

@@ -13,7 +13,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
 from rcac_numeric.kernel_controllers import Failures
 from rcac_numeric.plants import initial_state
-from rcac_numeric.validation import Array, integer
+from rcac_numeric.validation import Array, instance_of, integer
 
 ADVANCE = "int (int64_t, double *, double *, double *, double *, void *)"
 
@@ -69,7 +69,8 @@ class FunctionPlant:
     def __post_init__(self) -> None:
         for name, least in (("n", 0), ("l_u", 1), ("l_w", 0), ("l_y", 1), ("l_z", 1)):
             integer(getattr(self, name), name, at_least=least)
-        object.__setattr__(self, "blocks", dict(self.blocks) or {"w": self.l_w})
+        blocks = dict(instance_of(self.blocks, "blocks", Mapping)) or {"w": self.l_w}
+        object.__setattr__(self, "blocks", blocks)
         if sum(self.blocks.values()) != self.l_w:
             raise InputError(f"the blocks {self.blocks} of w do not add up to l_w = {self.l_w}.")
         compiled = [_is_compiled(self.advance), _is_compiled(self.output)]
@@ -102,7 +103,9 @@ class FunctionPlant:
         sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)
         start = initial_state(x_0, self.n)
         if self.is_compiled:
-            return _kernel.compiled_plant(sizes, self.advance[0], self.output[0], start)
+            # A LowLevelCallable is a tuple of a capsule and what it was made from, but refuses [0].
+            advance, output = (tuple.__getitem__(f, 0) for f in (self.advance, self.output))
+            return _kernel.compiled_plant(sizes, advance, output, start)
         keep = failures or Failures()
         return _kernel.python_plant(
             sizes, keep.guard(self._checked_advance), keep.guard(self._checked_output), start

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -87,16 +87,26 @@ def compiled_controller(settings: ControllerSettings, failures: Failures) -> _ke
 def _events(settings: ControllerSettings) -> list[tuple[int, str, float]]:
     """What is scheduled, by step: (step, kind, lambda or the number of the target model)."""
     events: list[tuple[int, str, float]] = []
-    for start, stop in settings.freeze:
+    for start, stop in _merged(settings.freeze):
         events.append((start, "freeze", 0.0))
         if stop is not None:
             events.append((stop, "resume", 0.0))
     events += [(k, "reset", 0.0) for k in (settings.reset.at if settings.reset else ())]
     events += [(k, "forgetting", value) for k, value in settings.later_lambdas.items()]
     events += [(k, "target", float(i)) for i, k in enumerate(settings.later_targets, start=1)]
-    # Where one interval of `freeze` ends as another begins, the controller stays frozen.
-    order = ("resume", "freeze", "reset", "forgetting", "target")
+    order = ("freeze", "resume", "reset", "forgetting", "target")
     return sorted(events, key=lambda event: (event[0], order.index(event[1])))
+
+
+def _merged(intervals: Sequence[tuple[int, int | None]]) -> list[tuple[int, int | None]]:
+    """The union of intervals [start, stop) as disjoint ones with gaps between them."""
+    merged: list[tuple[int, float]] = []
+    for start, stop in sorted((a, np.inf if b is None else b) for a, b in intervals):
+        if merged and start <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(stop, merged[-1][1]))
+        else:
+            merged.append((start, stop))
+    return [(start, None if stop == np.inf else int(stop)) for start, stop in merged]
 
 
 def _padded(model: TargetModel, order: int) -> tuple[Array, Array]:

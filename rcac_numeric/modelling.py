@@ -81,15 +81,28 @@ def modelling_information(plant: Plant) -> ModellingInformation:
     numerator, denominator = plant.scalar_map("zu")
     if numerator.is_zero:
         raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
-    zeros: list[Any] = []
-    for factor, multiplicity in numerator.factor_list()[1]:
-        zeros += multiplicity * _zeros_not_inside(factor)
     return ModellingInformation(
-        denominator.degree() - numerator.degree(), numerator.LC(), tuple(zeros)
+        denominator.degree() - numerator.degree(), numerator.LC(), zeros_not_inside(numerator)
     )
 
 
-def _zeros_not_inside(factor: Poly) -> list[Any]:
+def zeros_not_inside(polynomial: Poly) -> tuple[Any, ...]:
+    """The roots of a rational polynomial on or outside the unit circle, with multiplicity.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from rcac_numeric.modelling import zeros_not_inside
+    >>> zeros_not_inside(polynomial("(q - 2)**2*(q - 1/2)"))
+    (2, 2)
+    """
+    zeros: list[Any] = []
+    for factor, multiplicity in polynomial.factor_list()[1]:
+        zeros += multiplicity * _of_irreducible(factor)
+    return tuple(zeros)
+
+
+def _of_irreducible(factor: Poly) -> list[Any]:
     """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
     from compensator_theory import certified_roots, locate_unit_disk_roots
 

@@ -12,7 +12,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
 from rcac_numeric.plants import MATRICES, Plant, initial_state
-from rcac_numeric.validation import Array, Read, integer, matrix
+from rcac_numeric.validation import Array, Read, instance_of, integer, items, matrix
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,9 +68,14 @@ class PlantSchedule:
     changes: Sequence[Change]
 
     def __post_init__(self) -> None:
-        changes = tuple(self.changes)
-        if not changes or any(not isinstance(c, Change) for c in changes):
+        changes = items(self.changes, "changes", Change)
+        if not changes:
             raise InputError("a plant schedule needs a list of Change(start=..., plant=...).")
+        for change in changes:
+            integer(change.start, "start")
+            integer(change.delay, "delay", at_most=100_000)
+            instance_of(change.plant, "the plant of a change", Plant)
+            instance_of(change.ramp, "ramp", bool)
         object.__setattr__(self, "changes", changes)
         if changes[0].start != 0 or changes[0].state_map is not None:
             raise InputError("the first change must begin at step 0, without a state map.")
@@ -78,7 +83,7 @@ class PlantSchedule:
             raise InputError("the last change cannot ramp: there is nothing to ramp to.")
         sizes = _sizes(changes[0].plant)
         for before, now in pairwise(changes):
-            if integer(now.start, "start") <= before.start:
+            if now.start <= before.start:
                 raise InputError(
                     f"the change at {now.start} does not follow that at {before.start}."
                 )
@@ -95,8 +100,6 @@ class PlantSchedule:
                 )
             if before.ramp and n != n_before:
                 raise InputError(f"the ramp from {before.start} joins plants of different order.")
-        for change in changes:
-            integer(change.delay, "delay", at_most=100_000)
 
     @property
     def first(self) -> Plant:

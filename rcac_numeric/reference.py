@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.plants import MATRICES, Plant
+from rcac_numeric.prepared_runs import check_sizes
 from rcac_numeric.runs import Run
-from rcac_numeric.simulation import check_sizes
 from rcac_numeric.structures import Structure
 from rcac_numeric.validation import Array, integer, signal_array
 

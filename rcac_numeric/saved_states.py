@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 
@@ -58,25 +61,43 @@ class SavedState:
     def load(cls, path: str | Path) -> SavedState:
         """Read a state that `save` wrote."""
         try:
-            with np.load(path, allow_pickle=False) as data:
+            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
+                bits = data["bits"]
+                if bits.dtype != np.int64 or bits.ndim != 1:
+                    raise ValueError(f"bits are of type {bits.dtype}, shape {bits.shape}")
                 return cls(
                     str(data["kind"]),
                     int(data["k"]),
-                    np.ascontiguousarray(data["bits"]).view(np.float64),
+                    np.ascontiguousarray(bits).view(np.float64),
                     str(data["fingerprint"]),
                 )
         except OSError as error:
             raise InputError(f"{path} cannot be read: {error}.") from None
-        except (KeyError, ValueError) as error:
+        # BadZipFile and zlib.error where it was cut or damaged, EOFError where it is empty,
+        # TypeError where it is another kind of NumPy file.
+        except (KeyError, ValueError, TypeError, EOFError, BadZipFile, zlib.error) as error:
             raise InputError(f"{path} holds no saved state: {error}.") from None
 
-    def require(self, kind: str, fingerprint: str, size: int) -> None:
-        """Raise where this state does not belong to what it is to be restored into."""
-        if not isinstance(self, SavedState) or self.kind != kind:
+    def restore_into(self, compiled: Any, kind: str, fingerprint: str) -> None:
+        """Put the state into a compiled object; raise where it does not belong there."""
+        if self.kind != kind:
             raise InputError(f"a {kind} cannot be restored from the state of a {self.kind}.")
-        if self.fingerprint != fingerprint or self.values.size != size:
+        if self.fingerprint != fingerprint:
             raise InputError(
                 f"the state belongs to a {kind} with other settings (fingerprint "
-                f"{self.fingerprint}, {self.values.size} numbers) than this one ({fingerprint}, "
-                f"{size} numbers). Restore it with the settings that it was saved with."
+                f"{self.fingerprint}) than this one ({fingerprint}). Restore it with the settings "
+                "that it was saved with."
             )
+        before = compiled.save()
+        try:
+            compiled.restore(self.values)
+        except (ValueError, IndexError) as error:
+            compiled.restore(before)
+            raise InputError(f"the state of this {kind} is damaged: {error}.") from None
+
+
+def saved_state(value: Any, name: str) -> SavedState:
+    """`value` if it is a saved state."""
+    if not isinstance(value, SavedState):
+        raise InputError(f"{name} = {value!r} is not a SavedState.")
+    return value

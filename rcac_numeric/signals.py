@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.validation import Array, integer, number, real_array
@@ -31,23 +32,34 @@ class Signal:
 
     description: str
     sampler: Sampler
+    length: int | None = None  # how many steps are known; all of them by default
 
     def samples(self, steps: int, rng: np.random.Generator | None = None) -> Array:
         """The values at k = 0, ..., steps-1; shape (steps,)."""
-        return self.sampler(
-            integer(steps, "steps"), np.random.default_rng(0) if rng is None else rng
-        )
+        self.require_length(integer(steps, "steps"))
+        return self.sampler(steps, np.random.default_rng(0) if rng is None else rng)
+
+    def require_length(self, steps: int) -> None:
+        """Refuse a run of more steps than are known."""
+        if self.length is not None and steps > self.length:
+            raise InputError(
+                f"the signal {self.description} is known for {self.length} steps, but {steps} are "
+                "asked for. Shorten the run; `sequence` would hold the last value."
+            )
 
     def __add__(self, other: Signal) -> Signal:
         return Signal(
             f"{self.description} + {other.description}",
             lambda steps, rng: self.sampler(steps, rng) + other.sampler(steps, rng),
+            min((n for n in (self.length, other.length) if n is not None), default=None),
         )
 
     def __mul__(self, factor: float) -> Signal:
         value = number(factor, "factor")
         return Signal(
-            f"{value:g}*({self.description})", lambda steps, rng: value * self.sampler(steps, rng)
+            f"{value:g}*({self.description})",
+            lambda steps, rng: value * self.sampler(steps, rng),
+            self.length,
         )
 
     __rmul__ = __mul__
@@ -65,6 +77,40 @@ def step(height: float = 1.0, start: int = 0) -> Signal:
     value, first = number(height, "height"), integer(start, "start")
     return Signal(
         f"step({value:g})", lambda steps, _: np.where(np.arange(steps) >= first, value, 0.0)
+    )
+
+
+def ramp(slope: float = 1.0, start: int = 0) -> Signal:
+    """A ramp that is 0 up to step `start` and then grows by `slope` at each step.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ramp
+    >>> ramp(slope=0.5, start=1).samples(4)
+    array([0. , 0. , 0.5, 1. ])
+    """
+    value, first = number(slope, "slope"), integer(start, "start")
+    return Signal(
+        f"ramp({value:g})", lambda steps, _: value * np.maximum(np.arange(steps) - first, 0)
+    )
+
+
+def pulse(height: float = 1.0, start: int = 0, length: int = 1) -> Signal:
+    """A pulse of `height` during `length` steps from step `start` on; by default an impulse.
+
+    Examples
+    --------
+    >>> from rcac_numeric import pulse
+    >>> pulse(height=2, start=1, length=2).samples(5)
+    array([0., 2., 2., 0., 0.])
+    """
+    value, first = number(height, "height"), integer(start, "start")
+    end = first + integer(length, "length", at_least=1)
+    return Signal(
+        f"pulse({value:g}, {end - first} steps)",
+        lambda steps, _: np.where(
+            (np.arange(steps) >= first) & (np.arange(steps) < end), value, 0.0
+        ),
     )
 
 
@@ -97,14 +143,20 @@ def piecewise(pieces: Sequence[tuple[int, Signal]]) -> Signal:
     if not starts or any(b <= a for a, b in pairwise(starts)):
         raise InputError(f"the pieces start at {starts}; increasing steps are needed.")
 
+    stops = [*starts[1:], None]
+    for (_, signal), stop in zip(pieces, stops, strict=True):
+        if stop is not None:
+            signal.require_length(stop)
+
     def samples(steps: int, rng: np.random.Generator) -> Array:
         values = np.zeros(steps)
-        for start, signal in pieces:
-            values[start:] = signal.samples(steps, rng)[start:]
+        for (start, signal), stop in zip(pieces, stops, strict=True):
+            end = steps if stop is None else min(stop, steps)
+            values[start:end] = signal.samples(end, rng)[start:]
         return values
 
     words = ", ".join(f"{signal.description} from {start}" for start, signal in pieces)
-    return Signal(words, samples)
+    return Signal(words, samples, pieces[-1][1].length)
 
 
 def white_noise(std: float = 1.0) -> Signal:
@@ -126,7 +178,9 @@ def white_noise(std: float = 1.0) -> Signal:
 
 
 def sequence(values: Sequence[float], hold: int = 1) -> Signal:
-    """The recorded `values`, each held for `hold` steps; the last one stays.
+    """The levels `values`, each held for `hold` steps; the last one stays.
+
+    For a record that must not be prolonged see `recorded`.
 
     Examples
     --------
@@ -141,6 +195,51 @@ def sequence(values: Sequence[float], hold: int = 1) -> Signal:
         f"sequence of {levels.size}",
         lambda steps, _: levels[np.minimum(np.arange(steps) // length, levels.size - 1)],
     )
+
+
+def recorded(values: ArrayLike, name: str = "record") -> Signal:
+    """A record, one value for each step from step 0 on; nothing is known beyond its end.
+
+    Parameters
+    ----------
+    values : array, shape (steps,)
+        For a record of several channels see `recorded_channels`.
+    name : str
+        What errors call it.
+
+    Raises
+    ------
+    InputError
+        When more steps are asked for than were recorded, also of a sum.
+
+    Examples
+    --------
+    >>> from rcac_numeric import recorded
+    >>> recorded([0.5, -0.5, 1.0]).samples(2)
+    array([ 0.5, -0.5])
+    """
+    record = real_array(values, name)
+    if record.ndim != 1 or record.size == 0:
+        raise InputError(f"{name} has shape {record.shape}; a record needs shape (steps,).")
+    return Signal(
+        f"{name} of {record.size} steps", lambda steps, _: record[:steps].copy(), record.size
+    )
+
+
+def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, ...]:
+    """A record of several channels as one signal for each; values of shape (steps, channels).
+
+    Examples
+    --------
+    >>> from rcac_numeric import exogenous, recorded_channels
+    >>> exogenous(recorded_channels([[1.0, 2.0], [3.0, 4.0]]), steps=2)
+    array([[1., 2.],
+           [3., 4.]])
+    """
+    record = real_array(values, name)
+    if record.ndim != 2 or record.size == 0:
+        raise InputError(f"{name} has shape {record.shape}; shape (steps, channels) is needed.")
+    return tuple(recorded(column, f"{name}[:, {i}]") for i, column in enumerate(record.T))
 
 
 def exogenous(signals: Sequence[Signal], steps: int, seed: int | None = 0) -> Array:

@@ -84,8 +84,12 @@ def pid(terms: str = "PID", l_u: int = 1, l_y: int = 1) -> Structure:
     >>> pid("PI").l_theta
     2
     """
-    known = isinstance(terms, str) and terms and set(terms) <= set("PID")
-    if not known or len(set(terms)) < len(terms):
+    if (
+        not isinstance(terms, str)
+        or not terms
+        or set(terms) - set("PID")
+        or len(set(terms)) < len(terms)
+    ):
         raise InputError(
             f"terms = {terms!r}: name each of the terms P, I and D at most once, such as 'PI'."
         )
@@ -125,6 +129,8 @@ def fir_integrator(
     """
     order, inputs, outputs, first = _sizes(n_c, l_u, l_y, k_c)
     rows = np.eye(outputs) if F is None else matrix(F, "F", (None, outputs))
+    if not len(rows):
+        raise InputError("F has no rows, so nothing would be integrated; use fir(...).")
     taps = (
         *_past("y", outputs, first, order),
         *(Tap("derived", i, 0) for i in range(len(rows))),

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.compensators import Compensator
-from rcac_numeric.validation import Array, integer, number, one_of, real_array
+from rcac_numeric.validation import Array, integer, items, number, one_of, real_array
 
 SIGNALS = ("u", "y", "r", "derived")
 
@@ -54,10 +54,10 @@ class DerivedSignal:
 
     def __post_init__(self) -> None:
         for name in ("now", "before"):
-            weights = real_array(getattr(self, name), name)
-            if weights.ndim != 1:
-                raise InputError(f"{name} = {getattr(self, name)} must be a list of numbers.")
-            object.__setattr__(self, name, tuple(map(float, weights)))
+            row = real_array(getattr(self, name), name)
+            if row.ndim != 1:
+                raise InputError(f"{name} = {getattr(self, name)!r} must be a list of numbers.")
+            object.__setattr__(self, name, tuple(map(float, row)))
         if len(self.now) != len(self.before):
             raise InputError(
                 f"a derived signal has {len(self.now)} weights now and {len(self.before)} before; "
@@ -77,7 +77,8 @@ def integral(weights: Sequence[float]) -> DerivedSignal:
     >>> integral([1, 0])
     DerivedSignal(now=(1.0, 0.0), before=(0.0, 0.0), pole=1.0)
     """
-    return DerivedSignal(tuple(weights), (0.0,) * len(weights), 1.0)
+    row = items(weights, "weights")
+    return DerivedSignal(row, (0.0,) * len(row), 1.0)
 
 
 def difference(weights: Sequence[float]) -> DerivedSignal:
@@ -89,7 +90,8 @@ def difference(weights: Sequence[float]) -> DerivedSignal:
     >>> difference([1])
     DerivedSignal(now=(1.0,), before=(-1.0,), pole=0.0)
     """
-    return DerivedSignal(tuple(weights), tuple(-w for w in weights))
+    signal = integral(weights)
+    return DerivedSignal(signal.now, tuple(-w for w in signal.now))
 
 
 @dataclass(frozen=True)
@@ -139,8 +141,8 @@ class Structure:
 
     def __post_init__(self) -> None:
         set_ = object.__setattr__
-        set_(self, "taps", tuple(self.taps))
-        set_(self, "derived", tuple(self.derived))
+        set_(self, "taps", items(self.taps, "taps", Tap))
+        set_(self, "derived", items(self.derived, "derived", DerivedSignal))
         for name, least in (("l_u", 1), ("l_y", 0), ("l_r", 0)):
             integer(getattr(self, name), name, at_least=least)
         widths = dict(zip(SIGNALS, (self.l_u, self.l_y, self.l_r, len(self.derived)), strict=True))

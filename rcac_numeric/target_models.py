@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.filter_poles import require_no_pole_outside
 from rcac_numeric.modelling import ModellingInformation, modelling_information
 from rcac_numeric.validation import Read, real_array, rounded
 
 if TYPE_CHECKING:
     from sympy import Poly
 
-    from compensator_theory import TransferFunction
+    from compensator_theory import TransferFunction, TransferMatrix
     from rcac_numeric.plants import Plant
 
 
@@ -30,6 +31,14 @@ class TargetModel:
         numerator[i] multiplies q^{-i}; a 1-D array stands for a scalar filter.
     denominator : array, shape (n_f + 1, l_z, l_z), optional
         denominator[0] is the identity; an FIR filter by default.
+    exact : TransferFunction or TransferMatrix, optional
+        The filter that the coefficients were rounded from.
+
+    Raises
+    ------
+    InputError
+        If sizes do not fit, the filter is zero, or a pole lies outside the unit circle, which is
+        decided exactly: Phi_f of (2.40) would grow without bound. A pole on the circle is allowed.
 
     Examples
     --------
@@ -41,7 +50,7 @@ class TargetModel:
 
     numerator: Read
     denominator: Read = None
-    exact: TransferFunction | None = field(default=None, repr=False)
+    exact: TransferFunction | TransferMatrix | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         N = real_array(self.numerator, "numerator")
@@ -70,6 +79,8 @@ class TargetModel:
             object.__setattr__(self, name, real_array(np.pad(value, padding), name))
         if not self.numerator.any():
             raise InputError("the target model is zero: no controller could be adapted with it.")
+        exact = None if self.exact is None else self.exact.denominator
+        require_no_pole_outside(self.denominator, exact)
 
     @property
     def l_z(self) -> int:
@@ -161,33 +172,25 @@ def pole_placement_target(
     q = Poly(symbols("q"), symbols("q"))
     surplus = D_p.degree() - known.d_zu - N_u.degree()
     numerator = N_u * exact_number(known.H) * q ** max(surplus, 0)
-    return _from_exact(TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
+    return from_transfer_function(TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
 
 
-def target_model(filter: Any) -> TargetModel:
-    """Any scalar filter as a target model: an expression in q, coefficients, a control object.
+def from_transfer_function(exact: TransferFunction) -> TargetModel:
+    """The target model with these exact coefficients, each rounded once.
+
+    Raises
+    ------
+    ImproperError, InputError
+        If it would use future values, or is not in q.
 
     Examples
     --------
-    >>> from rcac_numeric import target_model
-    >>> target_model("2/(q - 0.5)").numerator.ravel()
-    array([0., 2.])
+    >>> from compensator_theory import transfer_function
+    >>> from rcac_numeric.target_models import from_transfer_function
+    >>> from_transfer_function(transfer_function("1/(q - 1/3)")).denominator.ravel()
+    array([ 1.        , -0.33333333])
     """
-    from compensator_theory import transfer_function
-
-    if isinstance(filter, TargetModel):
-        return filter
-    return _from_exact(transfer_function(filter))
-
-
-def _from_exact(exact: TransferFunction) -> TargetModel:
-    if exact.denominator.degree() < exact.numerator.degree():
-        raise ImproperError(
-            f"the target model {exact} has more zeros than poles; it would use future values. "
-            "Multiply its denominator by a power of q."
-        )
-    if str(exact.variable) not in ("q", "z"):
-        raise InputError(f"the target model {exact} is not a transfer function in q.")
+    require_causal(exact)
     order = exact.denominator.degree()
     padded = [0] * (order - exact.numerator.degree()) + exact.numerator.all_coeffs()
     return TargetModel(
@@ -195,3 +198,21 @@ def _from_exact(exact: TransferFunction) -> TargetModel:
         rounded(exact.denominator.all_coeffs(), "the target model's denominator"),
         exact=exact,
     )
+
+
+def require_causal(exact: TransferFunction) -> None:
+    """Refuse a filter that is improper or not in q.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from rcac_numeric.target_models import require_causal
+    >>> require_causal(transfer_function("q/(q - 1/3)"))
+    """
+    if exact.denominator.degree() < exact.numerator.degree():
+        raise ImproperError(
+            f"the target model {exact} has more zeros than poles; it would use future values. "
+            "Multiply its denominator by a power of q."
+        )
+    if str(exact.variable) not in ("q", "z"):
+        raise InputError(f"the target model {exact} is not a transfer function in q.")

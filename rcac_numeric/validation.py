@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Real
+from types import UnionType
 from typing import Any
 
 import numpy as np
@@ -95,6 +96,26 @@ def _all_real(values: NDArray[Any]) -> bool:
     return values.dtype.kind == "O" and all(
         isinstance(v, Real) and not isinstance(v, bool) for v in values.ravel()
     )
+
+
+def items(value: Any, name: str, kind: type | None = None) -> tuple[Any, ...]:
+    """The entries of a list or another iterable, each of them a `kind`."""
+    try:
+        entries = tuple(value)
+    except TypeError:
+        raise InputError(f"{name} = {value!r} must be a list.") from None
+    for entry in entries:
+        instance_of(entry, f"an entry of {name}", kind or object)
+    return entries
+
+
+def instance_of(value: Any, name: str, kind: type | UnionType) -> Any:
+    """`value` if it is a `kind`."""
+    if not isinstance(value, kind):
+        kinds = kind.__args__ if isinstance(kind, UnionType) else (kind,)
+        needed = " or ".join(k.__name__ for k in kinds)
+        raise InputError(f"{name} = {value!r} is not a {needed}.")
+    return value
 
 
 def integer(value: object, name: str, at_least: int = 0, at_most: int = 2**62) -> int:

@@ -213,7 +213,7 @@ def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
         (("(q - 0.5)/", "(q - 0.5)**3/"), "strictly proper"),
         (("(q - 0.5)/", "(q - 0.5)*(q - 0.9)/"), "share the factor q - 9/10"),
         (("r = { step = 1 }", "w = { step = 1 }"), "sets 'w'; this plant's exogenous input has r"),
-        (("r = { step = 1 }", "r = { ramp = 1 }"), "is not a signal"),
+        (("r = { step = 1 }", "r = { chirp = 1 }"), "is not a signal"),
         (("r = { step = 1 }", "r = { step = 1, stop = 3 }"), "unexpected keyword argument 'stop'"),
         (('"rms"', '"rsm"'), "asks for the measure 'rsm'"),
         ((", at_most = 0.05", ""), "a check without a bound cannot fail"),

@@ -1,0 +1,19 @@
+// AVX-512: vectors of 64 bytes.
+#define RCAC_LEVEL avx512
+#define RCAC_WIDTH 8
+#include "symmetric_body.hpp"
+#include "ud_lanes_body.hpp"
+#include "ud_rank_one_body.hpp"
+
+namespace rcac {
+
+extern const Level level_avx512;
+const Level level_avx512{"avx512",
+                         &avx512::ud_rank_one,
+                         &avx512::ud_measure,
+                         &avx512::symmetric_measure,
+                         &avx512::lanes_rank_one,
+                         &avx512::lanes_measure,
+                         &avx512::finite};
+
+}  // namespace rcac

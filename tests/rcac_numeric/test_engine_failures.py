@@ -1,0 +1,106 @@
+"""Runs that cannot be made, and weights that fail while one is made."""
+
+import numpy as np
+import pytest
+
+from compensator_theory import CompensatorError, FunctionFailedError, ImproperError, InputError
+from rcac_numeric import (
+    Controller,
+    ControllerSettings,
+    Decentralized,
+    Plant,
+    Saturation,
+    TargetModel,
+    feedforward,
+    frozen_twin,
+    iir,
+    simulate,
+    standard_plant,
+)
+
+GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
+SETTINGS = ControllerSettings(**GOOD)
+PLANT = standard_plant("1/(q - 0.5)")
+BOTH = Decentralized([SETTINGS] * 2)
+ONES = np.ones((5, 1))
+NAN = float("nan")
+
+
+def with_r(**change):
+    return ControllerSettings(**{**GOOD, "structure": feedforward(1), **change})
+
+
+@pytest.mark.parametrize(
+    ("run", "message"),
+    [
+        (lambda: simulate(5, SETTINGS, ONES), "plant = 5 is not a Plant or PlantSchedule"),
+        (lambda: simulate(PLANT, 5, ONES), "settings = 5 is not a ControllerSettings or Dece"),
+        (lambda: simulate(PLANT, SETTINGS, None), "w must be an array of real numbers"),
+        (lambda: simulate(PLANT, SETTINGS, ONES, stride=0), "stride = 0 must be at least 1"),
+        (lambda: simulate(PLANT, SETTINGS, ONES, divergence_limit=-1), "must be positive"),
+        (lambda: simulate(PLANT, SETTINGS, ONES, saturation=5), "saturation = 5 is not a Satur"),
+        (lambda: simulate(PLANT, SETTINGS, ONES, saturation=Saturation(low=[0, 0])), "low has 2"),
+        (lambda: simulate(PLANT, with_r(), ONES), "reads a command with l_r = 1"),
+        (
+            lambda: simulate(PLANT, BOTH, ONES, saturation=Saturation(low=0)),
+            "cannot know which part of it was applied",
+        ),
+        (lambda: frozen_twin(5, 1), "run = 5 is not a Run"),
+        (lambda: frozen_twin(simulate(PLANT, SETTINGS, ONES), -1), "k = -1"),
+        (lambda: Controller(5), "settings = 5: ControllerSettings are needed"),
+        (lambda: Controller(SETTINGS).step(1.0, 1.0, 1.0), "l_r = 0 commands; r = 1.0"),
+        (lambda: Controller(with_r()).step(1.0, 1.0), "l_r = 1 commands; r = None"),
+        (lambda: Controller(SETTINGS).step(1.0, 1.0, u_applied=1.0), "at step 0 there is none"),
+        (lambda: Controller(SETTINGS).step(1.0, 1.0, u_applied=[1, 2]), "u_applied has 2 entries"),
+    ],
+)
+def test_a_run_that_cannot_be_made(run, message):
+    with pytest.raises(InputError, match=message):
+        run()
+
+
+def test_the_filter_form_needs_a_plant_without_feedthrough():
+    plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_2=[[1.0]])
+    with pytest.raises(ImproperError, match="E_2 is not zero"):
+        simulate(plant, ControllerSettings(**GOOD, form="filter"), ONES)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"R_u": lambda k, y, z, u: -1.0}, r"R_u\(3\) has the eigenvalue -1"),
+        ({"R_u": lambda k, y, z, u: [[1, 2]]}, r"R_u\(3\) has shape \(1, 2\)"),
+        ({"R_u": lambda: 1}, r"could not be called as R_u\(k, y, z, u\)"),
+        ({"R_u": lambda k, y, z, u: 1 / (z[0] - z[0])}, "failed at step 3"),
+        ({"R_z": lambda k, y, z, u: 0.0}, r"R_z\(3\) has the eigenvalue 0"),
+        ({"R_z": lambda k, y, z, u: None}, r"R_z\(3\) must be an array"),
+        ({"R_z": lambda k, y, z, u: NAN}, r"R_z\(3\) has the entry nan"),
+    ],
+)
+@pytest.mark.parametrize("update", ["ud", "covariance"])
+def test_a_weight_that_fails_keeps_the_steps_before(change, message, update):
+    """The first update is that of step 3."""
+    settings = ControllerSettings(**GOOD, k_update=3, update=update, **change)
+    with np.errstate(all="ignore"), pytest.raises(FunctionFailedError, match=message) as caught:
+        simulate(PLANT, settings, ONES)
+    run = caught.value.run
+    assert run.steps == 3 and np.array_equal(run.theta_final, settings.theta_0)
+    controller = Controller(settings)
+    for k in range(4):
+        if k < 3:
+            controller.step(1.0, 1.0)
+        else:
+            with np.errstate(all="ignore"), pytest.raises(FunctionFailedError):
+                controller.step(1.0, 1.0)
+    with pytest.raises(CompensatorError, match="start a new one"):
+        controller.step(1.0, 1.0)
+
+
+def test_a_weight_that_is_not_symmetric():
+    plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [2.0]])
+    settings = ControllerSettings(
+        structure=iir(1), target=TargetModel(np.ones((2, 2, 1))), R_theta=1.0,
+        R_z=lambda k, y, z, u: [[1.0, 0.5], [0.0, 1.0]],
+    )  # fmt: skip
+    with pytest.raises(FunctionFailedError, match=r"R_z\(1\) is not symmetric"):
+        simulate(plant, settings, ONES)
