@@ -107,9 +107,8 @@ def beside_numpy(repetitions):
         numpy=lambda: numpy_loop(l_theta, short),
     )
     ratio = t["numpy"] * 10 / t["kernel"]
-    print(
-        f"1e5 steps, n_c = 20: {t['kernel']:.3f} s, NumPy {t['numpy'] * 10:.2f} s: {ratio:.0f} times"
-    )
+    seconds_each = f"{t['kernel']:.3f} s, NumPy {t['numpy'] * 10:.2f} s"
+    print(f"1e5 steps, n_c = 20: {seconds_each}: {ratio:.0f} times")
 
 
 def threads(repetitions):
@@ -124,8 +123,8 @@ def threads(repetitions):
         )
         rate = 3 * l_theta**2 * 32 * 20_000 / t["one"] / 1e9
         print(
-            f"batch of 32 loops, l_theta = {l_theta}: one thread {rate:.1f} GFLOP/s (3 l^2 a step), "
-            f"two threads {t['one'] / t['two']:.2f} times faster"
+            f"batch of 32 loops, l_theta = {l_theta}: one thread {rate:.1f} GFLOP/s "
+            f"(3 l^2 a step), two threads {t['one'] / t['two']:.2f} times faster"
         )
 
 

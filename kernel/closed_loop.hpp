@@ -128,7 +128,6 @@ public:
     }
 
     const std::vector<Controller*>& controllers() const { return controllers_; }
-    const double* z() const { return z_; }
     // The coefficients at the beginning of the last step, which are valid where it failed.
     const std::vector<double>& theta_before() const { return theta_before_; }
     std::size_t l_theta() const { return l_theta_; }

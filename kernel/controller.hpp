@@ -287,12 +287,17 @@ private:
 
     // phi(k)' theta, in four sums, because one would wait for each addition before the next.
     double answer() const {
-        double sums[4] = {};
+        const double *theta = theta_.data(), *phi = phi_.data();
+        double a = 0.0, b = 0.0, c = 0.0, d = 0.0;
         std::size_t j = 0;
-        for (; j + 4 <= phi_.size(); j += 4)
-            for (std::size_t i = 0; i < 4; ++i) sums[i] += theta_[j + i] * phi_[j + i];
-        for (; j < phi_.size(); ++j) sums[0] += theta_[j] * phi_[j];
-        return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+        for (; j + 4 <= phi_.size(); j += 4) {
+            a += theta[j] * phi[j];
+            b += theta[j + 1] * phi[j + 1];
+            c += theta[j + 2] * phi[j + 2];
+            d += theta[j + 3] * phi[j + 3];
+        }
+        for (; j < phi_.size(); ++j) a += theta[j] * phi[j];
+        return (a + b) + (c + d);
     }
 
     // y(k) in one piece, for weights that are functions of it.

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "levels.hpp"
 #include "update.hpp"
 
 namespace rcac {
@@ -20,12 +21,13 @@ public:
         const std::size_t m = data.l_z;
         PPhi_.assign(n_ * m, 0.0);  // P Phi_f'
         right_.assign(m * (n_ + 1), 0.0);  // [Phi_f P, innovation], the right sides of Upsilon
-        for (std::size_t i = 0; i < n_; ++i)
-            for (std::size_t r = 0; r < m; ++r) {
-                double sum = 0.0;
-                for (std::size_t j = 0; j < n_; ++j) sum += P_[i * n_ + j] * data.Phi_f[r * n_ + j];
-                PPhi_[i * m + r] = sum;
-            }
+        for (std::size_t r = 0; r < m; ++r) {
+            // Eight rows side by side: every sum still runs over j = 0, 1, ..., but a processor
+            // need not wait for one addition before it starts the next.
+            std::size_t i = 0;
+            for (; i + 8 <= n_; i += 8) rows_times<8>(i, r, data);
+            for (; i < n_; ++i) rows_times<1>(i, r, data);
+        }
         for (std::size_t r = 0; r < m; ++r)
             for (std::size_t i = 0; i < n_; ++i) {
                 const double phi = data.Phi_f[r * n_ + i];
@@ -73,7 +75,7 @@ public:
             }
         if (data.lambda != 1.0)
             for (double& p : P_) p /= data.lambda;
-        return finite(theta, n_) && finite(P_.data(), n_ * n_);
+        return finite(theta, n_) && level().finite(P_.data(), n_ * n_);
     }
 
     void covariance(double* P) const override { std::copy(P_.begin(), P_.end(), P); }
@@ -98,6 +100,16 @@ public:
     }
 
 private:
+    // Entries i, ..., i + rows - 1 of column r of P Phi_f'.
+    template <std::size_t rows>
+    void rows_times(std::size_t i, std::size_t r, const Data& data) {
+        double sum[rows] = {};
+        for (std::size_t j = 0; j < n_; ++j)
+            for (std::size_t q = 0; q < rows; ++q)
+                sum[q] += P_[(i + q) * n_ + j] * data.Phi_f[r * n_ + j];
+        for (std::size_t q = 0; q < rows; ++q) PPhi_[(i + q) * data.l_z + r] = sum[q];
+    }
+
     std::size_t n_;
     std::vector<double> P_0_, P_, PPhi_, right_, W_, scaled_, Upsilon_;
 };

@@ -1,7 +1,6 @@
 // AVX2 with fused multiply-add: vectors of 32 bytes.
 #define RCAC_LEVEL avx2
 #define RCAC_WIDTH 4
-#define RCAC_PANELS 1
 #include "symmetric_body.hpp"
 #include "ud_lanes_body.hpp"
 #include "ud_rank_one_body.hpp"
@@ -10,8 +9,8 @@ namespace rcac {
 
 extern const Level level_avx2;
 const Level level_avx2{"avx2",
-                       &avx2::rank_one,
-                       &avx2::measure,
+                       &avx2::ud_rank_one,
+                       &avx2::ud_measure,
                        &avx2::symmetric_measure,
                        &avx2::lanes_rank_one,
                        &avx2::lanes_measure,

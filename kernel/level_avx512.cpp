@@ -1,7 +1,6 @@
 // AVX-512: vectors of 64 bytes.
 #define RCAC_LEVEL avx512
 #define RCAC_WIDTH 8
-#define RCAC_PANELS 2
 #include "symmetric_body.hpp"
 #include "ud_lanes_body.hpp"
 #include "ud_rank_one_body.hpp"
@@ -10,8 +9,8 @@ namespace rcac {
 
 extern const Level level_avx512;
 const Level level_avx512{"avx512",
-                         &avx512::rank_one,
-                         &avx512::measure,
+                         &avx512::ud_rank_one,
+                         &avx512::ud_measure,
                          &avx512::symmetric_measure,
                          &avx512::lanes_rank_one,
                          &avx512::lanes_measure,

@@ -1,7 +1,6 @@
 // AVX-512 on vectors of 32 bytes, for its 32 registers; see levels.cpp for where that is fastest.
 #define RCAC_LEVEL avx512_256
 #define RCAC_WIDTH 4
-#define RCAC_PANELS 1
 #include "symmetric_body.hpp"
 #include "ud_lanes_body.hpp"
 #include "ud_rank_one_body.hpp"
@@ -10,8 +9,8 @@ namespace rcac {
 
 extern const Level level_avx512_256;
 const Level level_avx512_256{"avx512-256",
-                             &avx512_256::rank_one,
-                             &avx512_256::measure,
+                             &avx512_256::ud_rank_one,
+                             &avx512_256::ud_measure,
                              &avx512_256::symmetric_measure,
                              &avx512_256::lanes_rank_one,
                              &avx512_256::lanes_measure,

@@ -1,7 +1,6 @@
 // For every processor: vectors of 16 bytes, which x86-64 and arm64 both have.
 #define RCAC_LEVEL plain
 #define RCAC_WIDTH 2
-#define RCAC_PANELS 1
 #include "symmetric_body.hpp"
 #include "ud_lanes_body.hpp"
 #include "ud_rank_one_body.hpp"
@@ -10,8 +9,8 @@ namespace rcac {
 
 extern const Level level_plain;
 const Level level_plain{"plain",
-                        &plain::rank_one,
-                        &plain::measure,
+                        &plain::ud_rank_one,
+                        &plain::ud_measure,
                         &plain::symmetric_measure,
                         &plain::lanes_rank_one,
                         &plain::lanes_measure,

@@ -18,14 +18,17 @@ extern const Level level_avx2, level_avx512_256, level_avx512;
 namespace {
 
 struct Found {
+    Level mixed;
     const Level* list[4];
     std::size_t count = 0;
+    Found();
     void add(const Level& level) { list[count++] = &level; }
 };
 
 #if defined(RCAC_X86_LEVELS)
-// Zen 4 (AMD family 19h) knows AVX-512 but stores 64 bytes more slowly than twice 32: it is
-// fastest with vectors of 4 doubles and AVX-512's 32 registers.
+// Zen 4 (AMD family 19h) knows AVX-512 but stores 64 bytes more slowly than twice 32, and crosses
+// the lanes of 64 bytes slowly: a single run is fastest there with vectors of 4 doubles and
+// AVX-512's 32 registers, several in lock step with 8.
 bool halves_wide_stores() {
     unsigned a = 0, b = 0, c = 0, d = 0;
     if (!__get_cpuid(0, &a, &b, &c, &d) || b != signature_AMD_ebx) return false;
@@ -34,30 +37,31 @@ bool halves_wide_stores() {
 }
 #endif
 
-Found find() {
-    Found found;
+Found::Found() : mixed(level_plain) {
 #if defined(RCAC_X86_LEVELS)
     __builtin_cpu_init();
     const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") &&
                         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
     if (avx512 && halves_wide_stores()) {
-        found.add(level_avx512_256);
-        found.add(level_avx512);
+        mixed = level_avx512_256;
+        mixed.lanes_rank_one = level_avx512.lanes_rank_one;
+        mixed.lanes_measure = level_avx512.lanes_measure;
+        add(mixed);
+        add(level_avx512);
     } else if (avx512) {
-        found.add(level_avx512);
-        found.add(level_avx512_256);
+        add(level_avx512);
+        add(level_avx512_256);
     }
-    if (avx2) found.add(level_avx2);
+    if (avx2) add(level_avx2);
 #endif
-    found.add(level_plain);
-    return found;
+    add(level_plain);
 }
 
 }  // namespace
 
 Levels levels() {
-    static const Found found = find();
+    static const Found found;
     return {found.list, found.count};
 }
 

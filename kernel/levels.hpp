@@ -26,7 +26,7 @@ static inline std::size_t place_in_tiles(std::size_t i, std::size_t j) {
 }
 
 // Every array below starts at a multiple of 64 bytes; `row`, `gain` and D have padded_to_tiles(n)
-// entries, `row` and D with zeros behind n. theta may lie anywhere and has n.
+// entries, `row` and D with zeros behind n. phi and theta may lie anywhere and have n.
 struct UdFactors {
     std::size_t n;
     double* U;  // unit upper triangular, tiles_size(n)
@@ -43,9 +43,19 @@ struct SymmetricTiles {
     double scale, coefficient;
 };
 
-// Lanes of independent runs in lock step: entry (i, j), i < j, of lane k is
-// U[(j (j - 1) / 2 + i) * lanes + k], and D, row, gain and theta are [i * lanes + k].
+// Lanes of independent runs in lock step: D, row, gain and theta hold entry i of lane k at
+// [i * lanes + k]. U is cut into blocks of 4 columns, in a block row by row the entries above its
+// triangle and then the triangle column by column, so that one pointer walks through all of it.
 constexpr std::size_t lanes = 8;
+constexpr std::size_t lane_block = 4;
+// Place of U_ij, i < j, of lane 0; lane k is k further.
+static inline std::size_t lane_place(std::size_t n, std::size_t i, std::size_t j) {
+    const std::size_t first = j / lane_block * lane_block, c = j - first;
+    const std::size_t columns = n - first < lane_block ? n - first : lane_block;
+    const std::size_t inside = i < first ? i * columns + c
+                                         : first * columns + c * (c - (c > 0)) / 2 + (i - first);
+    return (first * (first - (first > 0)) / 2 + inside) * lanes;
+}
 struct UdLaneFactors {
     std::size_t n;
     double* U;
@@ -60,12 +70,13 @@ struct Level {
     // answer matters.
     double (*ud_rank_one)(const UdFactors& factors, const double* row, double r, double* gain,
                           bool& lost);
-    // The same with theta, for the measurement  row theta + rhs = 0; false where alpha overflows.
-    bool (*ud_measure)(const UdFactors& factors, const double* row, double rhs, double r,
-                       double* gain, double* theta, bool& lost);
+    // The same for the measurement  scale phi theta + rhs = 0  with theta; phi has n entries and
+    // scale phi is left in `row`. False where alpha, theta or D left the range of float64.
+    bool (*ud_measure)(const UdFactors& factors, const double* phi, double scale, double rhs,
+                       double r, double* row, double* gain, double* theta, bool& lost);
     // The same measurement on a symmetric P; returns alpha.
-    double (*symmetric_measure)(SymmetricTiles& tiles, const double* row, double rhs, double r,
-                                double* theta);
+    double (*symmetric_measure)(SymmetricTiles& tiles, const double* phi, double scale, double rhs,
+                                double r, double* row, double* theta);
     // One measurement on each lane: r and alpha per lane, bit k of the result tells whether
     // lane k was lost. A lane whose row is zero keeps its factors to the bit.
     unsigned (*lanes_rank_one)(const UdLaneFactors& factors, const double* row, const double* r,

@@ -63,28 +63,32 @@ inline void symmetric_pass(const SymmetricTiles& tiles, const double* RCAC_RESTR
     }
 }
 
-inline double symmetric_measure(SymmetricTiles& tiles, const double* row, double rhs, double r,
-                                double* theta) {
+inline double symmetric_measure(SymmetricTiles& tiles, const double* RCAC_RESTRICT phi,
+                                double scale, double rhs, double r, double* RCAC_RESTRICT row,
+                                double* RCAC_RESTRICT theta) {
     const std::size_t n = tiles.n, whole = n / width * width;
     double* y = tiles.next;
+    Vec innovations = zero(), alphas = zero();
+    for (std::size_t j = 0; j < whole; j += width) {
+        const Vec scaled = load(phi + j) * all(scale);
+        store(row + j, scaled);
+        innovations = innovations + scaled * load(theta + j);
+    }
+    double innovation = rhs + sum_of(innovations);
+    for (std::size_t j = whole; j < n; ++j) {
+        row[j] = phi[j] * scale;
+        innovation += row[j] * theta[j];
+    }
     if (tiles.scale == 1.0)
         symmetric_pass<false>(tiles, row, y);
     else
         symmetric_pass<true>(tiles, row, y);
-    Vec innovations = zero(), alphas = zero();
-    for (std::size_t j = 0; j < whole; j += width) {
-        innovations = innovations + load(row + j) * load(theta + j);
+    for (std::size_t j = 0; j < padded_to_tiles(n); j += width)
         alphas = alphas + load(row + j) * load(y + j);
-    }
-    double innovation = rhs + sum_of(innovations), alpha = r + sum_of(alphas);
-    for (std::size_t j = whole; j < n; ++j) {
-        innovation += row[j] * theta[j];
-        alpha += row[j] * y[j];
-    }
-    const double scaled = innovation / alpha;
+    const double alpha = r + sum_of(alphas), step = innovation / alpha;
     for (std::size_t j = 0; j < whole; j += width)
-        store(theta + j, load(theta + j) - load(y + j) * all(scaled));
-    for (std::size_t j = whole; j < n; ++j) theta[j] -= y[j] * scaled;
+        store(theta + j, load(theta + j) - load(y + j) * all(step));
+    for (std::size_t j = whole; j < n; ++j) theta[j] -= y[j] * step;
     tiles.next = tiles.gain;
     tiles.gain = y;
     tiles.scale = 1.0;

@@ -36,9 +36,9 @@ public:
         if (!rows_.take(data)) return false;
         bool finite_alpha = true, positive = true;
         for (std::size_t r = 0; r < data.l_z; ++r) {
-            rows_.row(data, r, row_.data());
-            const double alpha = level_->symmetric_measure(tiles_, row_.data(), rows_.rhs(r),
-                                                           data.lambda, theta);
+            const double alpha =
+                level_->symmetric_measure(tiles_, rows_.phi(data, r), rows_.scale(), rows_.rhs(r),
+                                          data.lambda, row_.data(), theta);
             positive = positive && alpha > 0.0;
             finite_alpha = finite_alpha && std::isfinite(alpha);
         }

@@ -56,7 +56,7 @@ public:
 
 private:
     double& u(std::size_t i, std::size_t j, std::size_t lane) {
-        return U_[(j * (j - 1) / 2 + i) * lanes + lane];
+        return U_[lane_place(n_, i, j) + lane];
     }
 
     std::size_t n_;

@@ -29,21 +29,21 @@ public:
 
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
         if (!measure(data, step, theta)) return false;
-        if (data.lambda != 1.0)
-            for (double& d : D_) d /= data.lambda;
-        return level_->finite(theta, n_) && level_->finite(D_.data(), D_.size());
+        if (data.lambda == 1.0) return true;
+        for (double& d : D_) d /= data.lambda;
+        return level_->finite(D_.data(), n_);
     }
 
     // The update without the division of P by lambda: rows of variance lambda.
     bool measure(const Data& data, std::int64_t step, double* theta) {
         if (!rows_.take(data)) return false;
         for (std::size_t r = 0; r < data.l_z; ++r) {
-            rows_.row(data, r, row_.data());
             bool lost = false;
-            const bool done = level_->ud_measure({n_, U_.data(), D_.data()}, row_.data(),
-                                                 rows_.rhs(r), data.lambda, gain_.data(), theta, lost);
+            const bool finite = level_->ud_measure({n_, U_.data(), D_.data()}, rows_.phi(data, r),
+                                                   rows_.scale(), rows_.rhs(r), data.lambda,
+                                                   row_.data(), gain_.data(), theta, lost);
             if (lost) guard_.raise(step);
-            if (!done) return false;
+            if (!finite) return false;
         }
         return true;
     }

@@ -1,8 +1,7 @@
 // Short vectors of doubles whose width is that of the instruction set a file is compiled for.
 //
 // Included only by the level_*.cpp files. Each defines RCAC_LEVEL, the namespace that keeps its
-// copy of every function apart from the others', RCAC_WIDTH, the doubles in one vector, and
-// RCAC_PANELS, how many panels of 8 rows a loop carries at once.
+// copy of every function apart from the others', and RCAC_WIDTH, the doubles in one vector.
 // Nothing here may include a header with inline functions: the linker would be free to keep the
 // copy compiled for the widest level and to call it on every processor.
 #pragma once
@@ -160,15 +159,16 @@ RCAC_INLINE Vec running_sums(Vec a) {
 #endif
 }
 
-// a moved up by one lane, `first` in lane 0.
-RCAC_INLINE Vec moved_up(Vec a, Vec first) {
+// a moved up by one lane, the last lane of `before` in lane 0.
+RCAC_INLINE Vec moved_up(Vec a, Vec before) {
 #if defined(RCAC_SHUFFLE) && RCAC_WIDTH == 8
-    return __builtin_shufflevector(first, a, 0, 8, 9, 10, 11, 12, 13, 14);
+    return __builtin_shufflevector(before, a, 7, 8, 9, 10, 11, 12, 13, 14);
 #elif defined(RCAC_SHUFFLE) && RCAC_WIDTH == 4
-    return __builtin_shufflevector(first, a, 0, 4, 5, 6);
+    return __builtin_shufflevector(before, a, 3, 4, 5, 6);
 #else
+    const double first = before[width - 1];
     for (std::size_t c = width; c-- > 1;) a[c] = a[c - 1];
-    a[0] = first[0];
+    a[0] = first;
     return a;
 #endif
 }

@@ -13,10 +13,10 @@ public:
     bool take(const Data& data) {
         const std::size_t m = data.l_z;
         L_.resize(m * m);
-        if (m == 1) {  // the same in four operations
+        if (m == 1) {  // the same without loops
             const double W = data.R_z[0] + data.R_u[0];
             if (!(W > 0.0)) return false;
-            L_[0] = std::sqrt(W);
+            if (W != W_) L_[0] = std::sqrt(W_ = W);  // nearly always the W of the step before
             rhs_.resize(1);
             rhs_[0] = data.R_z[0] * data.target[0] / L_[0];
             return true;
@@ -33,17 +33,22 @@ public:
         return true;
     }
 
-    // Row r of L' Phi_f, for the measurement  row theta + rhs(r) = 0.
-    void row(const Data& data, std::size_t r, double* row) const {
+    // Row r of L' Phi_f is scale() times this, for the measurement  row theta + rhs(r) = 0.
+    const double* phi(const Data& data, std::size_t r) {
         const std::size_t m = data.l_z, n = data.l_theta;
-        for (std::size_t j = 0; j < n; ++j) row[j] = L_[r * m + r] * data.Phi_f[r * n + j];
+        if (m == 1) return data.Phi_f;
+        row_.resize(n);
+        for (std::size_t j = 0; j < n; ++j) row_[j] = L_[r * m + r] * data.Phi_f[r * n + j];
         for (std::size_t i = r + 1; i < m; ++i)
-            for (std::size_t j = 0; j < n; ++j) row[j] += L_[i * m + r] * data.Phi_f[i * n + j];
+            for (std::size_t j = 0; j < n; ++j) row_[j] += L_[i * m + r] * data.Phi_f[i * n + j];
+        return row_.data();
     }
+    double scale() const { return L_.size() == 1 ? L_[0] : 1.0; }
     double rhs(std::size_t r) const { return rhs_[r]; }
 
 private:
-    std::vector<double> L_, rhs_;
+    double W_ = 0.0;  // of a scalar measurement, whose root is L_
+    std::vector<double> L_, rhs_, row_;
 };
 
 }  // namespace rcac

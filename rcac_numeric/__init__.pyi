@@ -53,6 +53,7 @@ from .saved_states import SavedState as SavedState
 from .signals import Signal as Signal
 from .signals import exogenous as exogenous
 from .signals import harmonic as harmonic
+from .signals import piecewise as piecewise
 from .signals import pulse as pulse
 from .signals import ramp as ramp
 from .signals import recorded as recorded

@@ -111,3 +111,45 @@ def python_plant(
     sizes: Sizes, advance: Callable[..., Any], output: Callable[..., Any], x_0: Array
 ) -> Plant: ...
 def compiled_plant(sizes: Sizes, advance: Any, output: Any, x_0: Array) -> Plant: ...
+
+lanes: int
+
+def levels() -> list[str]:
+    """The instruction sets compiled in that this processor runs, the chosen one first."""
+
+def replay_updates(
+    update: str,
+    Phi_f: Array,
+    target: Array,
+    *,
+    R_z: Array,
+    R_u: Array,
+    forgetting: float = 1.0,
+    P_0: Array,
+    theta_0: Array,
+    repeat: int = 1,
+    level: str = "",
+) -> tuple[Array, Array, int, int, bool]:
+    """Recorded Phi_f (steps, l_z, l_theta) and z - u_f (steps, l_z) given to an update again.
+
+    `update` is "ud", "covariance" or "symmetric covariance", `level` one of `levels()` or "" for
+    the chosen one; the record is run through `repeat` times. Returns theta, P, the guard's count
+    and first step, and whether all stayed in the range of float64. Releases the interpreter lock.
+    """
+
+def replay_ud_lanes(
+    Phi_f: Array,
+    target: Array,
+    *,
+    forgetting: float = 1.0,
+    P_0: Array,
+    theta_0: Array,
+    repeat: int = 1,
+    level: str = "",
+) -> tuple[Array, Array, list[int], bool]:
+    """`lanes` independent runs in lock step, with R_z = 1 and R_u = 0.
+
+    Shapes: Phi_f (steps, l_theta, lanes), target (steps, lanes), P_0 (lanes, l_theta, l_theta),
+    theta_0 (l_theta, lanes). Returns theta, P, each lane's guard count, and whether all stayed
+    in the range of float64. Releases the interpreter lock.
+    """

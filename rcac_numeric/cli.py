@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 EXIT_STATUS = """
 Exit status: 0 done, and every verdict of record holds; 1 a verdict has changed; 2 bad input;
-3 a loop diverged, which goes before 1 (what came before it is kept and drawn); 4 a defect of rcac.
+3 a loop diverged unexpectedly, which goes before 1 (what came before it is kept and drawn); 4 a
+defect of rcac.
 """
 
 

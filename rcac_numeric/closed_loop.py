@@ -88,6 +88,30 @@ class ClosedLoop:
         """The n + l_u n_c eigenvalues of the closed loop."""
         return np.linalg.eigvals(self.matrices[0]).astype(np.complex128)
 
+    def zeros(self) -> dict[str, ComplexArray]:
+        """Zeros from each channel of w to z, by channel, in float64; for scalar z.
+
+        They are the finite generalised eigenvalues of the system pencil. A channel that does not
+        reach z at all is left out.
+        """
+        from scipy.linalg import eigvals
+
+        plant = self.plant
+        if plant.l_z != 1:
+            raise InputError(f"zeros to one z at a time; the plant has l_z = {plant.l_z}.")
+        A, B, C, D = self.matrices
+        found, order = {}, len(A)
+        left = np.zeros((order + 1, order + 1))
+        left[:order, :order] = np.eye(order)
+        for index, name in enumerate(plant.channels):
+            if not (B[:, index].any() or D[0, index]):
+                continue
+            pencil = np.block([[A, B[:, [index]]], [C[:1], D[:1, [index]]]])
+            values = eigvals(pencil, left)
+            finite = np.isfinite(values) & (np.abs(values) < 1e6)  # the rest is at infinity
+            found[name] = np.asarray(values[finite], dtype=np.complex128)
+        return found
+
     @property
     def spectral_radius(self) -> float:
         """Largest modulus of a pole."""

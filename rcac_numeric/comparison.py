@@ -168,13 +168,8 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
         )
     except CompensatorError as error:
         obstacle = str(error)
-    channels = [
-        (name if width == 1 else f"{name}{i + 1}")
-        for name, width in plant.blocks.items()
-        for i in range(width)
-    ]
     zeros = {}
-    for index, name in enumerate(channels):
+    for index, name in enumerate(plant.channels):
         polynomial = closed_loop_zero_polynomial(problem, N_c, D_c, index)
         if not polynomial.is_zero:
             zeros[name] = _roots(polynomial)

@@ -16,11 +16,16 @@ Table = dict[str, Any]
 # The keys of each table; which of them fit together is decided where they are read.
 KEYS: dict[str, set[str]] = {
     "": {
-        "id", "title", "source", "notes", "plant", "signals", "target", "controller", "run",
-        "runs", "claims",
+        "id", "title", "source", "notes", "plant", "signals", "target", "controller",
+        "controllers", "saturation", "run", "runs", "claims",
     },
     "plant": {
         "problem", "G", "performance", "A", "B", "C", "D_0", "D_1", "D_2", "E_0", "E_1", "E_2",
+        "changes",
+    },
+    "plant.changes": {
+        "start", "G", "A", "B", "C", "D_0", "D_1", "D_2", "E_0", "E_1", "E_2", "gain", "delay",
+        "ramp", "state_map",
     },
     "signals": {"w", "r", "d", "v"},
     "target": {
@@ -28,13 +33,28 @@ KEYS: dict[str, set[str]] = {
         "markov_parameters",
     },
     "controller": {
-        "structure", "n_c", "k_c", "k_w", "k_update", "k_filter", "R_theta", "R_z", "R_u",
-        "lambda", "theta_0",
+        "structure", "n_c", "k_c", "terms", "free_poles", "F", "feedback", "first_r", "taps",
+        "derived", "k_w", "k_update", "k_filter", "R_theta", "R_z", "R_u", "lambda", "theta_0",
+        "update", "form", "window", "step_size", "process_noise", "forgetting", "lambda_changes",
+        "target_changes", "reset", "freeze", "reflect_poles", "stop_where_unsupported", "shared_u",
     },
-    "run": {"steps", "seed", "stride", "arithmetic", "repetitions", "perturbation"},
-    "runs": {"name", "signals", "target", "controller", "run"},
+    "controller.derived": {"now", "before", "pole"},
+    "controller.forgetting": {"short", "long", "gain", "smallest"},
+    "controller.reset": {"at", "every", "trace_below", "growth", "short", "long"},
+    "saturation": {"low", "high", "rate"},
+    "run": {
+        "steps", "seed", "stride", "arithmetic", "repetitions", "perturbation", "expected",
+    },
+    "runs": {
+        "name", "plant", "signals", "target", "controller", "controllers", "saturation", "run",
+    },
     "claims": {"text", "claimed", "checks", "correction", "verdict"},
 }  # fmt: skip
+# One of several controllers: all that [controller] may say, and a target of its own.
+KEYS["controllers"] = KEYS["controller"] - {"shared_u"} | {"target"}
+
+# A run that names one of these replaces the whole table: the old keys would mean nothing to it.
+KINDS = {"target": "model", "plant": "problem"}
 
 
 class Section:
@@ -78,6 +98,20 @@ class Section:
         value = self.get(key, [])
         if not isinstance(value, list):
             raise InputError(f"{key} must be an array of tables, [[{key}]].")
+        return value
+
+    def items(self, key: str) -> list[Any]:
+        """The list under a key; empty where there is none."""
+        value = self.get(key, [])
+        if not isinstance(value, list):
+            raise InputError(f"{self.where} {key} = {value!r} must be a list.")
+        return value
+
+    def flag(self, key: str) -> bool:
+        """The truth value under a key; false where there is none."""
+        value = self.get(key, False)
+        if not isinstance(value, bool):
+            raise InputError(f"{self.where} {key} = {value!r} must be true or false.")
         return value
 
     def only(self, case: str, *keys: str) -> None:
@@ -135,13 +169,13 @@ def read_file(path: str | Path) -> tuple[Table, str]:
 def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> Table:
     """`base` with the entries of `override`, table by table.
 
-    A run that names another target model replaces the whole table: the keys of the old model
-    would mean nothing to the new one.
+    A run that names another target model or problem replaces that whole table: the keys of the
+    old one would mean nothing to the new one.
     """
     result = dict(base)
     for key, value in override.items():
         old = result.get(key)
-        if key == "target" and isinstance(value, dict) and "model" in value:
+        if key in KINDS and isinstance(value, dict) and KINDS[key] in value:
             old = None
         result[key] = (
             merged(old, value) if isinstance(old, dict) and isinstance(value, dict) else value

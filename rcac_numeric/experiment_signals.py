@@ -7,11 +7,13 @@ from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.experiment_files import Section
+from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
 from rcac_numeric.recordings import read_recording
 from rcac_numeric.signals import (
     Signal,
     harmonic,
+    piecewise,
     pulse,
     ramp,
     recorded,
@@ -32,7 +34,7 @@ KINDS: dict[str, tuple[Any, str]] = {
 }
 
 
-def signals(section: Section, plant: Plant) -> tuple[Signal, ...]:
+def signals(section: Section, plant: Plant | PlantSchedule) -> tuple[Signal, ...]:
     """One signal for each channel of w; a block that the file does not name is zero."""
     for key in section.table:
         if key not in plant.blocks:
@@ -73,6 +75,9 @@ def _signal(value: Any, name: str, folder: Path) -> Signal:
         return sum(parts[1:], parts[0])
     if isinstance(value, dict) and "recorded" in value:
         return _recorded(value, name, folder)
+    if isinstance(value, dict) and set(value) == {"piecewise"}:
+        pieces = _pieces(value, name)
+        return piecewise([(start, _signal(part, name, folder)) for start, part in pieces])
     for kind in KINDS.keys() & (value.keys() if isinstance(value, dict) else ()):
         make, first = KINDS[kind]
         arguments = {first if key == kind else key: entry for key, entry in value.items()}
@@ -85,7 +90,7 @@ def _signal(value: Any, name: str, folder: Path) -> Signal:
         return signal
     raise InputError(
         f"[signals] {name} = {value!r} is not a signal; use a number, or a table with one of "
-        f"{', '.join(KINDS)}, recorded or sum."
+        f"{', '.join(KINDS)}, recorded, piecewise or sum."
     )
 
 
@@ -102,3 +107,12 @@ def _recorded(value: dict[str, Any], name: str, folder: Path) -> Signal:
     if "column" in value:
         raise InputError(f"[signals] {name}: column is for a file; recorded is a list here.")
     return recorded(source, f"[signals] {name}.recorded")
+
+
+def _pieces(value: dict[str, Any], name: str) -> list[Any]:
+    pieces = value["piecewise"]
+    if not (isinstance(pieces, list) and all(isinstance(p, list) and len(p) == 2 for p in pieces)):
+        raise InputError(
+            f"[signals] {name}: piecewise = {pieces!r} must be a list of pairs [start, signal]."
+        )
+    return pieces

@@ -7,8 +7,11 @@ from collections.abc import Callable
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.closed_loop import ClosedLoop
 from rcac_numeric.experiment import Repetition
+from rcac_numeric.frozen_plants import frozen_loop
+from rcac_numeric.validation import integer, one_of
+
+SIGNALS = ("z", "y", "u", "u_applied", "w")
 
 Measure = Callable[..., float]
 MEASURES: dict[str, Measure] = {}
@@ -60,20 +63,97 @@ def controller_pole_distance(r: Repetition, omega: float = 0.0, k: int | None = 
 @measure
 def settling_step(r: Repetition, band: float = 0.02) -> float:
     """First step from which the size of z stays within the band to the end of the run."""
+    if r.run.outcome != "completed":
+        return float("inf")
     outside = np.flatnonzero(np.abs(r.run.z).max(axis=1) > band)
     return float(outside[-1] + 1) if outside.size else 0.0
 
 
 @measure
-def peak(r: Repetition, start: int = 0, stop: int | None = None) -> float:
-    """Largest size of z over start <= k < stop."""
-    return float(np.abs(_window(r, start, stop)).max())
+def peak(
+    r: Repetition,
+    start: int = 0,
+    stop: int | None = None,
+    signal: str = "z",
+    channel: int | None = None,
+) -> float:
+    """Largest size of a signal over start <= k < stop; of one channel or of all of them."""
+    return float(np.abs(_window(r, start, stop, signal, channel)).max())
 
 
 @measure
-def rms(r: Repetition, start: int = 0, stop: int | None = None) -> float:
-    """Root mean square of z over start <= k < stop."""
-    return float(np.sqrt(np.mean(np.sum(_window(r, start, stop) ** 2, axis=1))))
+def rms(
+    r: Repetition,
+    start: int = 0,
+    stop: int | None = None,
+    signal: str = "z",
+    channel: int | None = None,
+) -> float:
+    """Root mean square of a signal over start <= k < stop."""
+    return float(np.sqrt(np.mean(np.sum(_window(r, start, stop, signal, channel) ** 2, axis=1))))
+
+
+@measure
+def mean(
+    r: Repetition,
+    start: int = 0,
+    stop: int | None = None,
+    signal: str = "z",
+    channel: int = 0,
+) -> float:
+    """Mean of one channel of a signal over start <= k < stop."""
+    return float(np.mean(_window(r, start, stop, signal, channel)))
+
+
+@measure
+def saturated_fraction(r: Repetition, start: int = 0, stop: int | None = None) -> float:
+    """Fraction of the steps start <= k < stop at which the actuator did not apply u as it was."""
+    u, applied = (_window(r, start, stop, name, None) for name in ("u", "u_applied"))
+    return float(np.mean((u != applied).any(axis=1)))
+
+
+@measure
+def completed(r: Repetition) -> float:
+    """1 where the run reached its last step, 0 where it diverged or failed before."""
+    return float(r.run.outcome == "completed")
+
+
+@measure
+def steps(r: Repetition) -> float:
+    """Number of completed steps."""
+    return float(r.run.steps)
+
+
+@measure
+def coefficient(r: Repetition, index: int, k: int | None = None) -> float:
+    """One entry of theta, from 0 on: of theta(k), or of the last theta.
+
+    For structure = "pid" the entries are the gains in the order of the terms.
+    """
+    run = r.run
+    if k is None:
+        theta = run.theta_final
+    else:
+        row, rest = divmod(integer(k, "k"), run.stride)
+        if rest or row >= len(run.theta):
+            raise InputError(
+                f"theta({k}) was not kept; it is kept at multiples of {run.stride} below "
+                f"{run.steps}."
+            )
+        theta = run.theta[row]
+    return float(theta[integer(index, "index", at_most=len(theta) - 1)])
+
+
+@measure
+def reflections(r: Repetition) -> float:
+    """Number of updates after which controller poles were reflected (6.2.2)."""
+    return float(r.run.reflections)
+
+
+@measure
+def resets(r: Repetition) -> float:
+    """Number of covariance resets."""
+    return float(r.run.resets)
 
 
 @measure
@@ -108,8 +188,8 @@ def theta_drift(r: Repetition, start: int) -> float:
 
 @measure
 def closed_loop_zero_distance(r: Repetition, channel: str, omega: float = 0.0) -> float:
-    """Distance from exp(j omega) to the nearest closed-loop zero from a channel of w."""
-    zeros = r.comparison.zeros
+    """Distance from exp(j omega) to the nearest closed-loop zero from a channel of w to z."""
+    zeros = r.zeros
     if channel not in zeros:
         raise InputError(f"w has no channel {channel!r}; the channels are {', '.join(zeros)}.")
     return float(np.abs(zeros[channel] - np.exp(1j * omega)).min())
@@ -121,17 +201,25 @@ def guard_count(r: Repetition) -> float:
     return float(r.run.guard_count)
 
 
-def _window(r: Repetition, start: int, stop: int | None) -> np.ndarray:
-    window = r.run.z[start:stop]
+def _window(
+    r: Repetition, start: int, stop: int | None, signal: str, channel: int | None
+) -> np.ndarray:
+    values: np.ndarray = getattr(r.run, one_of(signal, "signal", SIGNALS))
+    window = values[start:stop]
     if not len(window):
         raise InputError(f"the run of {r.run.steps} steps has no step in [{start}, {stop}).")
-    return window
+    if channel is None:
+        return window
+    last = integer(channel, "channel", at_most=window.shape[1] - 1)
+    return window[:, last : last + 1]
 
 
 def _unstable(r: Repetition, stop: int | None) -> np.ndarray:
     run = r.run
     rows = run.theta if stop is None else run.theta[: -(-stop // run.stride)]
-    settings, plant = run.settings, run.plant
     return np.array(
-        [not ClosedLoop(plant, settings.compensator(theta)).is_stable for theta in rows]
+        [
+            not frozen_loop(run.plant, run.settings.compensator(theta), row * run.stride).is_stable
+            for row, theta in enumerate(rows)
+        ]
     )

@@ -89,6 +89,15 @@ class Plant:
         return int(self.D_1.shape[1])
 
     @property
+    def channels(self) -> list[str]:
+        """Names of the channels of w, numbered from 1 where a block has several."""
+        return [
+            name if width == 1 else f"{name}{i + 1}"
+            for name, width in self.blocks.items()
+            for i in range(width)
+        ]
+
+    @property
     def l_y(self) -> int:
         """Number of measurements."""
         return int(self.C.shape[0])

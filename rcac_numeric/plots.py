@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from compensator_theory.errors import CompensatorError
 from rcac_numeric.closed_loop import Match
 from rcac_numeric.experiment import Repetition
+from rcac_numeric.runs import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,17 +52,20 @@ def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
         figure.suptitle(title, fontsize=12, fontweight="bold")
     run = repetition.run
     _history(axes[0, 0], run.z, "performance $z$", "z")
-    _history(axes[1, 0], run.u, "control $u$", "u")
-    k = np.arange(len(run.theta)) * run.stride
-    axes[2, 0].plot(k, run.theta, linewidth=1.0)
-    axes[2, 0].set(xlabel="step $k$", ylabel=r"coefficients $\theta$")
+    _control(axes[1, 0], run)
+    _coefficients(axes[2, 0], run)
     if run.outcome != "completed":
         for axis in axes[:, 0]:
             axis.set_yscale("symlog")
         axes[0, 0].set_title(f"diverged after step {run.steps - 1}", color=WANTED, fontsize=10)
     _pole_zero(axes[0, 1], repetition)
-    _magnitude(axes[1, 1], repetition.match)
-    _phase(axes[2, 1], repetition.match)
+    try:
+        match = repetition.match
+    except CompensatorError as error:
+        axes[1, 1].set_title(f"no intercalated match: {error}", fontsize=10)
+    else:
+        _magnitude(axes[1, 1], match)
+        _phase(axes[2, 1], match)
     for axis in axes.ravel():
         axis.grid(alpha=0.25)
     return figure
@@ -75,6 +80,33 @@ def _history(axis: Axes, values: np.ndarray, label: str, symbol: str) -> None:
     axis.set_ylabel(label)
 
 
+def _control(axis: Axes, run: Run) -> None:
+    """What the controller asked for and, where that differs, what the actuator applied."""
+    _history(axis, run.u, "control $u$", "u")
+    if run.u_applied is run.u or np.array_equal(run.u_applied, run.u):
+        return
+    for i, column in enumerate(run.u_applied.T):
+        axis.step(np.arange(len(column)), column, where="post", linewidth=1.1, color=WANTED,
+                  label="applied" if i == 0 else None)  # fmt: skip
+    if run.u.shape[1] == 1:
+        axis.lines[0].set(label="asked for", alpha=0.6)
+    axis.legend(fontsize=8)
+
+
+def _coefficients(axis: Axes, run: Run) -> None:
+    """theta; the gains by name where the structure is P, I and D terms on one signal."""
+    k = run.first_step + np.arange(len(run.theta)) * run.stride
+    name = getattr(getattr(run.settings, "structure", None), "name", "")
+    gains = name if set(name) <= set("PID") and len(name) == run.theta.shape[1] else ""
+    lines = axis.plot(k, run.theta, linewidth=1.0)
+    for line, gain in zip(lines, gains, strict=False):
+        line.set_label(f"$K_{gain}$")
+    if gains:
+        axis.legend(fontsize=8)
+    label = "gains" if gains else r"coefficients $\theta$"
+    axis.set(xlabel="step $k$", ylabel=label)
+
+
 def _pole_zero(axis: Axes, repetition: Repetition) -> None:
     circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
     axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
@@ -86,6 +118,9 @@ def _pole_zero(axis: Axes, repetition: Repetition) -> None:
         axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
     else:
         poles, zeros = repetition.loop.poles(), np.zeros(0)
+        if repetition.run.plant.l_z == 1:
+            zeros = np.concatenate([zeros, *repetition.zeros.values()])
+            axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
     axis.plot(poles.real, poles.imag, "x", color=REACHED, ms=7, mew=1.6, label="poles reached")
     span = max(1.15, 1.1 * np.abs(poles).max(initial=0.0)) if np.isfinite(poles).all() else 1.15
     span = min(span, 3.0)

@@ -73,10 +73,7 @@ def simulate_reference(
     >>> reference.digits > 100
     True
     """
-    if not isinstance(settings, ControllerSettings):
-        raise InputError(
-            "the reference in ball arithmetic runs one controller: ControllerSettings."
-        )
+    require_supported(plant, settings)
     check_sizes(plant, settings)
     w = signal_array(w, "w", plant.l_w)
     precision, ctx.prec = ctx.prec, int(integer(digits, "digits", at_least=16) * 3.33) + 8
@@ -84,6 +81,30 @@ def simulate_reference(
         return _run(plant, settings, w, x_0)
     finally:
         ctx.prec = precision
+
+
+def require_supported(
+    plant: Any, settings: Any, saturation: Any = None
+) -> tuple[Plant | PlantSchedule, ControllerSettings]:
+    """Refuse by name what the reference does not do."""
+    if not isinstance(plant, Plant | PlantSchedule):
+        raise InputError(f"the reference needs a linear plant, not {plant!r}.")
+    if not isinstance(settings, ControllerSettings):
+        raise InputError("the reference runs one controller, not a decentralised one.")
+    if saturation is not None:
+        raise InputError("the reference runs without saturation.")
+    rule = settings.reset
+    refused = {
+        "a weight that is a function": callable(settings.R_z) or callable(settings.R_u),
+        'update = "sliding window"': settings.update == "sliding window",
+        "variable-rate forgetting": settings.forgetting is not None,
+        "a covariance reset by trace_below or growth": rule and (rule.trace_below or rule.growth),
+        "reflect_poles": settings.reflect_poles,
+    }
+    for name, is_asked in refused.items():
+        if is_asked:
+            raise InputError(f"the reference does not know {name}; leave it out.")
+    return plant, settings
 
 
 def _run(plant: Any, settings: ControllerSettings, w: Array, x_0: Array | None) -> ReferenceRun:

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from compensator_theory.errors import CompensatorError
 from rcac_numeric.verdicts import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verification
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def print_report(verification: Verification, console: Console | None = None) -> 
         out.print(escape(experiment.source), style="dim")
     for name, words in experiment.description.items():
         if words:
-            out.print(f"  [dim]{name:<11}[/dim]{escape(words)}")
+            out.print(f"  [dim]{name:<12}[/dim]{escape(words)}")
     if verification.verdicts:
         _print_claims(out, verification)
     if len(verification.results) > 1:
@@ -38,15 +39,18 @@ def print_report(verification: Verification, console: Console | None = None) -> 
     main = verification.main
     repetition = main.first
     if main.diverged:
+        words = ", as it is known to" if main.as_expected else ""
         out.print(
-            f"\n[red]The loop diverged after step {repetition.run.steps - 1}; "
+            f"\n[red]The loop diverged after step {repetition.run.steps - 1}{words}; "
             "what follows is the controller of that step.[/red]"
         )
     out.print(f"\n[bold]The controller of run {escape(repr(main.specification.name))}[/bold]")
+    if repetition.run.saturation is not None:
+        out.print("  What follows is the linear loop, without the saturation.", style="yellow")
     if repetition.is_scalar:
         _print_comparison(out, repetition.comparison)
     else:
-        out.print(f"  closed-loop poles: {_complex_list(repetition.loop.poles())}")
+        _print_poles(out, repetition)
     _print_match(out, repetition)
     if experiment.notes:
         out.print(f"\n{escape(experiment.notes)}")
@@ -74,15 +78,18 @@ def as_dict(verification: Verification) -> dict[str, Any]:
                 "name": name,
                 "arithmetic": r.specification.arithmetic,
                 "outcome": r.first.run.outcome,
+                "expected": r.specification.expected,
                 "steps": r.first.run.steps,
                 "updates_decided_by_rounding": r.first.run.guard_count,
                 "theta": r.first.run.theta_final.tolist(),
             }
             for name, r in verification.results.items()
         ],
-        "match": {"worst": _json(repetition.match.worst), "median": _json(repetition.match.median)},
-        "residual": {name: _json(v) for name, v in repetition.split.power().items()},
     }
+    match, _ = _analysed(repetition, "match")
+    split, _ = _analysed(repetition, "split")
+    result["match"] = match and {"worst": _json(match.worst), "median": _json(match.median)}
+    result["residual"] = split and {name: _json(v) for name, v in split.power().items()}
     if repetition.is_scalar:
         c = repetition.comparison
         result |= {
@@ -98,6 +105,7 @@ def as_dict(verification: Verification) -> dict[str, Any]:
             "controller_distance": _json(c.controller_distance),
         }
     else:
+        result["obstacle"] = repetition.obstacle
         result["poles"] = [[p.real, p.imag] for p in repetition.loop.poles()]
     return result
 
@@ -134,7 +142,12 @@ def _print_runs(out: Console, verification: Verification) -> None:
         if digits is not None:
             arithmetic += f", {digits:.0f} digits certified"
         guard = f"{first.guard_count} updates" if first.guard_count else "none"
-        outcome = first.outcome if not result.diverged else f"[red]diverged at {first.steps}[/red]"
+        outcome = first.outcome
+        if result.diverged:
+            known = ", as expected" if result.as_expected else ""
+            outcome = f"[{'dim' if known else 'red'}]diverged at {first.steps}{known}[/]"
+        elif not result.as_expected:
+            outcome += " [red]though expected to diverge[/red]"
         table.add_row(escape(name), arithmetic, distance, guard, outcome)
     out.print()
     out.print(table)
@@ -170,22 +183,47 @@ def _print_comparison(out: Console, c: Comparison) -> None:
                   f"{c.controller_distance:.3g}")  # fmt: skip
 
 
+def _print_poles(out: Console, repetition: Repetition) -> None:
+    """What float64 can say where the exact comparison does not apply."""
+    out.print(f"  No exact comparison: {escape(repetition.obstacle)}.", style="yellow")
+    out.print(f"  closed-loop poles:        {_complex_list(repetition.loop.poles())}")
+    out.print(f"  controller poles:         {_complex_list(repetition.run.compensator.poles())}")
+    if repetition.run.plant.l_z == 1:
+        for channel, zeros in repetition.zeros.items():
+            out.print(f"  zeros from {channel} to z:       {_complex_list(zeros)}")
+
+
 def _print_match(out: Console, repetition: Repetition) -> None:
-    match, split = repetition.match, repetition.split
+    match, obstacle = _analysed(repetition, "match")
+    if match is None:
+        out.print(f"  No match of the intercalated transfer function: {escape(obstacle)}.")
+        return
     out.print(
         f"  intercalated transfer function against G_f: worst relative error {match.worst:.3g}, "
         f"median {match.median:.3g}"
     )
-    power = ", ".join(f"{name} {value:.3g}" for name, value in split.power().items())
-    out.print(f"  mean squares of the split residual: {power}")
-    if repetition.loop.is_stable:
-        out.print(f"  the split holds to {split.identity_error:.1e} (4.14)")
+    split, obstacle = _analysed(repetition, "split")
+    if split is None:
+        out.print(f"  No split of the residual: {escape(obstacle)}.")
+    else:
+        power = ", ".join(f"{name} {value:.3g}" for name, value in split.power().items())
+        out.print(f"  mean squares of the split residual: {power}")
+        if repetition.loop.is_stable:
+            out.print(f"  the split holds to {split.identity_error:.1e} (4.14)")
     if repetition.run.guard_count:
         out.print(
             f"  [yellow]{repetition.run.guard_count} updates, the first at step "
             f"{repetition.run.guard_first_step}, were decided by rounding: the data cannot "
             "support this R_theta. Use a larger R_theta.[/yellow]"
         )
+
+
+def _analysed(repetition: Repetition, name: str) -> tuple[Any, str]:
+    """An analysis of a run, or why there is none."""
+    try:
+        return getattr(repetition, name), ""
+    except CompensatorError as error:
+        return None, str(error).rstrip(".")
 
 
 def _table(*columns: str) -> Table:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -124,6 +125,38 @@ def harmonic(omega: float, amplitude: float = 1.0, phase: float = 0.0) -> Signal
     """
     w, a, p = number(omega, "omega"), number(amplitude, "amplitude"), number(phase, "phase")
     return Signal(f"{a:g}*cos({w:g} k)", lambda steps, _: a * np.cos(w * np.arange(steps) + p))
+
+
+def piecewise(pieces: Sequence[tuple[int, Signal]]) -> Signal:
+    """One signal after another: each from its step on, up to the step of the next one.
+
+    The signals do not begin anew: at step k the value is that of the signal in force at k. Before
+    the first step the value is zero.
+
+    Examples
+    --------
+    >>> from rcac_numeric import piecewise, sequence, step
+    >>> piecewise([(1, step(height=2)), (3, sequence([1, 2, 3, 4, 5]))]).samples(5)
+    array([0., 2., 2., 4., 5.])
+    """
+    starts = [integer(start, "the start of a piece") for start, _ in pieces]
+    if not starts or any(b <= a for a, b in pairwise(starts)):
+        raise InputError(f"the pieces start at {starts}; increasing steps are needed.")
+
+    stops = [*starts[1:], None]
+    for (_, signal), stop in zip(pieces, stops, strict=True):
+        if stop is not None:
+            signal.require_length(stop)
+
+    def samples(steps: int, rng: np.random.Generator) -> Array:
+        values = np.zeros(steps)
+        for (start, signal), stop in zip(pieces, stops, strict=True):
+            end = steps if stop is None else min(stop, steps)
+            values[start:end] = signal.samples(end, rng)[start:]
+        return values
+
+    words = ", ".join(f"{signal.description} from {start}" for start, signal in pieces)
+    return Signal(words, samples, pieces[-1][1].length)
 
 
 def white_noise(std: float = 1.0) -> Signal:

@@ -105,11 +105,19 @@ class Verification:
         return [name for name, result in self.results.items() if result.diverged]
 
     @property
+    def surprising(self) -> list[str]:
+        """Names of the runs that did not end as their specification says."""
+        return [name for name, result in self.results.items() if not result.as_expected]
+
+    @property
     def exit_status(self) -> int:
-        """0: done; 1: a verdict of record has changed; 3: a loop diverged, which goes before 1."""
-        if self.diverged:
+        """0: done; 1: a verdict of record has changed; 3: a loop diverged unexpectedly.
+
+        3 goes before 1. A run that was expected to diverge and did not is a changed verdict, 1.
+        """
+        if any(self.results[name].diverged for name in self.surprising):
             return 3
-        return 1 if any(v.has_changed for v in self.verdicts) else 0
+        return 1 if self.surprising or any(v.has_changed for v in self.verdicts) else 0
 
 
 def verify(

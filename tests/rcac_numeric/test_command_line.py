@@ -81,7 +81,7 @@ def test_list(rcac):
     assert result.exit_code == 0
     numbers = [line.split()[0] for line in result.output.splitlines()]
     assert numbers == sorted(numbers, key=lambda n: [int(p) for p in n.split(".")])
-    assert {"2.1", "2.2", "2.3", "4.6", "4.7", "4.8"} <= set(numbers)
+    assert {f"2.{i}" for i in range(1, 9)} | {"4.6", "4.7", "4.8"} <= set(numbers)
 
 
 def test_report_of_an_example(rcac, tmp_path):
@@ -106,6 +106,33 @@ def test_json_is_one_object(rcac):
 def test_a_users_case(rcac, case):
     result = rcac("verify", case(USER_CASE))
     assert result.exit_code == 0 and "My plant" in result.output
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        ("2.6", ["without the saturation", "saturation low = -0.2", "asked for, exact"]),
+        ("2.7", ["reads the command too", "diverged at", "as expected", "zeros from r to z"]),
+        ("2.8", ["reads the command too", "structure = fir; structure = feedforward"]),
+    ],
+)
+def test_what_the_exact_comparison_cannot_say(rcac, tmp_path, number, words):
+    """Saturated, feedforward and decentralised loops: a report and a picture all the same."""
+    picture = tmp_path / "sheet.png"
+    result = rcac("verify", number, "--plot", picture)
+    assert result.exit_code == 0
+    report = " ".join(result.output.split())
+    assert all(word in report for word in words)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    data = json.loads(rcac("verify", number, "--json").output)
+    assert ("obstacle" in data) == (number != "2.6")
+
+
+def test_a_changing_plant(rcac, case, tmp_path):
+    change = ("[signals]", "[[plant.changes]]\nstart = 200\ngain = 1.1\n\n[signals]")
+    result = rcac("verify", case(USER_CASE, change), "--plot", tmp_path / "sheet.png")
+    assert result.exit_code == 0
+    assert "No split of the residual: the plant changes during the run" in result.output
 
 
 VECTOR_CASE = """

@@ -26,6 +26,7 @@ def repetition(z, theta, stride=1):
         compensator=structure.compensator(theta[-1]),
         compensator_at=lambda k: structure.compensator(theta[k // stride]),
         guard_count=3,
+        outcome="completed",
     )
     return SimpleNamespace(run=run)
 
@@ -44,6 +45,47 @@ def test_of_the_response():
     assert MEASURES["rms"](r, start=0, stop=2) == pytest.approx(5**0.5)
     with pytest.raises(InputError, match="no step in"):
         MEASURES["rms"](r, start=6)
+
+
+def test_of_a_chosen_signal():
+    r = repetition([0, 0, 0], [STABLE] * 3)
+    r.run.u = np.array([[3.0, 1.0], [0.5, -4.0], [0.25, 2.0]])
+    r.run.u_applied = np.clip(r.run.u, -1, 1)
+    assert MEASURES["peak"](r, signal="u") == 4
+    assert MEASURES["peak"](r, signal="u", channel=0, start=1) == 0.5
+    assert MEASURES["rms"](r, signal="u_applied", channel=1, stop=2) == 1
+    assert MEASURES["rms"](r, signal="u", start=2) == pytest.approx((0.0625 + 4) ** 0.5)
+    assert MEASURES["mean"](r, signal="u", channel=1) == pytest.approx(-1 / 3)
+    assert MEASURES["saturated_fraction"](r) == 1
+    assert MEASURES["saturated_fraction"](r, start=0, stop=1) == 1
+    r.run.u_applied = np.clip(r.run.u, -3, 3)
+    assert MEASURES["saturated_fraction"](r) == pytest.approx(1 / 3)
+    with pytest.raises(InputError, match="channel = 2 must be at most 1"):
+        MEASURES["rms"](r, signal="u", channel=2)
+    with pytest.raises(InputError, match="signal = 'x' is not known"):
+        MEASURES["peak"](r, signal="x")
+
+
+def test_of_how_a_run_went():
+    r = repetition([1, 0, 0], [STABLE] * 3)
+    r.run.reflections, r.run.resets = 4, 2
+    assert MEASURES["completed"](r) == 1 and MEASURES["steps"](r) == 3
+    assert MEASURES["reflections"](r) == 4 and MEASURES["resets"](r) == 2
+    assert MEASURES["settling_step"](r) == 1
+    r.run.outcome = "diverged"
+    assert MEASURES["completed"](r) == 0
+    assert MEASURES["settling_step"](r) == np.inf, "a run that broke off has not settled"
+
+
+def test_of_one_coefficient():
+    r = repetition(np.zeros(6), [(1, 2), (3, 4), (5, 6)], stride=2)
+    assert MEASURES["coefficient"](r, index=1) == 6
+    assert MEASURES["coefficient"](r, index=0, k=2) == 3
+    for k in (1, 6):
+        with pytest.raises(InputError, match="was not kept"):
+            MEASURES["coefficient"](r, index=0, k=k)
+    with pytest.raises(InputError, match="index = 2 must be at most 1"):
+        MEASURES["coefficient"](r, index=2)
 
 
 @pytest.mark.parametrize("stride", [1, 5])
