@@ -34,9 +34,7 @@ public:
     }
 
     Loop& loop() { return loop_; }
-    const Loop& loop() const { return loop_; }
     const Sizes& sizes() const { return plant_->sizes(); }
-    std::size_t l_theta() const { return loop_.l_theta(); }
 
     void visit(Archive& archive) {
         for (Controller* c : loop_.controllers()) c->visit(archive);
@@ -74,7 +72,7 @@ public:
         require(y.size(), steps * size.l_y, "y");
         require(z.size(), steps * size.l_z, "z");
         if (u_applied) require(u_applied->size(), steps * size.l_u, "u_applied");
-        require(theta.size(), (steps + per_row - 1) / per_row * owned.l_theta(), "theta");
+        require(theta.size(), (steps + per_row - 1) / per_row * owned.loop().l_theta(), "theta");
         const Record record{u.data(), u_applied ? u_applied->data() : nullptr, y.data(), z.data(),
                             theta.data(), stride};
         job = {&owned.loop(), w.data(), size.l_w, record, static_cast<std::int64_t>(steps)};
@@ -114,8 +112,8 @@ void bind_loop(nb::module_& m) {
              nb::arg("high"), nb::arg("rate"), nb::arg("limit"), nb::arg("stop_where_unsupported"),
              nb::arg("shared_u"), nb::arg("r_in_w"))
         .def("theta_before",
-             [](const OwnedLoop& self) {
-                 const auto& theta = self.loop().theta_before();
+             [](OwnedLoop& self) {
+                 const std::vector<double>& theta = self.loop().theta_before();
                  return to_numpy(theta.data(), theta.size());
              })
         .def("save",

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat
 
-from compensator_theory.errors import DivergedError, InputError
+from compensator_theory.errors import DivergedError
 from rcac_numeric.adaptation_rules import SignalWeight
 from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.plant_schedules import Change, PlantSchedule
@@ -22,7 +22,6 @@ class BallController:
     """One controller. A step is `measure`, `control`, `adapt` and `finish`, in the loop's order."""
 
     def __init__(self, settings: ControllerSettings) -> None:
-        _require_supported(settings)
         self.settings, self.k = settings, 0
         self.theta = balls(settings.theta_0.reshape(-1, 1))
         self.P = balls(settings.R_theta).inv()
@@ -130,8 +129,6 @@ class BallPlant:
     """A linear plant or a schedule of them; x holds the state."""
 
     def __init__(self, plant: Plant | PlantSchedule, x_0: Any) -> None:
-        if not isinstance(plant, Plant | PlantSchedule):
-            raise InputError(f"the reference needs a linear plant, not {plant!r}.")
         changes = [Change(start=0, plant=plant)] if isinstance(plant, Plant) else plant.changes
         self._changes = list(changes)
         self.x = balls(initial_state(x_0, plant.n).reshape(-1, 1))
@@ -182,17 +179,3 @@ def balls(values: Any) -> arb_mat:
 
 def _latest(first: Any, changes: Any, k: int) -> Any:
     return [first, *(value for step, value in sorted(changes.items()) if step <= k)][-1]
-
-
-def _require_supported(s: ControllerSettings) -> None:
-    rule = s.reset
-    refused = {
-        "a weight that is a function": callable(s.R_z) or callable(s.R_u),
-        'update = "sliding window"': s.update == "sliding window",
-        "variable-rate forgetting": s.forgetting is not None,
-        "a covariance reset by trace_below or growth": rule and (rule.trace_below or rule.growth),
-        "reflect_poles": s.reflect_poles,
-    }
-    for name, is_asked in refused.items():
-        if is_asked:
-            raise InputError(f"the reference in ball arithmetic does not do {name}.")

@@ -39,11 +39,11 @@ class PreparedRun:
         saturation: Saturation | None = None,
         start: SavedState | None = None,
     ) -> None:
-        self.plant, self.settings, self.x_0, self.saturation = plant, settings, x_0, saturation
         instance_of(plant, "plant", AnyPlant)
         instance_of(settings, "settings", ControllerSettings | Decentralized)
         if saturation is not None:
             instance_of(saturation, "saturation", Saturation)
+        self.plant, self.settings, self.x_0, self.saturation = plant, settings, x_0, saturation
         self.w = signal_array(w, "w", plant.l_w)
         check_sizes(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
@@ -69,10 +69,9 @@ class PreparedRun:
         )
 
     def _continue(self, start: SavedState) -> None:
-        saved_state(start, "start")
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
-        start.restore_into(self._loop, "loop", self._name)
+        saved_state(start, "start").restore_into(self._loop, "loop", self._name)
         self.first_step = start.k
 
     def result(self) -> Run:

@@ -86,15 +86,24 @@ def simulate_reference(
 def require_supported(
     plant: Any, settings: Any, saturation: Any = None
 ) -> tuple[Plant | PlantSchedule, ControllerSettings]:
-    """Refuse what the reference would otherwise leave out of the run without a word."""
+    """Refuse by name what the reference does not do."""
+    if not isinstance(plant, Plant | PlantSchedule):
+        raise InputError(f"the reference needs a linear plant, not {plant!r}.")
     if not isinstance(settings, ControllerSettings):
-        raise InputError(
-            "the reference in ball arithmetic runs one controller: ControllerSettings."
-        )
+        raise InputError("the reference runs one controller, not a decentralised one.")
     if saturation is not None:
-        raise InputError("the reference in ball arithmetic runs without saturation.")
-    BallController(settings)
-    BallPlant(plant, None)
+        raise InputError("the reference runs without saturation.")
+    rule = settings.reset
+    refused = {
+        "a weight that is a function": callable(settings.R_z) or callable(settings.R_u),
+        'update = "sliding window"': settings.update == "sliding window",
+        "variable-rate forgetting": settings.forgetting is not None,
+        "a covariance reset by trace_below or growth": rule and (rule.trace_below or rule.growth),
+        "reflect_poles": settings.reflect_poles,
+    }
+    for name, is_asked in refused.items():
+        if is_asked:
+            raise InputError(f"the reference does not know {name}; leave it out.")
     return plant, settings
 
 

@@ -84,7 +84,7 @@ GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
 )
 def test_what_the_reference_does_not_do_is_refused_by_name(change, message):
     settings = ControllerSettings(**GOOD, **change)
-    with pytest.raises(InputError, match=f"does not do {message}"):
+    with pytest.raises(InputError, match=f"does not know {message}"):
         simulate_reference(PLANT, settings, np.ones((3, 1)))
 
 
