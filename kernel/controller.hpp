@@ -3,46 +3,11 @@
 
 #include <memory>
 
-#include "adaptation_rules.hpp"
+#include "controller_plan.hpp"
 #include "pole_reflection.hpp"
-#include "target_filter.hpp"
 #include "update.hpp"
 
 namespace rcac {
-
-// s(k) = pole s(k-1) + now [y; r](k) + before [y; r](k-1)
-struct DerivedSignal {
-    std::vector<double> now, before;
-    double pole;
-};
-
-// The structure of a controller is nothing but tables of taps on scalar signals, numbered
-// u, y, r, derived signals.
-struct Structure {
-    std::size_t l_u, l_y, l_r;
-    std::vector<DerivedSignal> derived;
-    std::vector<Tap> regressor;  // phi(k), and Phi(k) = phi(k)' (x) I as in (2.30)
-    std::vector<Tap> channels;   // what the target-model filter is fed with; u(k) comes first
-    std::vector<Tap> filtered;   // phi_f: (channel, delay) for every entry of phi
-
-    std::size_t signals() const { return l_u + l_y + l_r + derived.size(); }
-};
-
-struct ControllerPlan {
-    Structure structure;
-    std::vector<TargetModel> targets;  // of one order; the first one is there from step 0
-    Weight R_z, R_u;
-    double lambda;
-    std::int64_t k_w;       // u = 0 before it (2.29)
-    std::int64_t k_update;  // first step of the update
-    std::int64_t k_filter;  // the target-model filter sees zero before it
-    bool filter_form;       // update before control, (2.47)-(2.48)
-    bool reflect_poles;
-    std::vector<Event> events;  // by step
-    ForgettingRule forgetting;
-    ResetRule reset;
-    std::vector<double> noise;  // rows a with Q = sum a a', (2.46)
-};
 
 // A step is: begin; measure and control in the order that the feedthrough of the plant allows;
 // apply; adapt; finish. In the filter form adapt comes before control.
@@ -177,7 +142,8 @@ public:
     void conclude() {
         if (!plan_.noise.empty())
             update_->inflate(plan_.noise.data(), plan_.noise.size() / theta_.size());
-        if (plan_.reflect_poles) reflect_poles();
+        if (plan_.reflect_poles && reflect(structure().regressor, theta_, polynomial_))
+            ++reflections_;
     }
 
     // theta(k+1) from theta(k); false where that left the range of float64.
@@ -267,22 +233,6 @@ private:
              power_.growth(rule.short_window, rule.long_window) > rule.growth);
         if (due) last_reset_ = step_;
         return due;
-    }
-
-    void reflect_poles() {
-        std::size_t order = 0;
-        for (const Tap& tap : structure().regressor)
-            if (tap.source == 0) order = std::max(order, tap.delay);
-        polynomial_.assign(order + 1, 0.0);
-        polynomial_[0] = 1.0;
-        for (std::size_t j = 0; j < theta_.size(); ++j)
-            if (structure().regressor[j].source == 0)
-                polynomial_[structure().regressor[j].delay] = -theta_[j];
-        if (!reflect(polynomial_)) return;
-        ++reflections_;
-        for (std::size_t j = 0; j < theta_.size(); ++j)
-            if (structure().regressor[j].source == 0)
-                theta_[j] = -polynomial_[structure().regressor[j].delay];
     }
 
     // phi(k)' theta, in four sums, because one would wait for each addition before the next.

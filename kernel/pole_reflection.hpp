@@ -5,6 +5,8 @@
 #include <complex>
 #include <vector>
 
+#include "history.hpp"
+
 namespace rcac {
 
 // Whether c_0 q^n + ... + c_n with c_0 = 1 has all roots inside the unit circle: every reflection
@@ -81,6 +83,23 @@ inline bool reflect(std::vector<double>& c) {
     if (reflected)  // conjugate roots come in pairs, so the imaginary parts are rounding
         for (std::size_t i = 0; i < c.size(); ++i) c[i] = product[i].real();
     return reflected;
+}
+
+// The same for the coefficients of a scalar controller whose taps on u, which is signal 0, are
+// u(k-1), ..., u(k-n); `polynomial` is room for D_c.
+inline bool reflect(const std::vector<Tap>& taps, std::vector<double>& theta,
+                    std::vector<double>& polynomial) {
+    std::size_t order = 0;
+    for (const Tap& tap : taps)
+        if (tap.source == 0) order = std::max(order, tap.delay);
+    polynomial.assign(order + 1, 0.0);
+    polynomial[0] = 1.0;
+    for (std::size_t j = 0; j < theta.size(); ++j)
+        if (taps[j].source == 0) polynomial[taps[j].delay] = -theta[j];
+    if (!reflect(polynomial)) return false;
+    for (std::size_t j = 0; j < theta.size(); ++j)
+        if (taps[j].source == 0) theta[j] = -polynomial[taps[j].delay];
+    return true;
 }
 
 }  // namespace rcac

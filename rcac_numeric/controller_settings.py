@@ -13,6 +13,12 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.adaptation_rules import CovarianceReset, SignalWeight, VariableRateForgetting
 from rcac_numeric.compensators import Compensator
+from rcac_numeric.setting_checks import (
+    changes_by_step,
+    forgetting_factor,
+    interval,
+    require_target,
+)
 from rcac_numeric.structures import Structure
 from rcac_numeric.target_models import TargetModel
 from rcac_numeric.validation import (
@@ -130,9 +136,9 @@ class ControllerSettings:
         structure, target = self.structure, self.target
         if not isinstance(structure, Structure):
             raise InputError(f"structure = {structure!r}: use iir(...), fir(...) or another kind.")
-        set_("target_changes", _changes(self.target_changes, "target_changes"))
+        set_("target_changes", changes_by_step(self.target_changes, "target_changes"))
         for model in (target, *self.target_changes.values()):  # type: ignore[union-attr]
-            _require_target(model, structure, target)
+            require_target(model, structure, target)
         l_z, l_theta = target.l_z, structure.l_theta
         set_("R_theta", constant_weight(self.R_theta, "R_theta", l_theta, definite=True))
         for name, definite in (("R_z", True), ("R_u", False)):
@@ -143,16 +149,16 @@ class ControllerSettings:
             raise InputError(
                 "R_z = z_squared z'z is not positive definite at z = 0; give constant."
             )
-        set_("lambda_", _forgetting_factor(self.lambda_))
-        changes = _changes(self.lambda_changes, "lambda_changes")
-        set_("lambda_changes", {k: _forgetting_factor(v) for k, v in changes.items()})
+        set_("lambda_", forgetting_factor(self.lambda_))
+        changes = changes_by_step(self.lambda_changes, "lambda_changes")
+        set_("lambda_changes", {k: forgetting_factor(v) for k, v in changes.items()})
         self._require_start(set_)
         theta_0 = np.zeros(l_theta) if self.theta_0 is None else self.theta_0
         theta_0 = real_array(theta_0, "theta_0").reshape(-1)
         if theta_0.size != l_theta:
             raise InputError(f"theta_0 has {theta_0.size} entries; l_theta = {l_theta} are needed.")
         set_("theta_0", theta_0)
-        set_("freeze", tuple(_interval(pair) for pair in items(self.freeze, "freeze")))
+        set_("freeze", tuple(interval(pair) for pair in items(self.freeze, "freeze")))
         self._require_update(set_)
 
     def _require_start(self, set_: Any) -> None:
@@ -243,46 +249,3 @@ class ControllerSettings:
     def P_0(self) -> Array:
         """P(0) = R_theta^{-1}, exactly diagonal where R_theta is."""
         return inverse(np.asarray(self.R_theta))
-
-
-def _require_target(model: Any, structure: Structure, first: TargetModel) -> None:
-    if not isinstance(model, TargetModel):
-        raise InputError(
-            f"target = {model!r}: use fir_target, pole_placement_target or target_model."
-        )
-    if model.l_u != structure.l_u:
-        raise InputError(
-            f"the target model has {model.l_u} columns and the structure {structure.l_u} "
-            "control inputs; G_f must be l_z x l_u."
-        )
-    if model.l_z != first.l_z:
-        raise InputError(f"the target models have {first.l_z} and {model.l_z} rows.")
-
-
-def _forgetting_factor(value: Any) -> float:
-    factor = number(value, "lambda")
-    if not 0 < factor <= 1:
-        raise InputError(f"lambda = {factor} is not in (0, 1].")
-    return factor
-
-
-def _changes(changes: Any, name: str) -> dict[int, Any]:
-    if changes is None:
-        return {}
-    if not isinstance(changes, Mapping):
-        raise InputError(f"{name} = {changes!r} must map steps to values, such as {{1000: ...}}.")
-    read = {integer(k, f"a step of {name}", at_least=1): v for k, v in changes.items()}
-    return dict(sorted(read.items()))
-
-
-def _interval(pair: Any) -> tuple[int, int | None]:
-    try:
-        start, stop = pair
-    except (TypeError, ValueError):
-        raise InputError(
-            f"freeze has the entry {pair!r}; pairs (start, stop) are needed."
-        ) from None
-    first = integer(start, "start of freeze")
-    if stop is not None and integer(stop, "stop of freeze") <= first:
-        raise InputError(f"freeze has the empty interval ({start}, {stop}).")
-    return first, stop
