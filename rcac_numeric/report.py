@@ -206,7 +206,10 @@ def _print_match(out: Console, repetition: Repetition) -> None:
     if split is None:
         out.print(f"  No split of the residual: {escape(obstacle)}.")
     else:
-        power = ", ".join(f"{name} {value:.3g}" for name, value in split.power().items())
+        power = ", ".join(
+            f"{name} {value:.3g}" if value < float("inf") else f"{name} beyond float64"
+            for name, value in split.power().items()
+        )
         out.print(f"  mean squares of the split residual: {power}")
         if repetition.loop.is_stable:
             out.print(f"  the split holds to {split.identity_error:.1e} (4.14)")
