@@ -49,9 +49,10 @@ Lemma times_controllability_matrix m (eta : 'M[R]_(m, n)) A B i (j : 'I_n) :
   (eta *m controllability_matrix A B) i j = (eta *m A ^+ j *m B) i 0.
 Proof. by rewrite -mulmxA !mxE; apply: eq_bigr => k _; rewrite [controllability_matrix _ _ _ _]mxE. Qed.
 
-Lemma horner_mx_wide A (p : {poly R}) : (size p <= n)%N -> horner_mx A p = \sum_(k < n) p`_k *: A ^+ k.
+Lemma horner_mx_wide A m (p : {poly R}) : (size p <= m)%N ->
+  horner_mx A p = \sum_(k < m) p`_k *: A ^+ k.
 Proof.
-move=> deg_p; have -> : p = \sum_(k < n) p`_k *: 'X^k.
+move=> deg_p; have -> : p = \sum_(k < m) p`_k *: 'X^k.
   rewrite -poly_def; apply/polyP=> k; rewrite coef_poly.
   by case: ltnP => // above; rewrite nth_default // (leq_trans deg_p).
 rewrite rmorph_sum /=; apply: eq_bigr => k _.
@@ -60,16 +61,16 @@ rewrite coef_sum (bigD1 k) //= coefZ coefXn eqxx mulr1 big1 ?addr0 // => j ne_j.
 by rewrite coefZ coefXn eq_sym (inj_eq val_inj) (negPf ne_j) mulr0.
 Qed.
 
-Lemma horner_mx_monic A (p : {poly R}) : p \is monic -> degree_is p n ->
-  horner_mx A p = A ^+ n + \sum_(k < n) p`_k *: A ^+ k.
+Lemma horner_mx_monic A m (p : {poly R}) : p \is monic -> degree_is p m ->
+  horner_mx A p = A ^+ m + \sum_(k < m) p`_k *: A ^+ k.
 Proof.
-move=> monic_p deg_p; have leading : p`_n = 1.
+move=> monic_p deg_p; have leading : p`_m = 1.
   by move: monic_p; rewrite monicE lead_coefE deg_p => /eqP.
-have split_p : p = 'X^n + \poly_(k < n) p`_k.
+have split_p : p = 'X^m + \poly_(k < m) p`_k.
   apply/polyP=> k; rewrite coefD coefXn coef_poly.
   case: ltngtP => [_|above|->]; rewrite ?add0r ?addr0 //.
   by rewrite nth_default // deg_p.
-rewrite {1}split_p rmorphD rmorphX /= horner_mx_X horner_mx_wide ?size_poly //.
+rewrite {1}split_p rmorphD rmorphX /= horner_mx_X (@horner_mx_wide _ m) ?size_poly //.
 by congr (_ + _); apply: eq_bigr => k _; rewrite coef_poly ltn_ord.
 Qed.
 
@@ -80,7 +81,7 @@ Proof.
 move=> zero p.
 have -> : horner_mx A p = horner_mx A (p %% char_poly A).
   by rewrite {1}(divp_eq p (char_poly A)) rmorphD rmorphM /= Cayley_Hamilton mulr0 add0r.
-rewrite horner_mx_wide; last first.
+rewrite (@horner_mx_wide _ n); last first.
   by rewrite -ltnS -(size_char_poly A) ltn_modp monic_neq0 // char_poly_monic.
 rewrite mulmx_sumr mulmx_suml big1 // => k _.
 rewrite -scalemxAr -scalemxAl; apply/matrixP=> i j; rewrite ord1 mxE.

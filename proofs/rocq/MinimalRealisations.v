@@ -97,7 +97,7 @@ Proof.
 apply/row_matrixP=> i; rewrite row_mul row_observability_matrix -mulmxA mulmxE -exprSr.
 have [->|not_last] := eqVneq i ord_max.
   rewrite row_companion_last -[LHS]subr0 -{1}(mulmx0 _ C) -(Cayley_Hamilton A).
-  rewrite horner_mx_monic ?char_poly_monic ?size_char_poly //.
+  rewrite (@horner_mx_monic _ _ _ n) ?char_poly_monic ?size_char_poly //.
   rewrite mulmxDr opprD addrA subrr sub0r mulmx_sumr; congr (- _).
   by apply: eq_bigr => j _; rewrite row_observability_matrix -scalemxAr.
 have next : (i.+1 < n)%N by rewrite ltnS ltn_neqAle -ltnS ltn_ord andbT.

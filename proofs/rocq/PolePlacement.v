@@ -58,7 +58,7 @@ have first_column (j : nat) : (j <= order)%N -> w *m A ^+ j *m B = (j == order)%
   by case: (j == order).
 have gain : K = - (w *m A ^+ n + \sum_(j < n) p`_j *: (w *m A ^+ j)).
   rewrite /K /ackermann -/w; congr (- _).
-  rewrite horner_mx_monic // mulmxDr mulmx_sumr; congr (_ + _).
+  rewrite (@horner_mx_monic _ _ _ n) // mulmxDr mulmx_sumr; congr (_ + _).
   by apply: eq_bigr => j _; rewrite -scalemxAr.
 pose T : 'M[R]_n := \matrix_i (w *m A ^+ i).
 have row_T (i : 'I_n) : row i T = w *m A ^+ i by rewrite rowK.
