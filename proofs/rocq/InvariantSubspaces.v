@@ -43,6 +43,18 @@ rewrite [b]mx11_scalar mul_scalar_mx => /eqP; rewrite scaler_eq0 => /orP[/eqP b0
 by case/negP: nz_b; rewrite [b]mx11_scalar b0 raddf0.
 Qed.
 
+(* The kernel of V_1 is invariant under X, and V_2 carries it into an unobservable subspace. *)
+Lemma kernel_moves m (w : 'M[R]_(n, m)) p : controllable A B -> V_1 *m w = 0 ->
+  V_1 *m (horner_mx X p *m w) = 0 /\
+  V_2 *m (horner_mx X p *m w) = horner_mx A_c p *m (V_2 *m w).
+Proof.
+move=> c w0; elim/poly_ind: p => [|p a [IH1 IH2]]; first by rewrite !rmorph0 !mul0mx !mulmx0.
+have [step1 step2 _] := kernel_is_unseen c IH1.
+rewrite [p * 'X]mulrC !rmorphD !rmorphM /= !horner_mx_X !horner_mx_C -!mulmxE !mulmxDl.
+rewrite !mulmxDr -!mulmxA !mul_scalar_mx -!scalemxAr step1 step2 w0 scaler0 addr0 IH2.
+by rewrite mulmxA.
+Qed.
+
 (* With an observable compensator the kernel is 0. *)
 Theorem upper_part_is_invertible : controllable A B -> observable A_c C_c ->
   \rank (col_mx V_1 V_2) = n -> V_1 \in unitmx.
@@ -53,11 +65,8 @@ move=> c o full; have free (W : 'M[R]_n) : V_1 *m W = 0 -> V_2 *m W = 0 -> W = 0
 rewrite -row_full_unit -cokermx_eq0; apply/eqP; set W := cokermx V_1.
 have W0 : V_1 *m W = 0 by apply: mulmx_coker.
 apply: free => //; have /observableP only_zero := o; apply: only_zero => k.
-suff [X0 shift] : V_1 *m (X ^+ k *m W) = 0 /\ V_2 *m (X ^+ k *m W) = A_c ^+ k *m (V_2 *m W).
-  by have [_ _] := kernel_is_unseen c X0; rewrite shift mulmxA.
-elim: k => [|k [IH1 IH2]]; first by rewrite !expr0 !mul1mx.
-have [step1 step2 _] := kernel_is_unseen c IH1.
-by rewrite !exprS -!mulmxE -!mulmxA step1 step2 IH2.
+have [zero moved] := kernel_moves 'X^k c W0; have [_ _] := kernel_is_unseen c zero.
+by rewrite moved rmorphX /= horner_mx_X !mulmxA.
 Qed.
 End KernelOfTheUpperPart.
 

@@ -10,6 +10,18 @@ Variables (R : fieldType) (order : nat).
 Local Notation n := order.+1.
 Implicit Types (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
 
+Lemma horner_mx_wide A m (p : {poly R}) : (size p <= m)%N ->
+  horner_mx A p = \sum_(k < m) p`_k *: A ^+ k.
+Proof.
+move=> deg_p; have -> : p = \sum_(k < m) p`_k *: 'X^k.
+  rewrite -poly_def; apply/polyP=> k; rewrite coef_poly.
+  by case: ltnP => // above; rewrite nth_default // (leq_trans deg_p).
+rewrite rmorph_sum /=; apply: eq_bigr => k _.
+rewrite linearZ /= rmorphX /= horner_mx_X; congr (_ *: _).
+rewrite coef_sum (bigD1 k) //= coefZ coefXn eqxx mulr1 big1 ?addr0 // => j ne_j.
+by rewrite coefZ coefXn eq_sym (inj_eq val_inj) (negPf ne_j) mulr0.
+Qed.
+
 Lemma power_similar (T A A' : 'M[R]_n) k : A *m T = T *m A' -> A ^+ k *m T = T *m A' ^+ k.
 Proof.
 move=> similar; elim: k => [|k IH]; first by rewrite !expr0 mul1mx mulmx1.
@@ -20,6 +32,12 @@ Lemma transpose_power A k : (A ^+ k)^T = A^T ^+ k.
 Proof.
 elim: k => [|k IH]; first by rewrite !expr0 trmx1.
 by rewrite exprS -mulmxE trmx_mul IH exprSr -mulmxE.
+Qed.
+
+Lemma horner_mx_transpose A (p : {poly R}) : (horner_mx A p)^T = horner_mx A^T p.
+Proof.
+rewrite !(@horner_mx_wide _ (size p)) // linear_sum /=.
+by apply: eq_bigr => k _; rewrite linearZ /= transpose_power.
 Qed.
 
 Lemma row_observability_matrix A C i : row i (observability_matrix A C) = C *m A ^+ i.
@@ -48,18 +66,6 @@ Proof. by case=> c o; split; rewrite ?duality ?trmxK // -duality. Qed.
 Lemma times_controllability_matrix m (eta : 'M[R]_(m, n)) A B i (j : 'I_n) :
   (eta *m controllability_matrix A B) i j = (eta *m A ^+ j *m B) i 0.
 Proof. by rewrite -mulmxA !mxE; apply: eq_bigr => k _; rewrite [controllability_matrix _ _ _ _]mxE. Qed.
-
-Lemma horner_mx_wide A m (p : {poly R}) : (size p <= m)%N ->
-  horner_mx A p = \sum_(k < m) p`_k *: A ^+ k.
-Proof.
-move=> deg_p; have -> : p = \sum_(k < m) p`_k *: 'X^k.
-  rewrite -poly_def; apply/polyP=> k; rewrite coef_poly.
-  by case: ltnP => // above; rewrite nth_default // (leq_trans deg_p).
-rewrite rmorph_sum /=; apply: eq_bigr => k _.
-rewrite linearZ /= rmorphX /= horner_mx_X; congr (_ *: _).
-rewrite coef_sum (bigD1 k) //= coefZ coefXn eqxx mulr1 big1 ?addr0 // => j ne_j.
-by rewrite coefZ coefXn eq_sym (inj_eq val_inj) (negPf ne_j) mulr0.
-Qed.
 
 Lemma horner_mx_monic A m (p : {poly R}) : p \is monic -> degree_is p m ->
   horner_mx A p = A ^+ m + \sum_(k < m) p`_k *: A ^+ k.

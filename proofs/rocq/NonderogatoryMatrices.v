@@ -64,24 +64,29 @@ move/eqP; rewrite mulf_eq0 (negPf nz_p) orbF => /eqP/(congr1 (@poly_rV _ d)).
 by rewrite rVpolyK linear0.
 Qed.
 
-(* The kernel of p(M) has dimension at most deg p. *)
-Theorem rank_of_polynomial M p : nonderogatory M -> p != 0 -> ((size p).-1 <= n)%N ->
+(* The kernel of p(M) has dimension at most deg p, for every p. *)
+Definition small_kernels M := forall p, p != 0 -> ((size p).-1 <= n)%N ->
   (n - (size p).-1 <= \rank (horner_mx M p))%N.
+
+Theorem nonderogatory_small_kernels M : nonderogatory M -> small_kernels M.
 Proof.
-case=> b cyclic nz_p small.
+case=> b cyclic p nz_p small.
 rewrite -(@rank_orbit M b p (n - (size p).-1)) ?subnK //.
 by rewrite orbit_polynomial mxrankM_maxl.
 Qed.
 
+Lemma small_kernels_transpose M : small_kernels M -> small_kernels M^T.
+Proof. by move=> small p nz_p deg_p; rewrite -horner_mx_transpose mxrank_tr small. Qed.
+
 (* A subspace that p(M) sends to 0 and that has dimension deg p is the whole kernel. *)
 Theorem kernel_of_polynomial M p d m (V : 'M[R]_(n, d)) (xi : 'M[R]_(n, m)) :
-  nonderogatory M -> degree_is p d -> (d <= n)%N -> \rank V = d ->
+  small_kernels M -> degree_is p d -> (d <= n)%N -> \rank V = d ->
   horner_mx M p *m V = 0 -> horner_mx M p *m xi = 0 -> exists eta, xi = V *m eta.
 Proof.
-move=> cyclic deg_p d_n rank_V zero_V zero_xi.
+move=> small_M deg_p d_n rank_V zero_V zero_xi.
 have nz_p : p != 0 by rewrite -size_poly_gt0 deg_p.
 have large : (n - d <= \rank (horner_mx M p))%N.
-  by have := rank_of_polynomial cyclic nz_p; rewrite deg_p; apply.
+  by have := small_M p nz_p; rewrite deg_p; apply.
 have : (\rank (row_mx V xi) <= d)%N.
   have := mulmx0_rank_max (_ : horner_mx M p *m row_mx V xi = 0).
   rewrite mul_mx_row zero_V zero_xi row_mx0 => /(_ erefl).
@@ -121,5 +126,35 @@ exists (orbit M c d.+1), (companion d.+1 p)^T; split.
   have next : (i.+1 < d.+1)%N by rewrite ltnS ltn_neqAle -ltnS ltn_ord andbT.
   by rewrite (@row_companion_next _ _ _ _ _ i (Ordinal next)) // row_O.
 by rewrite char_poly_tr char_poly_companion // deg_p.
+Qed.
+(* Where g divides the characteristic polynomial of Z and is not constant, g(Z) is singular:
+   g(s) I - g(Z) is a multiple of sI - Z. *)
+Lemma common_factor_is_singular d (Z : 'M[R]_d.+1) g : g %| char_poly Z -> (1 < size g)%N ->
+  \det (horner_mx Z g) = 0.
+Proof.
+move=> divides nonconstant.
+have [Q factor] : exists Q, g%:M - map_mx polyC (horner_mx Z g) = char_poly_mx Z *m Q.
+  elim/poly_ind: g {divides nonconstant} => [|g a [Q IH]].
+    by exists 0; rewrite [horner_mx Z 0]rmorph0 map_mx0 raddf0 subrr mulmx0.
+  exists ('X *: Q + map_mx polyC (horner_mx Z g)).
+  have -> : horner_mx Z (g * 'X + a%:P) = Z *m horner_mx Z g + a%:M.
+    by rewrite mulrC rmorphD rmorphM /= horner_mx_X horner_mx_C mulmxE.
+  rewrite map_mxD map_mxM map_scalar_mx mulmxDr -scalemxAr -IH /char_poly_mx mulmxBl.
+  rewrite mul_scalar_mx scalerBr scale_scalar_mx raddfD /= [g * 'X]mulrC.
+  by rewrite opprD addrACA subrr addr0 addrA subrK.
+set chi := char_poly (horner_mx Z g).
+have composed : chi \Po g = char_poly Z * \det Q.
+  rewrite -det_mulmx -factor /chi /char_poly -[_ \Po g]/(comp_poly_rmorphism g _) -det_map_mx.
+  congr (\det _); rewrite /char_poly_mx map_mxB map_scalar_mx /= comp_polyX; congr (_ - _).
+  by apply/matrixP=> i j; rewrite !mxE /= comp_polyC.
+have : g %| chi \Po g - chi.[0]%:P.
+  rewrite -[X in _ - X](comp_polyC _ g) -linearB /= -{1}[g]comp_polyX dvdp_comp_poly //.
+  by rewrite -['X]subr0 -(polyC0 R) dvdp_XsubCl rootE !hornerE subrr.
+rewrite dvdp_subr ?composed ?dvdp_mulr // => small.
+have : chi.[0] = 0.
+  apply: contraTeq small => nz; rewrite gtNdvdp ?polyC_eq0 //.
+  by rewrite size_polyC nz.
+rewrite horner_coef0 char_poly_det => /eqP.
+by rewrite mulf_eq0 signr_eq0 => /eqP.
 Qed.
 End Nonderogatory.

@@ -1,0 +1,193 @@
+(* Compensators with hidden modes. A choice of regulator's polynomial p_R gives an observer-based
+   form if and only if p_R has no unobservable mode of the compensator and the observer's polynomial
+   p_O no uncontrollable one. *)
+From mathcomp Require Import all_ssreflect all_algebra zify.
+From Compensators Require Import Vocabulary Matrices Kalman Coprimeness InvariantSubspaces Forms.
+From Compensators Require Import NonderogatoryMatrices.
+Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
+Import GRing.Theory.
+Local Open Scope ring_scope.
+
+(* The characteristic polynomial of A on its unobservable subspace. The columns of x are a basis. *)
+Definition is_unobservable_polynomial (R : fieldType) order (A : 'M[R]_order.+1) (C : 'rV[R]_order.+1)
+    (u : {poly R}) :=
+  exists d (x : 'M[R]_(order.+1, d)) (Z : 'M[R]_d),
+    [/\ \rank x = d, A *m x = x *m Z, u = char_poly Z &
+        forall m (v : 'M[R]_(order.+1, m)),
+          (forall k, C *m A ^+ k *m v = 0) <-> exists y, v = x *m y].
+
+(* Its dual: the modes that the input does not reach. *)
+Definition is_uncontrollable_polynomial (R : fieldType) order (A : 'M[R]_order.+1)
+    (B : 'cV[R]_order.+1) (c : {poly R}) := is_unobservable_polynomial A^T B^T c.
+
+Section UnobservablePolynomial.
+Variables (R : fieldType) (order : nat).
+Local Notation n := order.+1.
+Variables (A : 'M[R]_n) (C : 'rV[R]_n).
+
+Lemma unobservable_annihilated u m (v : 'M[R]_(n, m)) : is_unobservable_polynomial A C u ->
+  (forall k, C *m A ^+ k *m v = 0) -> horner_mx A u *m v = 0.
+Proof.
+case=> -[|d] [x [Z [_ invariant -> spanned]]] /spanned[y ->].
+  by rewrite (flatmx0 y) mulmx0 mulmx0.
+by rewrite mulmxA (horner_mx_columns _ invariant) Cayley_Hamilton mulmx0 mul0mx.
+Qed.
+
+(* Every pair has one. *)
+Theorem unobservable_polynomial_exists : exists u, is_unobservable_polynomial A C u.
+Proof.
+pose O := observability_matrix A C; pose x := (row_base (kermx O^T))^T.
+have Ox : O *m x = 0.
+  apply: (can_inj (@trmxK _ _ _)); rewrite trmx_mul trmxK trmx0.
+  by apply/sub_kermxP; rewrite eq_row_base.
+have unseen k : C *m A ^+ k *m x = 0.
+  apply: (can_inj (@trmxK _ _ _)); rewrite !trmx_mul transpose_power trmxK trmx0 mulmxA.
+  have : x^T *m controllability_matrix A^T C^T = 0.
+    by rewrite controllability_matrix_dual -trmx_mul Ox trmx0.
+  by move/all_powers/(_ 'X^k); rewrite rmorphX /= horner_mx_X /x trmxK.
+have spanned m (v : 'M[R]_(n, m)) : (forall k, C *m A ^+ k *m v = 0) -> exists y, v = x *m y.
+  move=> zero; have Ov : O *m v = 0.
+    by apply/row_matrixP=> i; rewrite row_mul row_observability_matrix zero row0.
+  have /submxP[D ED] : (v^T <= row_base (kermx O^T))%MS.
+    by rewrite eq_row_base; apply/sub_kermxP; rewrite -trmx_mul Ov trmx0.
+  by exists D^T; rewrite /x -trmx_mul -ED trmxK.
+have [|Z invariant] := spanned _ (A *m x).
+  by move=> k; rewrite !mulmxA -[_ *m A ^+ k *m A]mulmxA mulmxE -exprSr unseen.
+exists (char_poly Z), (\rank (kermx O^T)), x, Z; split=> //.
+  by rewrite /x mxrank_tr; have := row_base_free (kermx O^T) => /eqP.
+move=> m v; split; first exact: spanned.
+by case=> y -> k; rewrite mulmxA unseen mul0mx.
+Qed.
+End UnobservablePolynomial.
+
+(* The upper part of an invariant subspace is invertible where its polynomial has no unobservable
+   mode of the compensator. *)
+Section UpperPart.
+Variables (R : fieldType) (order order_c : nat).
+Local Notation n := order.+1.
+Local Notation n_c := order_c.+1.
+Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
+Variables (A_c : 'M[R]_n_c) (B_c : 'cV[R]_n_c) (C_c : 'rV[R]_n_c).
+Variables (V_1 : 'M[R]_n) (V_2 : 'M[R]_(n_c, n)) (X : 'M[R]_n) (u : {poly R}).
+Hypothesis upper : A *m V_1 + B *m C_c *m V_2 = V_1 *m X.
+Hypothesis lower : B_c *m C *m V_1 + A_c *m V_2 = V_2 *m X.
+
+Theorem coprime_upper_part : controllable A B -> is_unobservable_polynomial A_c C_c u ->
+  coprimep (char_poly X) u -> \rank (col_mx V_1 V_2) = n -> V_1 \in unitmx.
+Proof.
+move=> c unobservable coprime_u full.
+have free (W : 'M[R]_n) : V_1 *m W = 0 -> V_2 *m W = 0 -> W = 0.
+  move=> W1 W2; have full_V : row_full (col_mx V_1 V_2) by rewrite /row_full full.
+  by apply: (row_full_inj full_V); rewrite mulmx0 mul_col_mx W1 W2 col_mx0.
+rewrite -row_full_unit -cokermx_eq0; apply/eqP; set W := cokermx V_1.
+have W0 : V_1 *m W = 0 by apply: mulmx_coker.
+have shift p : V_1 *m (horner_mx X p *m W) = 0 /\
+    V_2 *m (horner_mx X p *m W) = horner_mx A_c p *m (V_2 *m W).
+  by apply: (kernel_moves upper lower p c W0).
+have unseen k : C_c *m A_c ^+ k *m (V_2 *m W) = 0.
+  have [zero moved] := shift 'X^k; have [_ _] := kernel_is_unseen upper lower c zero.
+  by rewrite moved rmorphX /= horner_mx_X !mulmxA.
+apply: (can_inj (@trmxK _ _ _)); rewrite trmx0.
+apply: (coprime_annihilators (A := X^T) coprime_u).
+  by rewrite -char_poly_tr Cayley_Hamilton mulmx0.
+have [zero_1 zero_2] := shift u.
+rewrite (unobservable_annihilated unobservable unseen) in zero_2.
+have := congr1 trmx (free _ zero_1 zero_2); rewrite trmx_mul trmx0 => zero.
+by rewrite -[horner_mx _ u]trmxK horner_mx_transpose trmxK.
+Qed.
+End UpperPart.
+
+Section FullOrder.
+Variables (R : fieldType) (order : nat).
+Local Notation n := order.+1.
+Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
+Variables (A_c : 'M[R]_n) (B_c : 'cV[R]_n) (C_c : 'rV[R]_n).
+Variables (u c : {poly R}).
+Local Notation Atilde := (closed_loop A B C A_c B_c C_c).
+Hypotheses (minimal_plant : minimal A B C).
+Hypothesis unobservable : is_unobservable_polynomial A_c C_c u.
+Hypothesis uncontrollable : is_uncontrollable_polynomial A_c B_c c.
+
+(* Beside an invariant graph x_c = T x the rows [-T I] are invariant, with the matrix Y of the
+   observer's error. *)
+Section Graph.
+Variables (T X : 'M[R]_n).
+Hypothesis invariant : Atilde *m col_mx 1%:M T = col_mx 1%:M T *m X.
+Let Y := A_c - T *m B *m C_c.
+
+Lemma graph_acts : A + B *m C_c *m T = X.
+Proof. by have [] := invariant_blocks invariant; rewrite mulmx1 mul1mx. Qed.
+
+Lemma rows_are_invariant : - (T *m A) + B_c *m C = - (Y *m T).
+Proof.
+have [_] := invariant_blocks invariant; rewrite mulmx1 => lower.
+have -> : B_c *m C = T *m X - A_c *m T by rewrite -lower addrK.
+rewrite -graph_acts mulmxDr mulmxBl opprB !mulmxA.
+by move: (T *m A) (T *m B *m C_c *m T) (A_c *m T) => a b e; rewrite -addrA addKr.
+Qed.
+
+Lemma graph_splits_spectrum : char_poly Atilde = char_poly X * char_poly Y.
+Proof.
+rewrite -(char_poly_upper _ (B *m C_c)).
+apply: (@char_poly_similar _ _ (block_mx 1%:M 0 (- T) 1%:M)).
+  by rewrite det_lblock !det1 mulr1 oner_neq0.
+rewrite /closed_loop !mulmx_block !mul1mx !mul0mx !mulmx1 !mulmx0 !addr0 !add0r !mulNmx !mulmxN.
+congr block_mx; first by rewrite -graph_acts addrK.
+  exact: rows_are_invariant.
+by rewrite addrC mulmxA.
+Qed.
+
+Lemma dual_upper : A^T *m (- T^T) + C^T *m B_c^T *m 1%:M = - T^T *m Y^T.
+Proof.
+have := congr1 trmx rows_are_invariant; rewrite [LHS]linearD [RHS]linearN /=.
+by rewrite [(- (T *m A))^T]linearN /= !trmx_mul mulmxN mulNmx mulmx1.
+Qed.
+
+Lemma dual_lower : C_c^T *m B^T *m (- T^T) + A_c^T *m 1%:M = 1%:M *m Y^T.
+Proof.
+rewrite mulmx1 mul1mx mulmxN /Y [in RHS]linearB /= !trmx_mul mulmxA.
+by rewrite addrC.
+Qed.
+End Graph.
+
+(* If: no hidden mode on the wrong side. *)
+Theorem coprime_modes_give_form V_1 V_2 (X : 'M[R]_n) p_O :
+  Atilde *m col_mx V_1 V_2 = col_mx V_1 V_2 *m X -> \rank (col_mx V_1 V_2) = n ->
+  char_poly Atilde = char_poly X * p_O -> coprimep (char_poly X) u -> coprimep p_O c ->
+  exists T K F, observer_form A B C A_c B_c C_c T K F /\ char_poly (A + B *m K) = char_poly X.
+Proof.
+move=> invariant full factored coprime_R coprime_O; have [ctrb obsv] := minimal_plant.
+have [upper lower] := invariant_blocks invariant.
+have unit_1 : V_1 \in unitmx := coprime_upper_part upper lower ctrb unobservable coprime_R full.
+have [T TV] : exists T, T *m V_1 = V_2 by exists (V_2 *m invmx V_1); rewrite mulmxKV.
+(* the same subspace as a graph, on which the loop acts as Y *)
+pose Y := V_1 *m X *m invmx V_1.
+have graph : Atilde *m col_mx 1%:M T = col_mx 1%:M T *m Y.
+  have -> : col_mx 1%:M T = col_mx V_1 V_2 *m invmx V_1.
+    by rewrite mul_col_mx mulmxV // -TV mulmxK.
+  rewrite mulmxA invariant /Y -!mulmxA; congr (_ *m _).
+  by rewrite [invmx V_1 *m (V_1 *m _)]mulmxA mulVmx // mul1mx.
+have same : char_poly Y = char_poly X.
+  apply: (@char_poly_similar _ _ (invmx V_1)); last by rewrite /Y !mulmxA mulVmx // mul1mx.
+  by rewrite -unitfE -unitmxE unitmx_inv.
+have observer : p_O = char_poly (A_c - T *m B *m C_c).
+  apply: (mulfI (monic_neq0 (char_poly_monic X))).
+  by rewrite -factored (graph_splits_spectrum graph) same.
+(* duality: the rows [-T I] are invariant from the left *)
+have unit_T : T \in unitmx.
+  have ctrb_dual : controllable A^T C^T by rewrite -duality.
+  suff : - T^T \in unitmx by rewrite -scaleN1r unitmxZ ?unitrN1 // unitmx_tr.
+  apply: (@coprime_upper_part _ _ _ A^T C^T B^T A_c^T C_c^T B_c^T (- T^T) 1%:M
+    (A_c - T *m B *m C_c)^T c) => //.
+  - exact: dual_upper graph.
+  - exact: dual_lower.
+  - by rewrite char_poly_tr -observer.
+  have full_1 : (\rank (1%:M : 'M[R]_n) <= \rank (col_mx (- T^T) 1%:M))%N.
+    by rewrite mxrankS // -addsmxE addsmxSr.
+  by rewrite mxrank1 in full_1; apply/eqP; rewrite eqn_leq rank_leq_col.
+have unit_2 : V_2 \in unitmx by rewrite -TV unitmx_mul unit_T.
+have [T' [K [F [formed _ regulator]]]] := invertible_parts_give_form invariant unit_1 unit_2.
+exists T', K, F; split=> //; apply/esym/(char_poly_similar _ (esym regulator)).
+by rewrite -unitfE -unitmxE.
+Qed.
+End FullOrder.
