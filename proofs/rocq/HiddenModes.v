@@ -191,3 +191,53 @@ exists T', K, F; split=> //; apply/esym/(char_poly_similar _ (esym regulator)).
 by rewrite -unitfE -unitmxE.
 Qed.
 End FullOrder.
+
+(* Only if. *)
+Section Necessity.
+Variables (R : fieldType) (order : nat).
+Local Notation n := order.+1.
+Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
+Variables (A_c : 'M[R]_n) (B_c : 'cV[R]_n) (C_c : 'rV[R]_n) (u : {poly R}).
+Let Atilde : 'M[R]_((order + n).+1) := closed_loop A B C A_c B_c C_c.
+
+(* An unobservable mode of the compensator is one of the loop, and x is not excited in it. In the
+   kernel of p_R(A~) it would lie in the graph of T, which holds no [0; xi]. *)
+Theorem regulator_has_no_unobservable_mode T K F :
+  is_unobservable_polynomial A_c C_c u -> small_kernels Atilde ->
+  observer_form A B C A_c B_c C_c T K F -> coprimep (char_poly (A + B *m K)) u.
+Proof.
+case=> -[|d] [x [Z [rank_x invariant -> unseen]]] small formed.
+  by rewrite /char_poly det_mx00 coprimep1.
+set p_R := char_poly _; rewrite coprimep_def eqn_leq andbC lt0n size_poly_eq0 gcdp_eq0 negb_and.
+rewrite monic_neq0 ?char_poly_monic //= leqNgt; apply/negP=> nonconstant.
+have [[_ _] acts] := form_gives_invariant_subspace formed.
+have [full _] := (form_gives_invariant_subspace formed).1.
+have singular := common_factor_is_singular (dvdp_gcdr p_R (char_poly Z)) nonconstant.
+have [y nz_y zero_y] : exists2 y : 'cV[R]_d.+1, y != 0 & horner_mx Z p_R *m y = 0.
+  have : (horner_mx Z (gcdp p_R (char_poly Z)))^T \notin unitmx.
+    by rewrite unitmx_tr unitmxE unitfE singular eqxx.
+  rewrite -row_free_unit -kermx_eq0 => /rowV0Pn[v /sub_kermxP zero nz_v].
+  exists v^T; first by rewrite -(inj_eq (can_inj (@trmxK _ _ _))) trmxK trmx0.
+  have /dvdpP[q ->] := dvdp_gcdl p_R (char_poly Z).
+  by rewrite rmorphM /= -mulmxE -mulmxA -[_ *m v^T]trmxK trmx_mul trmxK zero trmx0 mulmx0.
+pose hidden := col_mx (0 : 'M[R]_(n, d.+1)) x; pose V := col_mx (1%:M : 'M[R]_n) T.
+have hidden_invariant : closed_loop A B C A_c B_c C_c *m hidden = hidden *m Z.
+  have [_ zero] := unseen _ x; have {}zero : C_c *m x = 0.
+    by have := zero (ex_intro _ 1%:M (esym (mulmx1 x))) 0%N; rewrite expr0 mulmx1.
+  by rewrite mul_block_col mul_col_mx !mulmx0 !add0r mul0mx -mulmxA zero mulmx0 invariant.
+have [eta] : exists eta, hidden *m y = V *m eta.
+  have polynomial_V : horner_mx Atilde p_R *m V = V *m horner_mx (A + B *m K) p_R.
+    exact: horner_mx_columns acts.
+  have polynomial_hidden : horner_mx Atilde p_R *m hidden = hidden *m horner_mx Z p_R.
+    exact: horner_mx_columns hidden_invariant.
+  apply: (kernel_of_polynomial small (p := p_R)) => //.
+  - by rewrite size_char_poly.
+  - by apply: leqW; apply: leq_addl.
+  - by rewrite polynomial_V Cayley_Hamilton mulmx0.
+  by rewrite mulmxA polynomial_hidden -mulmxA zero_y mulmx0.
+rewrite !mul_col_mx mul0mx mul1mx => /eq_col_mx[<-]; rewrite mulmx0 => xy.
+case/negP: nz_y; apply/eqP; apply: (can_inj (@trmxK _ _ _)); rewrite trmx0.
+have free : row_free x^T by rewrite /row_free mxrank_tr rank_x.
+by apply: (row_free_inj free); rewrite mul0mx -trmx_mul xy trmx0.
+Qed.
+End Necessity.
