@@ -241,3 +241,69 @@ have free : row_free x^T by rewrite /row_free mxrank_tr rank_x.
 by apply: (row_free_inj free); rewrite mul0mx -trmx_mul xy trmx0.
 Qed.
 End Necessity.
+
+Section Rule.
+Variables (R : fieldType) (order : nat).
+Local Notation n := order.+1.
+Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
+Variables (A_c : 'M[R]_n) (B_c : 'cV[R]_n) (C_c : 'rV[R]_n) (u c : {poly R}).
+Let Atilde : 'M[R]_((order + n).+1) := closed_loop A B C A_c B_c C_c.
+
+(* Transposed, regulator and observer change places. *)
+Lemma dual_form T K F : observer_form A B C A_c B_c C_c T K F ->
+  observer_form A^T C^T B^T A_c^T C_c^T B_c^T (- (invmx T)^T) (- F^T) (- K^T).
+Proof.
+case=> unit_T <- inputs similar; split.
+- by rewrite -scaleN1r unitmxZ ?unitrN1 // unitmx_tr unitmx_inv.
+- by rewrite mulmxN -trmx_mul -inputs mulKmx.
+- by rewrite mulNmx mulmxN opprK -trmx_mul mulmxK.
+rewrite mulmxN mulNmx -trmx_mul; congr (- _).
+have -> : observer_matrix A^T C^T B^T (- F^T) (- (C_c *m T)^T)
+        = (observer_matrix A B C (C_c *m T) F)^T.
+  rewrite /observer_matrix mulmxN mulNmx opprK.
+  have -> : (A + B *m (C_c *m T) - F *m C)^T = A^T + (B *m (C_c *m T))^T - (F *m C)^T.
+    by rewrite [LHS]linearB [X in X - _]linearD.
+  by rewrite (trmx_mul F) (trmx_mul B) addrAC.
+by rewrite -trmx_mul; congr (_^T); rewrite -[A_c](mulmxK unit_T) similar -!mulmxA mulKmx.
+Qed.
+
+Theorem observer_has_no_uncontrollable_mode T K F :
+  is_uncontrollable_polynomial A_c B_c c -> small_kernels Atilde ->
+  observer_form A B C A_c B_c C_c T K F -> coprimep (char_poly (A - F *m C)) c.
+Proof.
+move=> uncontrollable small formed.
+have := regulator_has_no_unobservable_mode uncontrollable _ (dual_form formed).
+rewrite mulmxN -trmx_mul -linearB /= char_poly_tr; apply.
+have -> : closed_loop A^T C^T B^T A_c^T C_c^T B_c^T = (closed_loop A B C A_c B_c C_c)^T.
+  by rewrite /closed_loop tr_block_mx !trmx_mul.
+exact: small_kernels_transpose.
+Qed.
+
+Hypotheses (minimal_plant : minimal A B C) (cyclic : nonderogatory Atilde).
+Hypothesis unobservable : is_unobservable_polynomial A_c C_c u.
+Hypothesis uncontrollable : is_uncontrollable_polynomial A_c B_c c.
+
+(* The hidden-mode rule. *)
+Theorem hidden_mode_rule p_R p_O : p_R \is monic -> degree_is p_R n ->
+  char_poly Atilde = p_R * p_O ->
+  (exists T K F, observer_form A B C A_c B_c C_c T K F /\ char_poly (A + B *m K) = p_R)
+  <-> coprimep p_R u /\ coprimep p_O c.
+Proof.
+move=> monic_R deg_R factored; have small := nonderogatory_small_kernels cyclic.
+split=> [[T [K [F [formed regulator]]]]|[coprime_R coprime_O]].
+  rewrite -regulator (regulator_has_no_unobservable_mode unobservable small formed).
+  have observer : p_O = char_poly (A - F *m C).
+    apply: (mulfI (monic_neq0 monic_R)); rewrite -factored -regulator.
+    exact: form_splits_spectrum formed.
+  by rewrite observer (observer_has_no_uncontrollable_mode uncontrollable small formed).
+have nz_O : p_O != 0.
+  apply: contraTneq (monic_neq0 (char_poly_monic Atilde)) => p_O0.
+  by rewrite factored p_O0 mulr0 eqxx.
+have [V [X [rank_V invariant regulator]]] :=
+  invariant_subspace_of_divisor cyclic monic_R deg_R nz_O factored.
+have [V_1 [V_2 EV]] : exists (V_1 V_2 : 'M[R]_n), V = col_mx V_1 V_2.
+  by exists (usubmx (V : 'M_(n + n, _))), (dsubmx (V : 'M_(n + n, _))); rewrite vsubmxK.
+rewrite EV in rank_V invariant; rewrite -regulator in factored coprime_R *.
+exact: (coprime_modes_give_form minimal_plant unobservable uncontrollable invariant rank_V factored coprime_R coprime_O).
+Qed.
+End Rule.
