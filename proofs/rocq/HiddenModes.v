@@ -83,9 +83,9 @@ rewrite -row_full_unit -cokermx_eq0; apply/eqP; set W := cokermx V_1.
 have W0 : V_1 *m W = 0 by apply: mulmx_coker.
 have shift p : V_1 *m (horner_mx X p *m W) = 0 /\
     V_2 *m (horner_mx X p *m W) = horner_mx A_c p *m (V_2 *m W).
-  by apply: (kernel_moves upper lower p c W0).
+  by apply: (kernel_moves (leqnn _) upper lower p c W0).
 have unseen k : C_c *m A_c ^+ k *m (V_2 *m W) = 0.
-  have [zero moved] := shift 'X^k; have [_ _] := kernel_is_unseen upper lower c zero.
+  have [zero moved] := shift 'X^k; have [_ _] := kernel_is_unseen (leqnn _) upper lower c zero.
   by rewrite moved rmorphX /= horner_mx_X !mulmxA.
 apply: (can_inj (@trmxK _ _ _)); rewrite trmx0.
 apply: (coprime_annihilators (A := X^T) coprime_u).

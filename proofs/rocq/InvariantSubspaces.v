@@ -5,20 +5,23 @@ Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive
 Import GRing.Theory.
 Local Open Scope ring_scope.
 
-(* One side of the argument, for a compensator of any order n_c >= 1. V = [V_1; V_2]. *)
+(* One side of the argument, for a compensator of any order n_c >= 1 and a subspace of any dimension
+   d <= n. V = [V_1; V_2]. *)
 Section KernelOfTheUpperPart.
-Variables (R : fieldType) (order order_c : nat).
+Variables (R : fieldType) (order order_c dimension : nat).
 Local Notation n := order.+1.
 Local Notation n_c := order_c.+1.
 Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
 Variables (A_c : 'M[R]_n_c) (B_c : 'cV[R]_n_c) (C_c : 'rV[R]_n_c).
-Variables (V_1 : 'M[R]_n) (V_2 : 'M[R]_(n_c, n)) (X : 'M[R]_n).
+Local Notation d := dimension.+1.
+Variables (V_1 : 'M[R]_(n, d)) (V_2 : 'M[R]_(n_c, d)) (X : 'M[R]_d).
+Hypothesis d_n : (d <= n)%N.
 Hypothesis upper : A *m V_1 + B *m C_c *m V_2 = V_1 *m X.
 Hypothesis lower : B_c *m C *m V_1 + A_c *m V_2 = V_2 *m X.
 
 (* Only if V_1 is singular can some w be in its kernel. Then a left vector eta with eta V_1 = 0 and
    eta B = 1 exists, by controllability, and gives C_c V_2 = -eta A V_1, which vanishes on w. *)
-Lemma kernel_is_unseen m (w : 'M[R]_(n, m)) : controllable A B -> V_1 *m w = 0 ->
+Lemma kernel_is_unseen m (w : 'M[R]_(d, m)) : controllable A B -> V_1 *m w = 0 ->
   [/\ V_1 *m (X *m w) = 0, V_2 *m (X *m w) = A_c *m (V_2 *m w) & C_c *m (V_2 *m w) = 0].
 Proof.
 move=> c w0; suff unseen : C_c *m (V_2 *m w) = 0.
@@ -27,8 +30,11 @@ move=> c w0; suff unseen : C_c *m (V_2 *m w) = 0.
 set L := kermx V_1; have LV : L *m V_1 = 0 by apply: mulmx_ker.
 have [LB|] := eqVneq (L *m B) 0.
   suff L0 : L = 0.
-    have unit_V : V_1 \in unitmx by rewrite -row_free_unit -kermx_eq0 -/L L0.
-    by rewrite -(mulKmx unit_V w) w0 !mulmx0.
+    have free_V : row_free V_1 by rewrite -kermx_eq0 -/L L0.
+    have full_V : row_full V_1.
+      rewrite /row_full eqn_leq rank_leq_col (leq_trans d_n) //.
+      by move: free_V; rewrite /row_free => /eqP->.
+    by rewrite (row_full_inj full_V (_ : V_1 *m w = V_1 *m 0)) ?w0 !mulmx0.
   have /submxP[Y invariant] : (L *m A <= L)%MS.
     apply/sub_kermxP; rewrite -mulmxA (_ : A *m V_1 = V_1 *m X - B *m C_c *m V_2).
       by rewrite mulmxBr !mulmxA LV LB !mul0mx subr0.
@@ -44,7 +50,7 @@ by case/negP: nz_b; rewrite [b]mx11_scalar b0 raddf0.
 Qed.
 
 (* The kernel of V_1 is invariant under X, and V_2 carries it into an unobservable subspace. *)
-Lemma kernel_moves m (w : 'M[R]_(n, m)) p : controllable A B -> V_1 *m w = 0 ->
+Lemma kernel_moves m (w : 'M[R]_(d, m)) p : controllable A B -> V_1 *m w = 0 ->
   V_1 *m (horner_mx X p *m w) = 0 /\
   V_2 *m (horner_mx X p *m w) = horner_mx A_c p *m (V_2 *m w).
 Proof.
@@ -56,19 +62,22 @@ by rewrite mulmxA.
 Qed.
 
 (* With an observable compensator the kernel is 0. *)
-Theorem upper_part_is_invertible : controllable A B -> observable A_c C_c ->
-  \rank (col_mx V_1 V_2) = n -> V_1 \in unitmx.
+Theorem upper_part_is_injective : controllable A B -> observable A_c C_c ->
+  \rank (col_mx V_1 V_2) = d -> \rank V_1 = d.
 Proof.
-move=> c o full; have free (W : 'M[R]_n) : V_1 *m W = 0 -> V_2 *m W = 0 -> W = 0.
+move=> c o full; have free (W : 'M[R]_d) : V_1 *m W = 0 -> V_2 *m W = 0 -> W = 0.
   move=> W1 W2; have full_V : row_full (col_mx V_1 V_2) by rewrite /row_full full.
   by apply: (row_full_inj full_V); rewrite mulmx0 mul_col_mx W1 W2 col_mx0.
-rewrite -row_full_unit -cokermx_eq0; apply/eqP; set W := cokermx V_1.
+apply/eqP; rewrite -/(row_full _) -cokermx_eq0; apply/eqP; set W := cokermx V_1.
 have W0 : V_1 *m W = 0 by apply: mulmx_coker.
 apply: free => //; have /observableP only_zero := o; apply: only_zero => k.
 have [zero moved] := kernel_moves 'X^k c W0; have [_ _] := kernel_is_unseen c zero.
 by rewrite moved rmorphX /= horner_mx_X !mulmxA.
 Qed.
 End KernelOfTheUpperPart.
+
+Lemma square_injective (R : fieldType) n (V : 'M[R]_n) : \rank V = n -> V \in unitmx.
+Proof. by rewrite -row_full_unit /row_full => ->. Qed.
 
 Section FullOrder.
 Variables (R : fieldType) (order : nat).
@@ -110,10 +119,12 @@ Theorem invariant_subspace_gives_form V_1 V_2 (X : 'M[R]_n) :
     & char_poly (A + B *m K) = char_poly X].
 Proof.
 move=> [c o] [c_c o_c] full invariant; have [upper lower] := invariant_blocks invariant.
-have unit_1 : V_1 \in unitmx by apply: (upper_part_is_invertible upper lower).
+have unit_1 : V_1 \in unitmx.
+  exact/square_injective/(upper_part_is_injective (leqnn _) upper lower).
 have unit_2 : V_2 \in unitmx.
   (* plant and compensator change places *)
-  apply: (@upper_part_is_invertible _ _ _ A_c B_c C_c A B C V_2 V_1 X); rewrite 1?addrC //.
+  apply/square_injective/(@upper_part_is_injective _ _ _ _ A_c B_c C_c A B C V_2 V_1 X);
+    rewrite 1?addrC //.
   by rewrite -addsmxE addsmxC addsmxE.
 have [T [K [F [form TV regulator]]]] := invertible_parts_give_form invariant unit_1 unit_2.
 exists T, K, F; split=> //; apply/esym/(char_poly_similar _ (esym regulator)).
@@ -135,3 +146,38 @@ have : (\rank (1%:M : 'M[R]_n) <= \rank (col_mx 1%:M T))%N.
 by rewrite mxrank1 => full; apply/eqP; rewrite eqn_leq rank_leq_col.
 Qed.
 End FullOrder.
+
+(* A compensator of another order. An n-dimensional invariant subspace is the graph of an n_c x n
+   matrix T, and for n_c >= n the columns of T are independent: x_c holds T x. *)
+Section OtherOrders.
+Variables (R : fieldType) (order order_c : nat).
+Local Notation n := order.+1.
+Local Notation n_c := order_c.+1.
+Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
+Variables (A_c : 'M[R]_n_c) (B_c : 'cV[R]_n_c) (C_c : 'rV[R]_n_c).
+Variables (V_1 : 'M[R]_n) (V_2 : 'M[R]_(n_c, n)) (X : 'M[R]_n).
+
+Theorem invariant_subspace_is_a_graph : minimal A B C -> minimal A_c B_c C_c ->
+  \rank (col_mx V_1 V_2) = n ->
+  closed_loop A B C A_c B_c C_c *m col_mx V_1 V_2 = col_mx V_1 V_2 *m X ->
+  V_1 \in unitmx /\ exists T : 'M[R]_(n_c, n),
+    [/\ V_2 = T *m V_1, B_c *m C + A_c *m T = T *m (A + B *m (C_c *m T)),
+        char_poly (A + B *m (C_c *m T)) = char_poly X & (n <= n_c)%N -> \rank T = n].
+Proof.
+move=> [c o] [c_c o_c] full; rewrite mul_block_col mul_col_mx => /eq_col_mx[upper lower].
+have unit_1 : V_1 \in unitmx.
+  exact/square_injective/(upper_part_is_injective (leqnn _) upper lower).
+split=> //; have [T TV] : exists T, T *m V_1 = V_2 by exists (V_2 *m invmx V_1); rewrite mulmxKV.
+have acts : (A + B *m (C_c *m T)) *m V_1 = V_1 *m X.
+  by rewrite -upper mulmxDl -TV !mulmxA.
+exists T; split=> // [||large].
+- apply: (can_inj (mulmxK unit_1)).
+  by rewrite -[T *m _ *m V_1]mulmxA acts mulmxA TV -lower mulmxDl -TV !mulmxA.
+- apply/esym/(char_poly_similar _ (esym acts)).
+  by rewrite -unitfE -unitmxE.
+have injective : \rank V_2 = n.
+  apply: (@upper_part_is_injective _ _ _ _ A_c B_c C_c A B C V_2 V_1 X); rewrite 1?addrC //.
+  by rewrite -addsmxE addsmxC addsmxE.
+by rewrite -(mxrankMfree T (_ : row_free V_1)) ?TV // row_free_unit.
+Qed.
+End OtherOrders.
