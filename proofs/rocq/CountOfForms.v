@@ -52,7 +52,8 @@ have same : product p (fun j => e j) = product p (fun j => e' j) by rewrite /pro
 exact: (exponents_are_unique monic_p irreducible_p distinct_p same i).
 Qed.
 
-Theorem exponents_have_a_form e : shares_out_n e -> exists form, is_form form /\ has_exponents form e.
+Theorem exponents_have_a_form e : shares_out_n e ->
+  exists form, is_form form /\ has_exponents form e.
 Proof.
 move/eqP=> shares; pose q := product p (fun i => e i).
 have monic_q : q \is monic by apply: product_monic.
@@ -80,7 +81,8 @@ Theorem count_of_forms : exists forms : seq ('M[R]_n * 'rV[R]_n * 'cV[R]_n),
 Proof.
 have [forms [uniq_forms complete count]] : exists forms : seq ('M[R]_n * 'rV[R]_n * 'cV[R]_n),
     [/\ uniq forms, forall form, (form \in forms) <->
-      (is_form form /\ exists2 e, e \in enum [set e : exponents | shares_out_n e] & has_exponents form e)
+      (is_form form /\
+       exists2 e, e \in enum [set e : exponents | shares_out_n e] & has_exponents form e)
     & size forms = size (enum [set e : exponents | shares_out_n e])].
   have all_valid : all shares_out_n (enum [set e : exponents | shares_out_n e]).
     by apply/allP=> e; rewrite mem_enum inE.

@@ -3,7 +3,8 @@
 From mathcomp Require Import all_ssreflect all_algebra zify ring.
 From mathcomp Require Import all_real_closed.
 From Compensators Require Import Vocabulary Matrices Kalman PolePlacement ClosedLoop.
-From Compensators Require Import Diophantine Coprimeness MinimalRealisations RealFactors ObserverBasedPairs.
+From Compensators Require Import Diophantine Coprimeness MinimalRealisations RealFactors.
+From Compensators Require Import ObserverBasedPairs.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.
@@ -43,7 +44,8 @@ have [c o] := minimal_plant.
 have [K regulator] := regulator_gain c monic_p deg_p.
 have [F observer] := observer_gain o monic_q deg_q.
 pose A_o := observer_matrix A B C K F.
-have [same_D same_N] : denominator A_c = denominator A_o /\ numerator A_c B_c C_c = numerator A_o F K.
+have [same_D same_N] : denominator A_c = denominator A_o /\
+    numerator A_c B_c C_c = numerator A_o F K.
   have low M (b : 'cV[R]_n) h : degree_below (- numerator M b h) n.
     by rewrite size_opp numerator_strictly_proper.
   have [] := pair_is_unique minimal_plant (low A_c B_c C_c) (low A_o F K) (D_1 := denominator A_c)
@@ -65,7 +67,8 @@ rewrite -{}EF in form_2 *; split=> //.
 have [_ outputs _ similar] := form_1; have [_ outputs' _ similar'] := form_2.
 apply/eqP; rewrite -subr_eq0; apply/eqP; have /observableP only_zero := o_c.
 apply: only_zero => k; rewrite -mulmxA mulmxBr.
-by rewrite (power_similar _ similar) (power_similar _ similar') mulmxBr !mulmxA outputs outputs' subrr.
+rewrite (power_similar _ similar) (power_similar _ similar') mulmxBr !mulmxA.
+by rewrite outputs outputs' subrr.
 Qed.
 End Forms.
 

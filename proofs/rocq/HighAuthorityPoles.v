@@ -177,9 +177,9 @@ by rewrite (lead chi) // (lead N_s) // !mulr1 => ->; move: N_u.[0] => a; ring.
 Qed.
 End Poles.
 
-(* (A.15) corrected. P is the stabilising solution of (A.7), N_zu = H N_s N_u with monic N_s and N_u
-   of degrees k and l, and d = n - k - l. The printed exponent of z lacks l, and the monic polynomial
-   is N_s times the reversal of N_u over N_u(0). For R_2 = 0 the second conclusion is
+(* (A.15) corrected. P is the stabilising solution of (A.7), N_zu = H N_s N_u with monic N_s and
+   N_u of degrees k and l, and d = n - k - l. The printed exponent of z lacks l, and the monic
+   polynomial is N_s times the reversal of N_u over N_u(0). For R_2 = 0 the second conclusion is
    B'PB = (H N_u(0))^2, the square of H times the product of the zeros outside. *)
 Theorem poles_of_high_authority_lqg (R : rcfType) n (A P : 'M[R]_n) (B : 'cV[R]_n)
     (E_1 K : 'rV[R]_n) (E_2 H : R) k l d (N_s N_u : {poly R}) :

@@ -65,7 +65,9 @@ Proof. by case=> c o; split; rewrite ?duality ?trmxK // -duality. Qed.
 (* Column j of the controllability matrix. *)
 Lemma times_controllability_matrix m (eta : 'M[R]_(m, n)) A B i (j : 'I_n) :
   (eta *m controllability_matrix A B) i j = (eta *m A ^+ j *m B) i 0.
-Proof. by rewrite -mulmxA !mxE; apply: eq_bigr => k _; rewrite [controllability_matrix _ _ _ _]mxE. Qed.
+Proof.
+by rewrite -mulmxA !mxE; apply: eq_bigr => k _; rewrite [controllability_matrix _ _ _ _]mxE.
+Qed.
 
 Lemma horner_mx_monic A m (p : {poly R}) : p \is monic -> degree_is p m ->
   horner_mx A p = A ^+ m + \sum_(k < m) p`_k *: A ^+ k.

@@ -10,8 +10,6 @@ Variables (R : fieldType) (order : nat).
 Local Notation n := order.+1.
 Implicit Types (M : 'M[R]_n) (b : 'cV[R]_n) (p q h : {poly R}).
 
-Definition nonderogatory M := exists b, controllable M b.
-
 (* Only the polynomial 0 of degree below n sends a cyclic vector to 0. *)
 Lemma cyclic_vector M b h : controllable M b -> degree_below h n ->
   horner_mx M h *m b = 0 -> h = 0.

@@ -17,7 +17,8 @@ Lemma sum_of_squares (a b : K) : a * a - b * - b = a * a + b * b. Proof. by ring
 Lemma cross_terms (a b : K) : a * - b + b * a = 0. Proof. by ring. Qed.
 Lemma swap_factors (q r t s p : {poly K}) : p = q * s -> s = t * r -> p = q * r * t.
 Proof. by move=> -> ->; ring. Qed.
-Lemma share_factors (q t x y s p : {poly K}) : p = s * (x * y) -> s = q * t -> p = (q * x) * (t * y).
+Lemma share_factors (q t x y s p : {poly K}) :
+  p = s * (x * y) -> s = q * t -> p = (q * x) * (t * y).
 Proof. by move=> -> ->; ring. Qed.
 End Identities.
 

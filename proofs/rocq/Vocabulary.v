@@ -77,6 +77,21 @@ End ObserverBased.
 Definition invariant_subspace (R : fieldType) n d (M : 'M[R]_n) (V : 'M[R]_(n, d)) :=
   \rank V = d /\ exists X : 'M[R]_d, M *m V = V *m X.
 
+(* The characteristic polynomial of A on its unobservable subspace. The columns of x are a basis. *)
+Definition is_unobservable_polynomial (R : fieldType) order (A : 'M[R]_order.+1)
+    (C : 'rV[R]_order.+1) (u : {poly R}) :=
+  exists d (x : 'M[R]_(order.+1, d)) (Z : 'M[R]_d),
+    [/\ \rank x = d, A *m x = x *m Z, u = char_poly Z &
+        forall m (v : 'M[R]_(order.+1, m)),
+          (forall k, C *m A ^+ k *m v = 0) <-> exists y, v = x *m y].
+
+(* Its dual: the modes that the input does not reach. *)
+Definition is_uncontrollable_polynomial (R : fieldType) order (A : 'M[R]_order.+1)
+    (B : 'cV[R]_order.+1) (c : {poly R}) := is_unobservable_polynomial A^T B^T c.
+
+(* Nonderogatory, or cyclic: one vector b reaches everything. *)
+Definition nonderogatory (R : fieldType) order (M : 'M[R]_order.+1) := exists b, controllable M b.
+
 (* At least two real roots, a double root counted twice. *)
 Definition two_roots (R : comRingType) (p : {poly R}) := exists x y,
   exists q, p = q * (('X - x%:P) * ('X - y%:P)).
