@@ -54,6 +54,13 @@ rewrite /char_poly (expand_det_row _ 0) !big_ord_recl big_ord0 /cofactor !det_mx
 rewrite !polyCD !polyCN !polyCM /= expr0 expr1 !mulr1n !mulr0n; ring.
 Qed.
 
+Lemma char_poly_diagonal (a b : R) : char_poly (matrix_2 a 0 0 b) = ('X - a%:P) * ('X - b%:P).
+Proof. by rewrite char_poly_2 !(polyCD, polyCN, polyCM); ring. Qed.
+
+Lemma sum_of_modes (a b : R) : (1 * 1 + 1 * 1)%:P * 'X
+    + (0 * 1 * 1 + 0 * 1 * 1 - a * 1 * 1 - b * 1 * 1)%:P = ('X - a%:P) + ('X - b%:P) :> {poly R}.
+Proof. by rewrite !(polyCD, polyCN, polyCM); ring. Qed.
+
 Lemma char_poly_2_difference (a b c d e f g h : R) :
   char_poly (matrix_2 a b c d) - char_poly (matrix_2 (a + e * g) (b + e * h) (c + f * g) (d + f * h))
   = (g * e + h * f)%:P * 'X + (b * f * g + c * e * h - a * f * h - d * e * g)%:P.
@@ -70,4 +77,8 @@ Lemma numerator_2 (a b c d e f g h : R) :
   numerator (matrix_2 a b c d) (column_2 e f) (row_2 g h)
   = (g * e + h * f)%:P * 'X + (b * f * g + c * e * h - a * f * h - d * e * g)%:P.
 Proof. by rewrite numeratorE column_row matrix_2_add char_poly_2_difference. Qed.
+
+Lemma numerator_diagonal (a b : R) :
+  numerator (matrix_2 a 0 0 b) (column_2 1 1) (row_2 1 1) = ('X - a%:P) + ('X - b%:P).
+Proof. by rewrite numerator_2 sum_of_modes. Qed.
 End Numerators.
