@@ -96,7 +96,8 @@ have [monic_1 deg_1 low_1] := full_1; have [monic_2 deg_2 low_2] := full_2.
 split=> //; first exact: same_fraction.
   have [_ based] := pair_is_observer_based_iff minimal_plant D_1 low_1.
   have [monic_R deg_R] := monic_product (linear _ (number 3%N)) (monic_square (number 1%N)).
-  have [monic_O deg_O] := monic_product (linear _ (number 4%N)) (monic_quadratic (number 2%N) (number 2%N)).
+  have [monic_O deg_O] := monic_product (linear _ (number 4%N))
+    (monic_quadratic (number 2%N) (number 2%N)).
   apply: based; exists (('X + 3%:R) * ('X^2 + 1)), (('X + 4%:R) * ('X^2 + 2%:R * 'X + 2%:R)).
   by split=> //; rewrite Den Num; apply: closed_loop_factors.
 have [needed _] := theorem_1 minimal_plant monic_2 deg_2 low_2.

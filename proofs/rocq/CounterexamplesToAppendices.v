@@ -1,7 +1,7 @@
 (* Appendices A and B: wordings that are false. Resultants.v and ReturnDifference.v have the true
    statements. *)
 From mathcomp Require Import all_ssreflect all_algebra zify ring.
-From Compensators Require Import Vocabulary Matrices Resultants SmallSystems.
+From Compensators Require Import Vocabulary Matrices Coprimeness Resultants SmallSystems.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory Num.Theory.
 Local Open Scope ring_scope.
@@ -74,5 +74,72 @@ split.
 - by split; rewrite ?ler0n // /solves four /A /B /R_1; field.
 - by rewrite /closed !(mulr0, mul0r) subr0 ger0_norm ?ler0n // (ltr_nat _ 1 2).
 by rewrite closed_3 ger0_norm ?invr_ge0 ?ler0n // invf_lt1 ?ltr0n // (ltr_nat _ 1 2).
+Qed.
+
+(* z (1/z - 2) = 1 - 2z, and z^2 (1/z - 2) = -2 z (z - 1/2). *)
+Lemma printed_value (z : R) : z != 0 -> z * (z^-1 - 2%:R) = 1 - 2%:R * z.
+Proof. by move=> nz_z; field. Qed.
+Lemma corrected_value (z : R) : z != 0 -> z ^+ 2 * (z^-1 - 2%:R) = - 2%:R * (z * (z - 2%:R^-1)).
+Proof. by move=> nz_z; field; rewrite nz_z. Qed.
+
+(* Refuted: (A.15) "mspec(A + B C_c) = mzeros(z^d_zu N_zu,s(z) N_zu,u(1/z))" where G_zu has NMP
+   zeros. G_zu = (z - 2) / z^2, n = 2, d_zu = 1, N_zu,s = 1, N_zu,u = z - 2, R_2 = 0: P >= 0 solves
+   (A.7), C_c = K of (A.6) gives the eigenvalues 0 and 1/2, and the printed function is 1 - 2z, whose
+   only zero is 1/2. The exponent must be d_zu + deg N_zu,u, here 2. *)
+Theorem A_15_exponent :
+  let A : 'M[R]_2 := matrix_2 0 1 0 0 in let B := column_2 0 1 in let E_1 := row_2 (- 2%:R) 1 in
+  let P : 'M[R]_2 := matrix_2 4%:R (- 2%:R) (- 2%:R) 4%:R in let K := row_2 0 2%:R^-1 in
+  let R_1 := E_1^T *m E_1 in let R_2 : 'M[R]_1 := 0 in
+  let N_u : {poly R} := 'X - 2%:R%:P in let printed : {poly R} := 1 - 2%:R%:P * 'X in
+  let chi := char_poly (A + B *m K) in
+  [/\ [/\ minimal A B E_1, numerator A B E_1 = N_u
+        & forall x : 'cV[R]_2, 0 <= (x^T *m P *m x) 0 0],
+      P = A^T *m P *m A - A^T *m P *m B *m invmx (R_2 + B^T *m P *m B) *m B^T *m P *m A + R_1 /\
+        K = - (invmx (R_2 + B^T *m P *m B) *m B^T *m P *m A),
+      chi = 'X * ('X - 2%:R^-1%:P),
+      (forall z, z != 0 -> z ^+ 1 * N_u.[z^-1] = printed.[z]) /\
+        (forall z, root printed z <-> z = 2%:R^-1)
+    & forall z, z != 0 -> z ^+ (1 + 1) * N_u.[z^-1] = - 2%:R * chi.[z]].
+Proof.
+move=> A B E_1 P K R_1 R_2 N_u printed chi.
+have nz_2 : 2%:R != 0 :> R by rewrite pnatr_eq0.
+have nz_4 : 4%:R != 0 :> R by rewrite pnatr_eq0.
+have EA_T : A^T = matrix_2 0 0 1 0 by entry_by_entry.
+have weight : R_2 + B^T *m P *m B = (4%:R)%:M.
+  by entry_by_entry; rewrite !(mul0r, mulr0, mulr1, mul1r, add0r, addr0).
+have inverse : invmx (R_2 + B^T *m P *m B) = (4%:R^-1)%:M.
+  by rewrite weight invmx_scalar.
+have EBP : B^T *m P *m A = row_2 0 (- 2%:R).
+  by entry_by_entry; ring.
+have gain : K = - (invmx (R_2 + B^T *m P *m B) *m B^T *m P *m A).
+  rewrite inverse -!mulmxA mul_scalar_mx [B^T *m _]mulmxA EBP.
+  by entry_by_entry; field.
+have chi_E : chi = 'X * ('X - 2%:R^-1%:P).
+  rewrite /chi column_row matrix_2_add char_poly_2 !(mul0r, mulr0, mul1r, addr0, add0r, subr0).
+  by rewrite oppr0 addr0 mulrBr -expr2; congr (_ - _); apply: mulrC.
+have Num : numerator A B E_1 = N_u.
+  by rewrite numerator_2 !(mul0r, mulr0, mulr1, mul1r, add0r, addr0, subr0) polyCN.
+have Den : denominator A = 'X^2.
+  by rewrite /denominator char_poly_2 !(mul0r, mulr0, addr0, subr0).
+split=> //.
+- split=> // [|x].
+    apply/minimal_iff_coprime; rewrite Num Den coprimep_XsubC rootE hornerXn.
+    by rewrite expf_eq0.
+  have [a [b ->]] := column_2_entries x.
+  have -> : (column_2 a b)^T *m P *m column_2 a b
+      = (2%:R * (a ^+ 2 + b ^+ 2 + (a - b) ^+ 2))%:M by entry_by_entry; ring.
+  rewrite mxE eqxx mulr1n.
+  by rewrite mulr_ge0 ?ler0n // !addr_ge0 ?sqr_ge0.
+- split=> //; have -> : A^T *m P *m B = (B^T *m P *m A)^T.
+    by entry_by_entry; ring.
+  rewrite inverse EBP -!mulmxA mul_scalar_mx [B^T *m _]mulmxA EBP EA_T.
+  by entry_by_entry; field.
+- split=> z.
+    move=> nz_z; rewrite expr1 /N_u /printed !hornerE; exact: printed_value.
+  rewrite rootE /printed !hornerE subr_eq0 eq_sym.
+  split=> [/eqP double|->]; last by rewrite mulfV.
+  by rewrite -[z](mulKf nz_2) double mulr1.
+move=> z nz_z; rewrite chi_E !(hornerM, hornerD, hornerN, hornerX, hornerC).
+exact: corrected_value.
 Qed.
 End Riccati.

@@ -69,7 +69,8 @@ have observer : root (char_poly (A - F *m C)) lambda.
   apply: (@right_eigenvalue _ z); last first.
     by apply: contra nz_xi => /eqP zero; rewrite -Ez zero mulmx0.
   apply: (can_inj (mulKmx unit_T)); rewrite -scalemxAr Ez -A_xi -Ez [RHS]mulmxA similar -mulmxA.
-  by congr (_ *m _); rewrite /observer_matrix addrAC [RHS]mulmxDl -[B *m K *m z]mulmxA Kz mulmx0 addr0.
+  congr (_ *m _); rewrite /observer_matrix addrAC [RHS]mulmxDl.
+  by rewrite -[B *m K *m z]mulmxA Kz mulmx0 addr0.
 have regulator : root (char_poly (A + B *m K)) lambda.
   have etaF : eta *m T *m F = 0 by rewrite -mulmxA inputs.
   apply: (@left_eigenvalue _ (eta *m T)); last first.

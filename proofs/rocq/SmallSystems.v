@@ -38,6 +38,9 @@ exists (M 0 0), (M 0 1), (M 1 0), (M 1 1).
 by entry_by_entry; congr (M _ _); apply: val_inj.
 Qed.
 
+Lemma column_2_entries (v : 'cV[R]_2) : exists a b, v = column_2 a b.
+Proof. by exists (v 0 0), (v 1 0); entry_by_entry; congr (v _ _); apply: val_inj. Qed.
+
 Lemma det_2 a b c d : \det (matrix_2 a b c d) = a * d - b * c.
 Proof.
 rewrite (expand_det_row _ 0) !big_ord_recl big_ord0 /cofactor !det_mx11 !mxE /=.
@@ -62,7 +65,8 @@ Lemma sum_of_modes (a b : R) : (1 * 1 + 1 * 1)%:P * 'X
 Proof. by rewrite !(polyCD, polyCN, polyCM); ring. Qed.
 
 Lemma char_poly_2_difference (a b c d e f g h : R) :
-  char_poly (matrix_2 a b c d) - char_poly (matrix_2 (a + e * g) (b + e * h) (c + f * g) (d + f * h))
+  char_poly (matrix_2 a b c d)
+    - char_poly (matrix_2 (a + e * g) (b + e * h) (c + f * g) (d + f * h))
   = (g * e + h * f)%:P * 'X + (b * f * g + c * e * h - a * f * h - d * e * g)%:P.
 Proof. by rewrite !char_poly_2 !(polyCD, polyCN, polyCM); ring. Qed.
 End Entries.
