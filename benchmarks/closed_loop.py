@@ -1,4 +1,4 @@
-"""The whole closed loop: its overhead over the update, NumPy beside it, threads, memory, import.
+"""The whole closed loop: its overhead over the update, NumPy, threads, lanes, memory, import.
 
 Every pair is measured side by side in one run, alternating, and the median of the repetitions is
 printed. Machines are noisy: read the ratios.
@@ -14,6 +14,9 @@ import time
 import tracemalloc
 from dataclasses import replace
 
+from update_step import dgemm  # first: it keeps NumPy to one thread
+
+# isort: split
 import numpy as np
 
 from rcac_numeric import (
@@ -128,6 +131,30 @@ def threads(repetitions):
         )
 
 
+def lanes(repetitions):
+    """Batches in lanes beside those of the ordinary loop, preparation and records included."""
+    steps, count = 50_000, 16
+    for l_theta in (8, 20, 40):
+        cases = [
+            Case(PLANT, settings(l_theta), noise(steps, i), {"stride": steps}) for i in range(count)
+        ]
+        t = side_by_side(
+            repetitions,
+            ordinary=lambda c=cases: simulate_many(c, threads=1),
+            lanes=lambda c=cases: simulate_many(c, threads=1, lanes=True),
+            two_threads=lambda c=cases: simulate_many(c, threads=2, lanes=True),
+            dgemm=dgemm,
+        )
+        share = 3 * l_theta**2 * steps * count / t["lanes"] / (2 * 1024**3 / t["dgemm"])
+        print(
+            f"lanes, {count} loops, l_theta = {l_theta:2d}: "
+            f"{1e9 * t['lanes'] / steps / count:.0f} ns a step and loop, "
+            f"{t['ordinary'] / t['lanes']:.1f} times faster than one after another, "
+            f"{100 * share:.0f} % of dgemm on one thread (3 l^2 a step; bar at 20: 65), "
+            f"two threads {t['lanes'] / t['two_threads']:.2f} times faster"
+        )
+
+
 def memory():
     s, w = settings(20), noise(1_000_000)
     tracemalloc.start()
@@ -155,6 +182,7 @@ def main():
     overhead(repetitions)
     beside_numpy(repetitions)
     threads(repetitions)
+    lanes(repetitions)
     memory()
     import_time()
 
