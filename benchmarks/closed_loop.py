@@ -46,13 +46,13 @@ def seconds(function):
     return time.perf_counter() - start
 
 
-def side_by_side(repetitions, **functions):
-    """Median seconds of each, the calls taking turns."""
+def side_by_side(repetitions, summary=statistics.median, **functions):
+    """Median seconds of each (or another summary), the calls taking turns."""
     times = {name: [] for name in functions}
     for _ in range(repetitions):
         for name, function in functions.items():
             times[name].append(seconds(function))
-    return {name: statistics.median(values) for name, values in times.items()}
+    return {name: summary(values) for name, values in times.items()}
 
 
 def overhead(repetitions):
@@ -132,20 +132,24 @@ def threads(repetitions):
 
 
 def lanes(repetitions):
-    """Batches in lanes beside those of the ordinary loop, preparation and records included."""
-    steps, count = 50_000, 16
+    """Batches in lanes beside those of the ordinary loop, preparation and records included.
+
+    The best times: on a busy machine pauses weigh more in the longer of two measurements.
+    """
+    steps, count, rates = 50_000, 16, []
     for l_theta in (8, 20, 40):
         cases = [
             Case(PLANT, settings(l_theta), noise(steps, i), {"stride": steps}) for i in range(count)
         ]
         t = side_by_side(
             repetitions,
+            min,
             ordinary=lambda c=cases: simulate_many(c, threads=1),
             lanes=lambda c=cases: simulate_many(c, threads=1, lanes=True),
             two_threads=lambda c=cases: simulate_many(c, threads=2, lanes=True),
-            dgemm=dgemm,
+            dgemm=lambda: rates.append(dgemm()),
         )
-        share = 3 * l_theta**2 * steps * count / t["lanes"] / (2 * 1024**3 / t["dgemm"])
+        share = 3 * l_theta**2 * steps * count / t["lanes"] / max(rates)
         print(
             f"lanes, {count} loops, l_theta = {l_theta:2d}: "
             f"{1e9 * t['lanes'] / steps / count:.0f} ns a step and loop, "

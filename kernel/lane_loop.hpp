@@ -103,7 +103,8 @@ private:
             Controller& c = *job.loop->controllers().front();
             for (std::size_t r = 0; r < a_.l_z; ++r) {
                 if (a_.lost[r] >> lane & 1u)
-                    dynamic_cast<UdUpdate&>(c.update()).doubt(c.step() + job.done - 1 - first_[lane]);
+                    dynamic_cast<UdUpdate&>(c.update())
+                        .doubt(c.step() + job.done - 1 - first_[lane]);
                 if (!std::isfinite(a_.alpha[r * lanes + lane])) return Outcome::overflow;
             }
             if (!real(theta) || !real(D)) return Outcome::overflow;
@@ -130,7 +131,7 @@ private:
     std::vector<Job*> jobs_;  // null: has ended
     LaneArrays& a_;
     AlignedVector w_, u_, y_, z_;
-    std::int64_t first_[lanes] = {}, stop_[lanes] = {};  // rows where this took over and where it ends
+    std::int64_t first_[lanes] = {}, stop_[lanes] = {};  // rows where this took over and will end
 };
 
 }  // namespace rcac

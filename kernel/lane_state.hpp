@@ -24,7 +24,8 @@ public:
         a.y_first = c.measures_first(), a.recursive = is_recursive(target);
         a.forgets = c.lambda() != 1.0;
         a.weight_moves = !c.plan().R_z.is_constant() || !c.plan().R_u.is_constant();
-        a.until_control = steps_until(c.plan().k_w, c), a.until_update = steps_until(c.plan().k_update, c);
+        a.until_control = steps_until(c.plan().k_w, c);
+        a.until_update = steps_until(c.plan().k_update, c);
         a.signals = history(c.signals(), signals_);
         a.inputs = history(c.filter().inputs(), inputs_);
         a.outputs = history(c.filter().outputs(), outputs_);

@@ -57,20 +57,22 @@ def simulate_many(
     lanes : bool
         Let eligible cases with equal structures and sizes go in lock step, eight at a time, one to
         a lane of the processor's vectors: per case about 5 times faster than one after another
-        for l_theta = 8, 3.5 times for 20 and 1.8 times for 40 (benchmarks/closed_loop.py). A case
-        without company costs up to twice its time. Plants, signals, settings and lengths may
-        differ within the eight. Sums are then taken in another order than in `simulate`: every
-        operation is as accurate, and a run differs by what its loop makes of a relative change of
-        its data by a few times l_theta * 1e-16 at every step. Where that is much, in a
-        loop that diverges or with data that leave theta open (`Run.guard_count`), the digits of
-        `simulate` were not certain either.
+        for l_theta = 8, 3.5 times for 20 and 1.8 times for 40 (benchmarks/closed_loop.py). Fewer
+        than eight cost what eight do, so lanes pay from 2, 3 and 5 cases on. Plants, signals,
+        settings and lengths may differ within the eight.
+
+        Sums are then taken in another order than in `simulate`, and neither order is the more
+        accurate. Two runs differ by what the loop makes of relative changes of its data at every
+        step by 4 (l_theta + n + l_w + 8) * 2.2e-16 or less. Where that is much, as in a loop that
+        grows without bound or with data that leave theta open (`Run.guard_count`), the digits of
+        `simulate` are as uncertain.
 
         Eligible is: one controller with update = "ud" in the predictor form, without rules that
         act on it (lambda_changes, forgetting, process_noise, reset, freeze, target_changes,
         reflect_poles, stop_where_unsupported), k_filter = 0, no derived signals (PID,
-        integrators), l_z <= 3, R_z and R_u constant or, for l_z = 1, a `SignalWeight`; a `Plant`,
-        no schedule or function; no saturation. All other cases give what `simulate` gives, bit
-        for bit.
+        integrators), l_z <= 3; R_z and R_u constant or, for l_z = 1, a `SignalWeight`, their sum
+        for l_z = 1 between 1e-100 and 1e100; a plant of constant matrices without delay; no
+        saturation. All other cases give what `simulate` gives, bit for bit.
 
     Raises
     ------
