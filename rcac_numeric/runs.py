@@ -75,6 +75,7 @@ class Run:
     state: SavedState | None = None
     saturation: Any = None
     x_0: Array | None = None
+    divergence_limit: float = 1e100
 
     @property
     def steps(self) -> int:
