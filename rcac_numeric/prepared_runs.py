@@ -81,6 +81,9 @@ class PreparedRun:
         """What the job has done so far, as a run; raises where a function of the user failed."""
         done, outcome = self.job.done, self.job.outcome
         kernels = self._kernels
+        name = OUTCOMES[outcome]
+        if name == "overflow" and self._failures.error is not None:
+            name = "weight failed"  # the kernel was handed a NaN in its place
         state = None
         if outcome == 0:
             state = SavedState("loop", self.first_step + done, self._loop.save(), self._name)
@@ -98,7 +101,7 @@ class PreparedRun:
                 else self._loop.theta_before()
             ),
             stride=self.stride,
-            outcome=OUTCOMES[outcome],
+            outcome=name,
             guard_count=sum(kernel.guard_count for kernel in kernels),
             guard_first_step=min(
                 (k.guard_first_step for k in kernels if k.guard_first_step >= 0), default=-1
