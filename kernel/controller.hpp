@@ -197,12 +197,12 @@ public:
     void visit(Archive& archive) {
         archive(theta_);
         archive(lambda_);
-        archive(step_);
-        archive(next_event_);
+        archive(step_, 0, Archive::longest);
+        archive(next_event_, 0, events());
         archive(reflections_);
         archive(resets_);
-        archive(last_reset_);
-        archive(target_number_);
+        archive(last_reset_, -1, Archive::longest);
+        archive(target_number_, 0, static_cast<std::int64_t>(plan_.targets.size()) - 1);
         archive(frozen_);
         if (archive.reading()) filter_.replace(plan_.targets.at(as_size(target_number_)));
         signals_.visit(archive);

@@ -92,7 +92,7 @@ public:
     void visit(Archive& archive) override {
         archive(k_);
         auto number = static_cast<std::int64_t>(number_);
-        archive(number);
+        archive(number, 0, static_cast<std::int64_t>(segments_.size()) - 1);
         if (archive.reading()) {
             number_ = static_cast<std::size_t>(number);
             m_ = segments_.at(number_).matrices;

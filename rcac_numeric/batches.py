@@ -15,7 +15,7 @@ from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.decentralized import Decentralized
 from rcac_numeric.prepared_runs import AnyPlant, PreparedRun
 from rcac_numeric.runs import Run
-from rcac_numeric.validation import instance_of, integer
+from rcac_numeric.validation import instance_of, integer, items
 
 # Rows of each run between two looks at the keyboard.
 CHUNK = 1 << 16
@@ -96,7 +96,7 @@ def simulate_many(
     workers = integer(os.cpu_count() or 1 if threads is None else threads, "threads", at_least=1)
     instance_of(lanes, "lanes", bool)
     prepared = []
-    for number, case in enumerate(cases):
+    for number, case in enumerate(items(cases, "cases")):
         if not isinstance(case, Case):
             raise InputError(f"case {number} is {case!r}; Case(plant, settings, w) is needed.")
         try:

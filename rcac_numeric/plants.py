@@ -11,7 +11,15 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
-from rcac_numeric.validation import Array, Read, matrix, real_array, rounded
+from rcac_numeric.validation import (
+    Array,
+    Read,
+    instance_of,
+    integer,
+    matrix,
+    real_array,
+    rounded,
+)
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -69,9 +77,7 @@ class Plant:
             value = getattr(self, name)
             shape = (l_rows, columns[name])
             set_(name, np.zeros(shape) if value is None else matrix(value, name, shape))
-        set_("blocks", dict(self.blocks) or {"w": self.l_w})
-        if sum(self.blocks.values()) != self.l_w:
-            raise InputError(f"the blocks {self.blocks} of w do not add up to l_w = {self.l_w}.")
+        set_("blocks", blocks_of_w(self.blocks, self.l_w))
 
     @property
     def n(self) -> int:
@@ -151,6 +157,18 @@ class Plant:
     def __repr__(self) -> str:
         sizes = (f"{name}={getattr(self, name)}" for name in ("n", "l_u", "l_w", "l_y", "l_z"))
         return f"Plant({', '.join(sizes)})"
+
+
+def blocks_of_w(blocks: Any, l_w: int) -> dict[str, int]:
+    """How w is divided; one block "w" where nothing is said."""
+    given = instance_of(blocks, "blocks", Mapping)
+    read = {
+        instance_of(name, "the name of a block", str): integer(width, f"the width of {name!r}")
+        for name, width in given.items()
+    } or {"w": l_w}
+    if sum(read.values()) != l_w:
+        raise InputError(f"the blocks {read} of w do not add up to l_w = {l_w}.")
+    return read
 
 
 def initial_state(x_0: Any, n: int) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.validation import Array, integer, number, real_array
+from rcac_numeric.validation import Array, integer, items, number, real_array
 
 Sampler = Callable[[int, np.random.Generator], Array]
 
@@ -48,6 +48,8 @@ class Signal:
             )
 
     def __add__(self, other: Signal) -> Signal:
+        if not isinstance(other, Signal):
+            raise InputError(f"{other!r} is not a Signal; add step({other!r}) for a constant.")
         return Signal(
             f"{self.description} + {other.description}",
             lambda steps, rng: self.sampler(steps, rng) + other.sampler(steps, rng),
@@ -139,6 +141,10 @@ def piecewise(pieces: Sequence[tuple[int, Signal]]) -> Signal:
     >>> piecewise([(1, step(height=2)), (3, sequence([1, 2, 3, 4, 5]))]).samples(5)
     array([0., 2., 2., 4., 5.])
     """
+    pieces = items(pieces, "pieces")
+    for piece in pieces:
+        if not (isinstance(piece, Sequence) and len(piece) == 2 and isinstance(piece[1], Signal)):
+            raise InputError(f"pieces has the entry {piece!r}; pairs (step, Signal) are needed.")
     starts = [integer(start, "the start of a piece") for start, _ in pieces]
     if not starts or any(b <= a for a, b in pairwise(starts)):
         raise InputError(f"the pieces start at {starts}; increasing steps are needed.")
@@ -255,6 +261,8 @@ def exogenous(signals: Sequence[Signal], steps: int, seed: int | None = 0) -> Ar
     array([[1., 2.],
            [1., 2.]])
     """
+    signals = items(signals, "signals", Signal)
+    integer(steps, "steps")
     if seed is not None:
         integer(seed, "seed")
     streams = np.random.default_rng(seed).spawn(len(signals))

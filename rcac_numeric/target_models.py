@@ -63,7 +63,7 @@ class TargetModel:
         identity = np.eye(N.shape[1])[None]
         D = identity if self.denominator is None else real_array(self.denominator, "denominator")
         D = D.reshape(-1, 1, 1) if D.ndim == 1 else D
-        if D.ndim != 3 or D.shape[1:] != identity.shape[1:]:
+        if D.ndim != 3 or len(D) == 0 or D.shape[1:] != identity.shape[1:]:
             raise InputError(
                 f"the denominator of the target model has shape {D.shape}; (n_f + 1, l_z, l_z) "
                 f"with l_z = {N.shape[1]} is needed."
@@ -104,7 +104,7 @@ class TargetModel:
 
     def frequency_response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """G_f(exp(j omega)); shape (len(omega), l_z, l_u), omega in rad/sample."""
-        powers = np.exp(-1j * np.outer(np.atleast_1d(omega), np.arange(self.n_f + 1)))
+        powers = np.exp(-1j * np.outer(real_array(omega, "omega"), np.arange(self.n_f + 1)))
         numerator = np.einsum("wi,izu->wzu", powers, self.numerator)
         return np.asarray(
             np.linalg.solve(np.einsum("wi,izy->wzy", powers, self.denominator), numerator)
