@@ -62,7 +62,7 @@ inline std::vector<std::int64_t> lane_key(Loop& loop) {
     // 1e308 does not survive that.
     key.push_back(is_recursive(plan.targets.front()));
     key.push_back(!plan.R_z.is_constant() || !plan.R_u.is_constant());
-    key.push_back(plan.lambda != 1.0);
+    key.push_back(c.lambda() != 1.0);
     for (const std::vector<Tap>* taps : {&s.regressor, &s.channels, &s.filtered})
         for (const Tap& tap : *taps) {
             key.push_back(static_cast<std::int64_t>(tap.source));
