@@ -168,6 +168,7 @@ public:
         ++resets_;
     }
 
+    const ControllerPlan& plan() const { return plan_; }
     const Structure& structure() const { return plan_.structure; }
     std::size_t l_u() const { return plan_.structure.l_u; }
     std::size_t l_z() const { return plan_.targets.front().l_z; }
@@ -181,6 +182,11 @@ public:
     double lambda() const { return lambda_; }
     std::int64_t reflections() const { return reflections_; }
     std::int64_t resets() const { return resets_; }
+    bool frozen() const { return frozen_; }
+    // For whoever makes its steps elsewhere (lane_state.hpp).
+    History& signals() { return signals_; }
+    TargetFilter& filter() { return filter_; }
+    void has_stepped(std::int64_t steps) { step_ += steps; }
     bool measures_first() const {
         if (plan_.filter_form) return true;
         for (const Tap& tap : structure().regressor)

@@ -79,6 +79,16 @@ public:
         return true;
     }
 
+    // Whether it is nothing but one set of matrices; then these are they.
+    bool is_constant() const { return segments_.size() == 1 && !past_u_; }
+    const PlantMatrices& matrices() const { return m_; }
+    // For whoever makes its steps elsewhere (lane_state.hpp).
+    void has_stepped(std::int64_t steps, const std::vector<double>& x) {
+        k_ += steps;
+        x_ = x;
+        copy_few(x_.data(), m_.n, input_.data());
+    }
+
     void visit(Archive& archive) override {
         archive(k_);
         auto number = static_cast<std::int64_t>(number_);

@@ -72,7 +72,9 @@ class Job:
     @property
     def outcome(self) -> int: ...
 
-def run_jobs(jobs: Sequence[Job], threads: int, rows: int) -> bool: ...
+def run_jobs(
+    jobs: Sequence[Job], threads: int, rows: int, lanes: bool = False, level: str = ""
+) -> bool: ...
 def controller(
     *,
     l_u: int,
