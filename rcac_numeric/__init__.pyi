@@ -44,6 +44,8 @@ from .plants import servo_plant as servo_plant
 from .plants import standard_plant as standard_plant
 from .plots import plot_sheet as plot_sheet
 from .recordings import read_recording as read_recording
+from .recordings import recorded as recorded
+from .recordings import recorded_channels as recorded_channels
 from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
 from .residual_split import ResidualSplit as ResidualSplit
@@ -56,13 +58,12 @@ from .signals import harmonic as harmonic
 from .signals import piecewise as piecewise
 from .signals import pulse as pulse
 from .signals import ramp as ramp
-from .signals import recorded as recorded
-from .signals import recorded_channels as recorded_channels
 from .signals import sequence as sequence
 from .signals import step as step
 from .signals import white_noise as white_noise
 from .simulation import frozen_twin as frozen_twin
 from .simulation import simulate as simulate
+from .simulators import Simulator as Simulator
 from .structure_kinds import feedforward as feedforward
 from .structure_kinds import fir as fir
 from .structure_kinds import fir_integrator as fir_integrator

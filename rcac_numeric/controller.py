@@ -17,7 +17,7 @@ from rcac_numeric.fingerprints import fingerprint
 from rcac_numeric.kernel_controllers import Failures, compiled_controller
 from rcac_numeric.saved_states import SavedState, saved_state
 from rcac_numeric.setting_checks import require_covariance
-from rcac_numeric.validation import Array, real_array
+from rcac_numeric.validation import Array, vector
 
 NOTHING = np.zeros(0)
 
@@ -109,14 +109,14 @@ class Controller:
         structure, target = self.settings.structure, self.settings.target
         if self._broken:
             raise DivergedError(self._broken)
-        y = self._sized(y, "y", structure.l_y)
-        z = self._sized(z, "z", target.l_z)
+        y = vector(y, "y", structure.l_y)
+        z = vector(z, "z", target.l_z)
         if (r is None) != (structure.l_r == 0):
             raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
-        command = NOTHING if r is None else self._sized(r, "r", structure.l_r)
+        command = NOTHING if r is None else vector(r, "r", structure.l_r)
         applied = NOTHING
         if u_applied is not None:
-            applied = self._sized(u_applied, "u_applied", structure.l_u)
+            applied = vector(u_applied, "u_applied", structure.l_u)
             if self.k == 0:
                 raise InputError("u_applied belongs to the step before; at step 0 there is none.")
             if any(t.relative_degree == 0 for t in (target, *self.settings.later_targets.values())):
@@ -229,10 +229,3 @@ class Controller:
             yield
         finally:
             self._at_work.release()
-
-    @staticmethod
-    def _sized(value: ArrayLike, name: str, size: int) -> Array:
-        array = real_array(value, name).reshape(-1)
-        if array.size != size:
-            raise InputError(f"{name} has {array.size} entries; the controller expects {size}.")
-        return array

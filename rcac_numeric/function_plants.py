@@ -12,6 +12,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
 from rcac_numeric.kernel_controllers import Failures
 from rcac_numeric.plants import blocks_of_w, initial_state
+from rcac_numeric.simulators import Simulator
 from rcac_numeric.validation import Array, float_array, integer
 
 ADVANCE = "int (int64_t, double *, double *, double *, double *, void *)"
@@ -94,7 +95,12 @@ class FunctionPlant:
         """False: u(k) acts through the state."""
         return False
 
-    def simulator(self, x_0: Array | None = None, failures: Failures | None = None) -> Any:
+    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
+        """The plant for a loop in Python."""
+        failures = Failures()
+        return Simulator(self.compiled(x_0, failures), self.l_u, self.l_w, failures)
+
+    def compiled(self, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
         """The plant for the kernel; exceptions of Python functions are kept in `failures`."""
         sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)
         start = initial_state(x_0, self.n)
@@ -102,9 +108,11 @@ class FunctionPlant:
             # A LowLevelCallable is a tuple of a capsule and what it was made from, but refuses [0].
             advance, output = (tuple.__getitem__(f, 0) for f in (self.advance, self.output))
             return _kernel.compiled_plant(sizes, advance, output, start)
-        keep = failures or Failures()
         return _kernel.python_plant(
-            sizes, keep.guard(self._checked_advance), keep.guard(self._checked_output), start
+            sizes,
+            failures.guard(self._checked_advance),
+            failures.guard(self._checked_output),
+            start,
         )
 
     def _checked_advance(self, k: int, x: Array, u: Array, w: Array) -> Array:

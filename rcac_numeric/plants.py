@@ -8,9 +8,11 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
+from rcac_numeric.simulators import Simulator
 from rcac_numeric.validation import (
     Array,
     Read,
@@ -133,12 +135,12 @@ class Plant:
                 )
         return self.problem.numerator(name), self.problem.denominator
 
-    def simulator(self, x_0: Array | None = None) -> Any:
-        """A compiled copy of the plant for a loop in Python.
+    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
+        """A compiled copy of the plant for a loop in Python."""
+        return Simulator(self.compiled(x_0), self.l_u, self.l_w)
 
-        `output(k, u, w)` returns (y, z) at the present state and `advance(u, w)` moves it; the
-        arithmetic is that of `simulate`, bit for bit.
-        """
+    def compiled(self, x_0: ArrayLike | None = None) -> _kernel.Plant:
+        """The plant for the kernel."""
         matrices = [getattr(self, name) for name in MATRICES]
         segments = [(0, matrices, False, np.zeros(0), 0)]
         sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)

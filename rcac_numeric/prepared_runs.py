@@ -138,9 +138,9 @@ class PreparedRun:
                 "was applied. Use Decentralized(..., shared_u=True)."
             )
         body = (
-            plant.simulator(self.x_0, self._failures)
+            plant.compiled(self.x_0, self._failures)
             if isinstance(plant, FunctionPlant)
-            else plant.simulator(self.x_0)
+            else plant.compiled(self.x_0)
         )
         return _kernel.Loop(
             controllers=self._kernels,

@@ -84,6 +84,14 @@ def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) ->
     return array
 
 
+def vector(value: ArrayLike, name: str, size: int) -> Array:
+    """`value` as a 1-D array of `size` entries; a number where one is enough."""
+    array = real_array(value, name).reshape(-1)
+    if array.size != size:
+        raise InputError(f"{name} has {array.size} entries where {size} are needed.")
+    return array
+
+
 def signal_array(value: ArrayLike, name: str, width: int, steps: int | None = None) -> Array:
     """`value` as an array of shape (steps, width); a 1-D array is a scalar signal."""
     array = real_array(value, name)
