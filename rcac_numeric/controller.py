@@ -204,7 +204,10 @@ class Controller:
 
     @property
     def P(self) -> Array:
-        """The covariance P(k); shape (l_theta, l_theta)."""
+        """The covariance P(k); shape (l_theta, l_theta).
+
+        For the gradient update, which has none, its step size times I.
+        """
         return np.asarray(self._kernel.P)
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -42,8 +42,8 @@ class SavedState:
 
     kind: str
     k: int
-    values: Array
-    fingerprint: str
+    values: Array = field(repr=False)
+    fingerprint: str = field(repr=False)
 
     def save(self, path: str | Path) -> None:
         """Write the state to a .npz file.

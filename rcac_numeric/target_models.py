@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.filter_poles import require_no_pole_outside
 from rcac_numeric.modelling import ModellingInformation, modelling_information
-from rcac_numeric.validation import Read, real_array, rounded
+from rcac_numeric.validation import Read, instance_of, real_array, rounded
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -79,7 +79,12 @@ class TargetModel:
             object.__setattr__(self, name, real_array(np.pad(value, padding), name))
         if not self.numerator.any():
             raise InputError("the target model is zero: no controller could be adapted with it.")
-        exact = None if self.exact is None else self.exact.denominator
+        exact = None
+        if self.exact is not None:
+            from compensator_theory import TransferFunction, TransferMatrix
+
+            instance_of(self.exact, "exact", TransferFunction | TransferMatrix)
+            exact = self.exact.denominator
         require_no_pole_outside(self.denominator, exact)
 
     @property
