@@ -1,0 +1,272 @@
+"""The discrete-time algebraic Riccati equation, solved by SciPy and checked by us."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compensator_theory.errors import InputError, NoSolutionError
+from rcac_numeric.lyapunov import stein_solution
+from rcac_numeric.riccati_obstacles import (
+    REGULATOR,
+    Role,
+    require_no_zero_on_circle,
+    require_rank,
+    require_stabilisable,
+)
+from rcac_numeric.validation import Array, matrix
+from rcac_numeric.weights import square_root_columns
+
+# From which closeness of a closed-loop pole to the unit circle a zero on it is looked for, and
+# the relative residual above which a solution is refused.
+CLOSE, LARGEST_RESIDUAL = 1e-3, 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class StabilisingSolution:
+    """The stabilising solution of a Riccati equation, with what says how good it is.
+
+    Attributes
+    ----------
+    A, B : arrays of shape (n, n), (n, m)
+    R_1, R_12, R_2 : arrays of shape (n, n), (n, m), (m, m)
+    P : array, shape (n, n)
+    gain : array, shape (m, n)
+        K = -(R_2 + B'PB)^{-1} (R_12' + B'PA).
+    innovation : array, shape (m, m)
+        R_2 + B'PB.
+    residual : float
+        Norm of what is left of the equation over the sum of the norms of its terms.
+    """
+
+    A: Array
+    B: Array
+    R_1: Array
+    R_12: Array
+    R_2: Array
+    P: Array
+    gain: Array
+    innovation: Array
+    residual: float
+
+    @property
+    def closed_loop(self) -> Array:
+        """A + BK, shape (n, n)."""
+        return np.asarray(self.A + self.B @ self.gain)
+
+    @cached_property
+    def poles(self) -> NDArray[np.complex128]:
+        """The n eigenvalues of A + BK."""
+        return np.linalg.eigvals(self.closed_loop).astype(np.complex128)
+
+    @property
+    def margin(self) -> float:
+        """Distance of the closed-loop poles to the unit circle, 1 - spectral radius."""
+        return 1.0 - float(np.abs(self.poles).max(initial=0.0))
+
+    @property
+    def innovation_condition(self) -> float:
+        """Condition number of R_2 + B'PB with its diagonal scaled to one."""
+        scale = np.sqrt(np.abs(np.diag(self.innovation)))
+        scale = np.where(scale > 0, scale, 1.0)
+        return float(np.linalg.cond(self.innovation / np.outer(scale, scale)))
+
+    @cached_property
+    def condition(self) -> float:
+        """Bound on the relative change of P for relative changes of A, B and the weights.
+
+        Of first order, in the 2-norm: with X = (A+BK)'X(A+BK) + I,
+        |X| |[I; K]| (|R| |[I; K]| + 2 |(A+BK)'P| |[A B]|) / |P|, R being the full weight.
+        """
+        if not self.P.any():
+            return 0.0
+        norm = _norm
+        closed = self.closed_loop
+        X = stein_solution(closed.T, np.eye(len(closed)))
+        graph = norm(np.vstack([np.eye(len(closed)), self.gain]))
+        weight = norm(np.block([[self.R_1, self.R_12], [self.R_12.T, self.R_2]]))
+        data = 2 * norm(closed.T @ self.P) * norm(np.hstack([self.A, self.B]))
+        return norm(X) * graph * (weight * graph + data) / norm(self.P)
+
+    def __repr__(self) -> str:
+        return (
+            f"StabilisingSolution(n={len(self.A)}, residual={self.residual:.1e}, "
+            f"margin={self.margin:.3g}, condition={self.condition:.1e})"
+        )
+
+
+def solve_dare(
+    A: ArrayLike,
+    B: ArrayLike,
+    R_1: ArrayLike,
+    R_2: ArrayLike | None = None,
+    R_12: ArrayLike | None = None,
+) -> StabilisingSolution:
+    """Solve P = A'PA + R_1 - (A'PB + R_12)(R_2 + B'PB)^{-1}(B'PA + R_12') for the stabilising P.
+
+    Parameters
+    ----------
+    A, B : arrays of shape (n, n), (n, m)
+    R_1, R_2, R_12 : arrays of shape (n, n), (m, m), (n, m)
+        Weights; R_1 and R_2 symmetric. R_2 may be singular or zero, the default; R_12 is zero by
+        default. Where [R_1 R_12; R_12' R_2] is not positive semidefinite the causes of a failure
+        are not looked for.
+
+    Returns
+    -------
+    StabilisingSolution
+
+    Raises
+    ------
+    NotControllableError
+        Where a mode on or outside the unit circle cannot be moved; it is named.
+    NoSolutionError
+        Where the weights do not determine the gain (the deficient rank is named), or no
+        stabilising solution was found.
+    UnitCircleError
+        Where a zero is on the unit circle; it is named.
+    InputError
+        Where an argument has the wrong shape or a weight is not symmetric.
+
+    Notes
+    -----
+    By `scipy.linalg.solve_discrete_are`, refined by Newton steps while they shrink the residual.
+    SciPy returns without a word a solution with a closed-loop pole on the unit circle for a zero
+    at 1, and a meaningless one where R_2 = 0 and the inputs outnumber the outputs: hence the
+    checks. Source: (A.6), (A.7). The form here needs no inverse of R_2, as (A.9) does. "Unique
+    positive-semidefinite solution", said after (A.12), is true of the stabilising one only.
+
+    Examples
+    --------
+    >>> from rcac_numeric import solve_dare
+    >>> found = solve_dare([[2.0, -1.0], [1.0, 0.0]], [[1.0], [0.0]], [[0.0, 0.0], [0.0, 1.0]])
+    >>> found.P.round(12) + 0.0
+    array([[1., 0.],
+           [0., 1.]])
+    >>> found.residual < 1e-14, round(found.margin, 6)
+    (True, 1.0)
+    """
+    A = matrix(A, "A", (None, None))
+    n = len(A)
+    A, B = matrix(A, "A", (n, n)), matrix(B, "B", (n, None))
+    m = B.shape[1]
+    weights = (
+        _symmetric(matrix(R_1, "R_1", (n, n)), "R_1"),
+        np.zeros((n, m)) if R_12 is None else matrix(R_12, "R_12", (n, m)),
+        np.zeros((m, m)) if R_2 is None else _symmetric(matrix(R_2, "R_2", (m, m)), "R_2"),
+    )
+    return stabilising_solution(A, B, weights, _factor(weights), REGULATOR)
+
+
+def stabilising_solution(
+    A: Array,
+    B: Array,
+    weights: tuple[Array, Array, Array],
+    factor: tuple[Array, Array] | None,
+    role: Role,
+) -> StabilisingSolution:
+    """As `solve_dare`, with (R_1, R_12, R_2), their factor (E_1, E_2) and the words for errors."""
+    require_stabilisable(A, B, role)
+    if factor is not None:
+        require_rank(A, B, *factor, role)
+    best = _best(A, B, weights)
+    if factor is not None and best is None:  # SciPy gave up: look all around the circle
+        require_no_zero_on_circle(A, B, *factor, np.exp(1j * np.linspace(0, np.pi, 64)), role)
+    elif factor is not None and best is not None and best.margin < CLOSE:
+        close = best.poles[np.abs(np.abs(best.poles) - 1) < CLOSE]
+        require_no_zero_on_circle(A, B, *factor, close, role)
+    if best is None or not best.margin > 0 or not best.residual < LARGEST_RESIDUAL:
+        found = "none" if best is None else repr(best)
+        raise NoSolutionError(
+            f"no stabilising solution of the Riccati equation of {role.map} was found in float64 "
+            f"(the best: {found}). Scale the states and signals to like size; for scalar "
+            "signals compensator_theory.solve_riccati is exact."
+        )
+    return best
+
+
+def _best(
+    A: Array, B: Array, weights: tuple[Array, Array, Array]
+) -> StabilisingSolution | None:
+    """The better of SciPy's answers with and without balancing, after Newton steps."""
+    import warnings
+
+    from scipy.linalg import solve_discrete_are
+
+    R_1, R_12, R_2 = weights
+    found = []
+    for balanced in (True, False):
+        try:
+            with warnings.catch_warnings(), np.errstate(all="ignore"):
+                warnings.simplefilter("ignore")
+                P = solve_discrete_are(A, B, R_1, R_2, s=R_12, balanced=balanced)
+                found.append(_refined(_evaluated(A, B, weights, P)))
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+        if found[-1].margin > 0 and found[-1].residual < 1e-13:
+            break
+    return min(found, key=lambda s: (not s.margin > 0, s.residual), default=None)
+
+
+def _refined(solution: StabilisingSolution) -> StabilisingSolution:
+    """Newton steps: one Lyapunov equation each, as long as the residual falls."""
+    for _ in range(5):
+        if not solution.margin > 0:
+            break
+        s = solution
+        P = s.P + stein_solution(s.closed_loop.T, _left_over(s)[0])
+        try:
+            better = _evaluated(s.A, s.B, (s.R_1, s.R_12, s.R_2), P)
+        except np.linalg.LinAlgError:
+            break
+        if not (better.residual < solution.residual and better.margin > 0):
+            break
+        solution = better
+    return solution
+
+
+def _evaluated(
+    A: Array, B: Array, weights: tuple[Array, Array, Array], P: Array
+) -> StabilisingSolution:
+    R_1, R_12, R_2 = weights
+    innovation = R_2 + B.T @ P @ B
+    gain = -np.linalg.solve(innovation, R_12.T + B.T @ P @ A)
+    if not (np.isfinite(P).all() and np.isfinite(gain).all()):
+        raise np.linalg.LinAlgError("not finite")
+    bare = StabilisingSolution(A, B, R_1, R_12, R_2, P, gain, innovation, np.inf)
+    left, size = _left_over(bare)
+    residual = _norm(left) / size if size else 0.0
+    return StabilisingSolution(A, B, R_1, R_12, R_2, P, gain, innovation, residual)
+
+
+def _left_over(s: StabilisingSolution) -> tuple[Array, float]:
+    """What is left of the equation, and the sum of the norms of its terms."""
+    terms = (s.A.T @ s.P @ s.A, (s.R_12 + s.A.T @ s.P @ s.B) @ s.gain, s.R_1, -s.P)
+    left = sum(terms[1:], terms[0])
+    return np.asarray((left + left.T) / 2), sum(map(_norm, terms))
+
+
+def _factor(weights: tuple[Array, Array, Array]) -> tuple[Array, Array] | None:
+    """(E_1, E_2) with [R_1 R_12; R_12' R_2] = [E_1 E_2]'[E_1 E_2]; None where there is none."""
+    R_1, R_12, R_2 = weights
+    full = np.block([[R_1, R_12], [R_12.T, R_2]])
+    scale = np.sqrt(np.abs(np.diag(full)))
+    scale = np.where(scale > 0, scale, 1.0)
+    scaled = full / np.outer(scale, scale)
+    if np.linalg.eigvalsh(scaled).min(initial=0.0) < -1e-12:
+        return None
+    rows = square_root_columns(scaled).T * scale
+    return rows[:, : len(R_1)], rows[:, len(R_1) :]
+
+
+def _symmetric(weight: Array, name: str) -> Array:
+    if np.abs(weight - weight.T).max(initial=0.0) > 1e-12 * np.abs(weight).max(initial=0.0):
+        raise InputError(f"{name} is not symmetric; use ({name} + {name}') / 2.")
+    return np.asarray((weight + weight.T) / 2)
+
+
+def _norm(value: Array) -> float:
+    return float(np.linalg.norm(value, 2)) if value.size else 0.0
