@@ -79,7 +79,8 @@ class StabilisingSolution:
         """Bound on the relative change of P for relative changes of A, B and the weights.
 
         Of first order, in the 2-norm: with X = (A+BK)'X(A+BK) + I,
-        |X| |[I; K]| (|R| |[I; K]| + 2 |(A+BK)'P| |[A B]|) / |P|, R being the full weight.
+        |X| |[I; K]| (|R| |[I; K]| + 2 |(A+BK)'P| |[A B]|) / |P|, R being the full weight. Where
+        P is zero but for rounding, it has no relative accuracy and this number no meaning.
         """
         if not self.P.any():
             return 0.0
@@ -174,10 +175,11 @@ def stabilising_solution(
         require_rank(A, B, *factor, role)
     best = _best(A, B, weights)
     if factor is not None and best is None:  # SciPy gave up: look all around the circle
-        require_no_zero_on_circle(A, B, *factor, np.exp(1j * np.linspace(0, np.pi, 64)), role)
+        around = np.exp(1j * np.linspace(0, np.pi, 64))
+        require_no_zero_on_circle(A, B, *factor, near=around, role=role)
     elif factor is not None and best is not None and best.margin < CLOSE:
         close = best.poles[np.abs(np.abs(best.poles) - 1) < CLOSE]
-        require_no_zero_on_circle(A, B, *factor, close, role)
+        require_no_zero_on_circle(A, B, *factor, near=close, role=role)
     if best is None or not best.margin > 0 or not best.residual < LARGEST_RESIDUAL:
         found = "none" if best is None else repr(best)
         raise NoSolutionError(
@@ -188,9 +190,7 @@ def stabilising_solution(
     return best
 
 
-def _best(
-    A: Array, B: Array, weights: tuple[Array, Array, Array]
-) -> StabilisingSolution | None:
+def _best(A: Array, B: Array, weights: tuple[Array, Array, Array]) -> StabilisingSolution | None:
     """The better of SciPy's answers with and without balancing, after Newton steps."""
     import warnings
 
@@ -233,7 +233,7 @@ def _evaluated(
 ) -> StabilisingSolution:
     R_1, R_12, R_2 = weights
     innovation = R_2 + B.T @ P @ B
-    gain = -np.linalg.solve(innovation, R_12.T + B.T @ P @ A)
+    gain: Array = -np.asarray(np.linalg.solve(innovation, R_12.T + B.T @ P @ A), np.float64)
     if not (np.isfinite(P).all() and np.isfinite(gain).all()):
         raise np.linalg.LinAlgError("not finite")
     bare = StabilisingSolution(A, B, R_1, R_12, R_2, P, gain, innovation, np.inf)

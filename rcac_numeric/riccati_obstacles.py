@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,6 +111,7 @@ def require_no_zero_on_circle(
     B: Array,
     E_1: Array,
     E_2: Array,
+    *,
     near: NDArray[np.complex128],
     role: Role = REGULATOR,
 ) -> None:
@@ -173,7 +175,7 @@ def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) ->
     return at
 
 
-def _suspects(modes: NDArray[np.complex128], size: float) -> list[complex]:
+def _suspects(modes: NDArray[Any], size: float) -> list[complex]:
     """The modes on or outside the circle, and the centres of clusters of them.
 
     A multiple eigenvalue is computed as a cluster, off by a root of the rounding error; its centre
@@ -186,9 +188,7 @@ def _suspects(modes: NDArray[np.complex128], size: float) -> list[complex]:
     return found
 
 
-def _pencil(
-    A: Array, B: Array, E_1: Array, E_2: Array, at: complex
-) -> NDArray[np.complex128]:
+def _pencil(A: Array, B: Array, E_1: Array, E_2: Array, at: complex) -> NDArray[np.complex128]:
     return np.block([[A - at * np.eye(len(A)), B], [E_1, E_2]])
 
 
