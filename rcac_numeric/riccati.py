@@ -182,10 +182,15 @@ def stabilising_solution(
         require_no_zero_on_circle(A, B, *factor, near=close, role=role)
     if best is None or not best.margin > 0 or not best.residual < LARGEST_RESIDUAL:
         found = "none" if best is None else repr(best)
+        advice = (
+            "The full weight is not positive semidefinite, so that there may be none."
+            if factor is None
+            else "Scale the states and signals to like size; for scalar signals "
+            "compensator_theory.solve_riccati is exact."
+        )
         raise NoSolutionError(
             f"no stabilising solution of the Riccati equation of {role.map} was found in float64 "
-            f"(the best: {found}). Scale the states and signals to like size; for scalar "
-            "signals compensator_theory.solve_riccati is exact."
+            f"(the best: {found}). {advice}"
         )
     return best
 
