@@ -93,23 +93,29 @@ def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = 
     """
     parts = state_space_of(compensator, plant.l_u, plant.l_y)
     inputs = noise_inputs(plant, noise)
-    A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(plant, parts, inputs)
+    with np.errstate(over="ignore", invalid="ignore"):  # what overflows is looked for
+        return _cost(plant, parts, inputs)
+
+
+def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
+    A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(plant, compensator, inputs)
     if not (np.isfinite(A).all() and np.isfinite(B).all()):
         raise InputError("the closed loop has entries beyond float64; rescale the signals.")
     radius = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
     if not radius < 1:
         return _infinite(inputs, radius)
     covariance = stein_solution(A, B @ B.T)
-    with np.errstate(over="ignore", invalid="ignore"):
-        Z_x, Z_w = E_x + plant.E_2 @ K_x, E_w + plant.E_2 @ K_w
-        terms = {
-            "state": _mean_square(E_x, covariance),
-            "cross": 2 * float(np.sum((E_x @ covariance) * (plant.E_2 @ K_x))),
-            "control": _mean_square(plant.E_2 @ K_x, covariance),
-            "direct": float(np.sum(Z_w**2)),
-        }
-        each = np.sum(B * (stein_solution(A.T, Z_x.T @ Z_x) @ B), axis=0) + np.sum(Z_w**2, axis=0)
-        value, dual = sum(terms.values()), float(each.sum())
+    u_x, u_w = plant.E_2 @ K_x, plant.E_2 @ K_w
+    terms = {
+        "state": _mean_square(E_x, covariance),
+        "cross": 2 * float(np.sum((E_x @ covariance) * u_x)),
+        "control": _mean_square(u_x, covariance),
+        "direct": float(np.sum((E_w + u_w) ** 2)),
+    }
+    Z = E_x + u_x
+    each = np.sum(B * (stein_solution(A.T, Z.T @ Z) @ B), axis=0)
+    each = each + np.sum((E_w + u_w) ** 2, axis=0)
+    value, dual = sum(terms.values()), float(each.sum())
     if not (np.isfinite(value) and np.isfinite(dual)):
         return _infinite(inputs, radius)  # beyond float64
     shares = dict.fromkeys(inputs.names, 0.0)
