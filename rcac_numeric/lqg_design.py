@@ -156,7 +156,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     (array([ 1. , -1. ,  0.4]), True)
     >>> plant = servo_plant("1/(q - 2)", performance="true")
     >>> lqg(plant, noise={"d": 1.0, "v": 0.25}, form="filter").cost
-    H2Cost(1.88278: d 1.21619, v 0.666594)
+    H2Cost(1.88278: d 1.05816, v 0.824626)
     """
     instance_of(plant, "plant", Plant)
     one_of(form, "form", FORMS)

@@ -109,8 +109,10 @@ def chain(numerator, last_row=(0.1, 0.2, 0.5)):
         ([1, 1], (0.1, 0.2, 0.5), " -1 "),
         ([1, 0, 1], (0.1, 0.2, 0.5), " 1j "),
         ([1, -2, 1], (0.1, 0.2, 0.5), " 1 "),  # a double zero
+        ([1, 3, 3, 1], (0.75, -0.5, 0.25, 0.5), " -1"),  # a triple one
         ([1, -1.2, 1], (0.1, 0.2, 0.5, 1.5), " 0.6"),
         ([1, -3, 2], (0.1, 0.2, 2.5), " 1 "),  # beside a zero outside
+        ([-5, 4, 9, -8], (0.875, 0.375, 0.0, -0.5), " 1 "),  # SciPy's poles are 0.1 off
     ],
 )
 def test_a_zero_on_the_unit_circle_is_named(numerator, last_row, zero):
