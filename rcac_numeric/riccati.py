@@ -174,6 +174,8 @@ def stabilising_solution(
     role: Role,
 ) -> StabilisingSolution:
     """As `solve_dare`, with (R_1, R_12, R_2), their factor (E_1, E_2) and the words for errors."""
+    if not A.size:
+        raise InputError("A is 0 x 0: a plant without states leaves nothing to estimate or move.")
     require_stabilisable(A, B, role)
     if factor is not None:
         require_rank(A, B, *factor, role)

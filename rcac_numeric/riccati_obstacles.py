@@ -172,8 +172,10 @@ def _nearest_zero(A: Array, B: Array, E_1: Array, E_2: Array, start: complex) ->
         left, values, right = np.linalg.svd(_pencil(A, B, E_1, E_2, at))
         u, v = left[:, len(values) - 1], right[len(values) - 1].conj()
         slope = np.vdot(u[:n], v[:n])
-        if slope == 0 or values[-1] == 0:
+        if values[-1] == 0:
             break
+        if values[-1] >= 10 * abs(slope):
+            return complex(np.nan)  # none is near
         step = values[-1] / slope
         at += step
         if not abs(step) > EPS:

@@ -115,6 +115,13 @@ def test_a_stable_compensator_pole_outside_counts_even_if_cancelled():
     assert float(h2_cost(plant, hidden)) == np.inf
 
 
+def test_a_constant_gain():
+    """x(k+1) = 2x + u + w with u = -1.5 x: the variance is 1/(1 - 0.25)."""
+    plant = standard_plant("1/(q - 2)")
+    for gain in (control.ss([], [], [], [[-1.5]], True), control.tf([-1.5], [1], True)):
+        assert float(h2_cost(plant, gain)) == pytest.approx(1 / 0.75)
+
+
 def test_numbers_at_the_end_of_float64():
     big = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1e200]], C=[[1.0]])
     none = Compensator([[[0.0]]], [[[0.0]], [[0.0]]])

@@ -263,6 +263,7 @@ def test_one_input_agrees_with_the_exact_solution(numerator, seed):
         (([[1.0]], [[1.0]], [[1.0]], [[1.0, 2.0]]), "R_2 has shape"),
         (([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 2.0], [0.0, 1.0]]), "R_1 is not symm"),
         (([[np.nan]], [[1.0]], [[1.0]]), "A has the entry nan"),
+        ((np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((0, 0)), [[1.0]]), "A is 0 x 0"),
         (([[2, 1 - 2j], [0, -3j]], [[0], [1]], np.eye(2)), "A must be an array of real"),
     ],
 )
