@@ -79,10 +79,9 @@ class StabilisingSolution:
     def condition(self) -> float:
         """Bound on the relative change of P for relative changes of A, B and the weights.
 
-        Of first order, in the 2-norm: with X = (A+BK)'X(A+BK) + I,
-        norm(X) norm([I; K]) (norm(R) norm([I; K]) + 2 norm((A+BK)'P) norm([A B])) / norm(P),
-        R being the full weight. Where
-        P is zero but for rounding, it has no relative accuracy and this number no meaning.
+        Of first order, in the 2-norm: with X = (A+BK)'X(A+BK) + I and R the full weight,
+        norm(X) norm([I; K]) (norm(R) norm([I; K]) + 2 norm((A+BK)'P) norm([A B])) over norm(P),
+        or over norm(R_1) where that is larger: cross terms can make P vanish.
         """
         if not self.P.any():
             return 0.0
@@ -94,7 +93,8 @@ class StabilisingSolution:
         graph = norm(np.vstack([np.eye(len(closed)), self.gain]))
         weight = norm(np.block([[self.R_1, self.R_12], [self.R_12.T, self.R_2]]))
         data = 2 * norm(closed.T @ self.P) * norm(np.hstack([self.A, self.B]))
-        return norm(X) * graph * (weight * graph + data) / norm(self.P)
+        size = max(norm(self.P), norm(self.R_1))
+        return norm(X) * graph * (weight * graph + data) / size
 
     def __repr__(self) -> str:
         return (

@@ -92,15 +92,18 @@ def test_spectra_are_the_exact_prediction(plant):
 @given(regular_plants(), st.sampled_from(["predictor", "filter"]))
 def test_cost_spectrum_and_exact_poles_of_any_plant(plant, form):
     design = lqg(plant, form=form)
-    assert design.cost.value == pytest.approx(design.cost_from_riccati, rel=1e-8)
+    # what the conditions of the two equations allow, and no less than a few hundred roundings
+    condition = max(design.regulator.condition, design.estimator.condition)
+    accuracy = max(1e-10, 1e-14 * condition)
+    assert design.cost.value == pytest.approx(design.cost_from_riccati, rel=100 * accuracy)
     assert design.agreement.reason == ""
-    assert design.agreement.coefficient_distance < 1e-10
+    assert design.agreement.coefficient_distance < accuracy
     from rcac_numeric.h2_costs import loop_matrices
     from rcac_numeric.noise import noise_inputs
 
     loop = loop_matrices(plant, design.state_space, noise_inputs(plant))[0]
     gap = np.poly(loop) - np.poly(design.poles)  # (A.11)
-    assert np.abs(gap).max() < 1e-8 * np.abs(np.poly(loop)).max()
+    assert np.abs(gap).max() < 100 * accuracy * np.abs(np.poly(loop)).max()
 
 
 @given(regular_plants(), seeds, st.sampled_from(["predictor", "filter"]), st.floats(1e-4, 0.3))
