@@ -54,8 +54,8 @@ from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
 from .residual_split import ResidualSplit as ResidualSplit
 from .residual_split import split_residual as split_residual
-from .riccati import StabilisingSolution as StabilisingSolution
 from .riccati import solve_dare as solve_dare
+from .riccati_solutions import StabilisingSolution as StabilisingSolution
 from .runs import Run as Run
 from .saved_states import SavedState as SavedState
 from .signals import Signal as Signal

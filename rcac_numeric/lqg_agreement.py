@@ -12,7 +12,7 @@ from compensator_theory.errors import CompensatorError
 from rcac_numeric.comparison import pairing
 from rcac_numeric.noise import NoiseInputs, exact_noise_inputs
 from rcac_numeric.plants import Plant
-from rcac_numeric.riccati import StabilisingSolution
+from rcac_numeric.riccati_solutions import StabilisingSolution
 from rcac_numeric.validation import Array
 
 if TYPE_CHECKING:

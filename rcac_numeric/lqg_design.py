@@ -16,8 +16,9 @@ from rcac_numeric.h2_costs import H2Cost, h2_cost
 from rcac_numeric.lqg_agreement import ExactAgreement, exact_agreement
 from rcac_numeric.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.plants import Plant
-from rcac_numeric.riccati import StabilisingSolution, stabilising_solution
+from rcac_numeric.riccati import stabilising_solution
 from rcac_numeric.riccati_obstacles import ESTIMATOR, REGULATOR
+from rcac_numeric.riccati_solutions import StabilisingSolution
 from rcac_numeric.state_space_compensators import StateSpace, compensator_from_state_space
 from rcac_numeric.validation import Array, instance_of, one_of
 
