@@ -13,6 +13,8 @@ from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
 from .controller_settings import ControllerSettings as ControllerSettings
 from .decentralized import Decentralized as Decentralized
+from .disk_margins import DiskMargin as DiskMargin
+from .disk_margins import multivariable_disk_margin as multivariable_disk_margin
 from .era import EigensystemRealisation as EigensystemRealisation
 from .era import eigensystem_realisation as eigensystem_realisation
 from .experiment import Experiment as Experiment
@@ -24,6 +26,9 @@ from .high_authority_targets import high_authority_target as high_authority_targ
 from .identified_modelling import (
     modelling_information_from_markov as modelling_information_from_markov,
 )
+from .margin_boundaries import Boundary as Boundary
+from .margins import Margins as Margins
+from .margins import stability_margins as stability_margins
 from .markov_identification import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .markov_identification import identify_markov_parameters as identify_markov_parameters
 from .markov_models import markov_parameters as markov_parameters
