@@ -1,0 +1,266 @@
+"""The check of a controller in words and numbers: for the terminal and as JSON."""
+
+from __future__ import annotations
+
+import io
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.markup import escape
+
+from rcac_numeric.tables import complex_list, finite_or_none, table_of
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from rcac_numeric.controller_checks import ControllerCheck
+    from rcac_numeric.disk_margins import DiskMargin
+    from rcac_numeric.margin_boundaries import Boundary
+    from rcac_numeric.margins import Margins
+
+
+def as_text(check: ControllerCheck) -> str:
+    """The report without colours."""
+    stream = io.StringIO()
+    print_check(check, Console(file=stream, width=100, highlight=False, color_system=None))
+    return stream.getvalue().strip("\n")
+
+
+def print_check(check: ControllerCheck, console: Console | None = None) -> None:
+    """Print what the log says, what the loop is, and what cannot be said."""
+    out = console or Console(highlight=False)
+    out.print(f"\n[bold]{escape(check.log.source)}[/bold]: {check.log.steps} steps")
+    for finding, fine in (
+        (check.replay, check.is_consistent),
+        (check.drift, check.drift is None or check.drift.is_converged),
+    ):
+        if finding is not None:
+            out.print(f"  {escape(str(finding))}", style=None if fine else "red")
+    if not check.is_consistent:
+        out.print("  What follows is about theta; the logged u came from something else.")
+    _print_controller(out, check)
+    if check.loop is not None:
+        _print_loop(out, check)
+        for name, margins in check.margins.items():
+            _print_margins(out, name, margins)
+        if check.disk is not None:
+            out.print(f"  all of u at once: disk {check.disk}")
+        _print_costs(out, check)
+    if check.target is not None and check.loop is not None:
+        _print_target(out, check)
+    if check.unsaid:
+        out.print("\n[bold]What cannot be said[/bold]")
+        for name, reason in check.unsaid.items():
+            out.print(f"  {escape(name)}: {escape(reason)}.", style="yellow")
+
+
+def _print_controller(out: Console, check: ControllerCheck) -> None:
+    out.print("\n[bold]The controller[/bold] at the end of the log")
+    poles = check.compensator.poles()
+    out.print(f"  poles: {complex_list(poles)}")
+    if (largest := float(abs(poles).max(initial=0.0))) > 1 + 1e-9:
+        out.print(f"  it is unstable by itself: spectral radius {largest:.6g}", style="yellow")
+    for model in check.internal_models:
+        left = ", ".join(f"{gain:.2g} from {name}" for name, gain in model.gains.items())
+        left = f"; of these z keeps {left}" if left else ""
+        out.print(
+            f"  internal model: pole {complex_list([model.pole])} rejects {model.rejects}{left}"  # type: ignore[arg-type]
+        )
+
+
+def _print_loop(out: Console, check: ControllerCheck) -> None:
+    assert check.loop is not None
+    radius = check.loop.spectral_radius
+    stable = check.loop.is_stable
+    out.print("\n[bold]The closed loop[/bold]")
+    out.print(
+        f"  {'stable' if stable else 'UNSTABLE'}, spectral radius {radius:.9g}",
+        style=None if stable else "red",
+    )
+    out.print(f"  poles: {complex_list(check.poles)}")
+    for channel, zeros in check.zeros.items():
+        out.print(f"  zeros from {escape(channel)} to z: {complex_list(zeros)}")
+
+
+def _print_margins(out: Console, name: str, margins: Margins) -> None:
+    out.print(f"\n[bold]Margins[/bold], the loop opened at {name}")
+    if not margins.is_stable:
+        out.print(f"  {margins}", style="red")
+        return
+    table = table_of("", "margin", "at rad/sample", "pole radius there")
+    for label, found, unit in _rows(margins):
+        value = f"{found.value:.6g}{unit}"
+        omega = f"{found.omega:.6g}" if found.is_reached else ""
+        there = f"{found.radius_at:.12f}" if found.is_reached else ""
+        table.add_row(label, value, omega, there)
+    disk = margins.disk
+    assert disk is not None
+    low, high = disk.gain
+    table.add_row(
+        "disk, S - T",
+        f"{disk.alpha:.6g}: {low:.4g} to {high:.4g}, {disk.phase:.4g} deg",
+        f"{disk.omega:.6g}",
+        f"{disk.radius_at:.12f}",
+    )
+    out.print(table)
+    out.print(
+        f"  peaks: |S| {disk.S_peak:.4g} at {disk.S_omega:.4g}, |T| {disk.T_peak:.4g} at "
+        f"{disk.T_omega:.4g} rad/sample"
+    )
+
+
+def _rows(margins: Margins) -> list[tuple[str, Boundary, str]]:
+    assert margins.gain_up and margins.gain_down and margins.phase_lag and margins.phase_lead
+    assert margins.delay
+    seconds = "" if margins.delay_time is None else f" = {margins.delay_time:.6g} s"
+    return [
+        ("gain up", margins.gain_up, ""),
+        ("gain down", margins.gain_down, ""),
+        ("phase lag", margins.phase_lag, " deg"),
+        ("phase lead", margins.phase_lead, " deg"),
+        ("delay", margins.delay, f" steps{seconds}"),
+    ]
+
+
+def _print_costs(out: Console, check: ControllerCheck) -> None:
+    costs = check.costs
+    assert costs is not None
+    out.print("\n[bold]H2 cost[/bold], w white of unit variance")
+    shares = ", ".join(f"{name} {value:.6g}" for name, value in costs.by_channel.items())
+    out.print(f"  {costs.cost:.6g} ({escape(shares)})")
+    if costs.lqg is None:
+        out.print(f"  no LQG cost: {escape(costs.obstacle)}.", style="yellow")
+    else:
+        out.print(f"  high-authority LQG: {costs.lqg:.6g}; ratio {costs.ratio:.6g}")
+
+
+def _print_target(out: Console, check: ControllerCheck) -> None:
+    out.print("\n[bold]Against the target model[/bold]")
+    if (comparison := check.comparison) is not None:
+        table = table_of("pole of G_f", "closed-loop pole", "distance")
+        for wanted, pole in comparison.assigned:
+            table.add_row(
+                complex_list([wanted]),
+                complex_list([pole]),
+                f"{abs(wanted - pole):.2e}",  # type: ignore[arg-type]
+            )
+        out.print(table)
+        if comparison.asked is None:
+            out.print(f"  no exact prediction: {escape(comparison.obstacle)}", style="yellow")
+        else:
+            out.print(
+                f"  distance of all poles from those the target asks for: "
+                f"{comparison.spectrum_distance:.3g}"
+            )
+    if check.match is not None:
+        out.print(
+            f"  intercalated transfer function against G_f: worst relative error "
+            f"{check.match.worst:.3g}, median {check.match.median:.3g}"
+        )
+    if check.split is not None:
+        power = ", ".join(f"{name} {value:.3g}" for name, value in check.split.power().items())
+        out.print(f"  mean squares of the split residual: {power}")
+        out.print(f"  the split holds to {check.split.identity_error:.1e} (4.14)")
+
+
+def as_dict(check: ControllerCheck) -> dict[str, Any]:
+    """The same as one dictionary for strict JSON: null stands for infinite and for unknown."""
+    replay, drift, costs = check.replay, check.drift, check.costs
+    result: dict[str, Any] = {
+        "source": check.log.source,
+        "steps": check.log.steps,
+        "replay": replay and {
+            "agrees": replay.agrees,
+            "worst": finite_or_none(replay.worst),
+            "worst_step": replay.worst_step,
+            "start": replay.start,
+            "shift": replay.shift,
+        },
+        "drift": drift and {
+            "is_converged": drift.is_converged,
+            "relative": finite_or_none(drift.relative),
+            "start": drift.start,
+        },
+        "controller": {
+            "P": check.compensator.P.tolist(),
+            "Q": check.compensator.Q.tolist(),
+            "poles": _pairs(check.compensator.poles()),
+            "internal_models": [
+                {
+                    "pole": [m.pole.real, m.pole.imag],
+                    "omega": m.omega,
+                    "rejects": m.rejects,
+                    "gains": {name: finite_or_none(g) for name, g in m.gains.items()},
+                }
+                for m in check.internal_models
+            ],
+        },
+        "unsaid": check.unsaid,
+    }  # fmt: skip
+    if check.loop is None:
+        return result
+    result["loop"] = {
+        "is_stable": check.loop.is_stable,
+        "spectral_radius": check.loop.spectral_radius,
+        "poles": _pairs(check.poles),
+        "zeros": {name: _pairs(zeros) for name, zeros in check.zeros.items()},
+    }
+    result["margins"] = {name: _margins(margins) for name, margins in check.margins.items()}
+    result["disk_margin"] = _disk(check.disk)
+    assert costs is not None
+    result["h2"] = {
+        "cost": finite_or_none(costs.cost),
+        "by_channel": {name: finite_or_none(v) for name, v in costs.by_channel.items()},
+        "lqg": costs.lqg,
+        "obstacle": costs.obstacle or None,
+    }
+    if (comparison := check.comparison) is not None:
+        result["target"] = {
+            "poles": _pairs(comparison.target_poles),
+            "worst_pole_distance": comparison.worst_distance,
+            "spectrum_distance": finite_or_none(comparison.spectrum_distance),
+            "obstacle": comparison.obstacle or None,
+        }
+    if check.match is not None:
+        worst, median = finite_or_none(check.match.worst), finite_or_none(check.match.median)
+        result["match"] = {"worst": worst, "median": median}
+    if check.split is not None:
+        result["residual"] = {k: finite_or_none(v) for k, v in check.split.power().items()}
+        result["residual"]["identity_error"] = finite_or_none(check.split.identity_error)
+    return result
+
+
+def _margins(margins: Margins) -> dict[str, Any]:
+    result: dict[str, Any] = {
+        "is_stable": margins.is_stable,
+        "gain_crossovers": margins.gain_crossovers.tolist(),
+        "phase_crossovers": margins.phase_crossovers.tolist(),
+    }
+    if margins.is_stable:
+        for label, found, _ in _rows(margins):
+            result[label.replace(" ", "_")] = {
+                "value": finite_or_none(found.value),
+                "omega": finite_or_none(found.omega),
+                "is_reached": found.is_reached,
+                "radius_before": finite_or_none(found.radius_before),
+                "radius_at": finite_or_none(found.radius_at),
+                "radius_after": finite_or_none(found.radius_after),
+            }
+        result["delay_time"] = (
+            None if margins.delay_time is None else finite_or_none(margins.delay_time)
+        )
+        result["disk"] = _disk(margins.disk)
+    return result
+
+
+def _disk(disk: DiskMargin | None) -> dict[str, Any] | None:
+    if disk is None:
+        return None
+    return {name: finite_or_none(value) for name, value in vars(disk).items()}
+
+
+def _pairs(values: np.ndarray | None) -> list[list[float | None]]:
+    return [
+        [finite_or_none(float(v.real)), finite_or_none(float(v.imag))]
+        for v in ([] if values is None else values)
+    ]
