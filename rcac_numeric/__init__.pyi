@@ -11,6 +11,10 @@ from .comparison import Comparison as Comparison
 from .comparison import compare as compare
 from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
+from .controller_checks import ControllerCheck as ControllerCheck
+from .controller_checks import check_controller as check_controller
+from .controller_logs import ControllerLog as ControllerLog
+from .controller_logs import read_log as read_log
 from .controller_settings import ControllerSettings as ControllerSettings
 from .decentralized import Decentralized as Decentralized
 from .disk_margins import DiskMargin as DiskMargin
@@ -51,6 +55,8 @@ from .plots import plot_sheet as plot_sheet
 from .recordings import read_recording as read_recording
 from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
+from .replays import Replay as Replay
+from .replays import replay as replay
 from .residual_split import ResidualSplit as ResidualSplit
 from .residual_split import split_residual as split_residual
 from .runs import Run as Run

@@ -13,6 +13,7 @@ from rcac_numeric.drawing import (
     WANTED,
     draw_history,
     draw_magnitude,
+    draw_phase,
 )
 from rcac_numeric.margin_plots import draw_nyquist
 
@@ -31,20 +32,18 @@ def plot_check(check: ControllerCheck) -> Figure:
     from matplotlib.figure import Figure
 
     knows = check.loop is not None
-    figure = Figure(figsize=(13 if knows else 9, 9), layout="constrained")
+    figure = Figure(figsize=(15 if knows else 9, 9), layout="constrained")
     figure.suptitle(check.log.source.rsplit("/", 1)[-1], fontsize=12, fontweight="bold")
-    columns = 2 if knows else 1
-    grid = figure.add_gridspec(6, columns, width_ratios=[1.1, 1][:columns])
+    grid = figure.add_gridspec(6, 3 if knows else 1)
     left = [figure.add_subplot(grid[2 * i : 2 * i + 2, 0]) for i in range(3)]
     _signals(left[0], left[1], check)
     _coefficients(left[2], check)
     for axis in left:
         axis.grid(alpha=0.25)
     if knows:
-        _poles(figure.add_subplot(grid[:3, 1]), check)
-        below = grid[3:, 1].subgridspec(1, 2)
-        _match(figure.add_subplot(below[0, 0]), check)
-        _nyquist(figure.add_subplot(below[0, 1]), check)
+        _poles(figure.add_subplot(grid[:4, 1]), check)
+        _nyquist(figure.add_subplot(grid[:4, 2]), check)
+        _match(figure.add_subplot(grid[4:, 1]), figure.add_subplot(grid[4:, 2]), check)
     return figure
 
 
@@ -110,31 +109,34 @@ def _poles(axis: Axes, check: ControllerCheck) -> None:
         for label, values, *_ in marks
         if len(outside := values[np.abs(values) > span])
     ]
-    if beyond:
-        axis.annotate("not shown\n" + "\n".join(beyond), (1.03, 0.02), xycoords="axes fraction",
-                      fontsize=8)  # fmt: skip
-    axis.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False)
+    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
+                frameon=False)  # fmt: skip
     assert check.loop is not None
     stable = check.loop.is_stable
-    axis.set_title(
-        f"closed loop, spectral radius {check.loop.spectral_radius:.6g}",
-        fontsize=10, color=INK if stable else WANTED,
-    )  # fmt: skip
+    title = f"closed loop, spectral radius {check.loop.spectral_radius:.6g}"
+    if beyond:
+        title += "\nnot shown: " + "; ".join(beyond)
+    axis.set_title(title, fontsize=9, color=INK if stable else WANTED)
 
 
-def _match(axis: Axes, check: ControllerCheck) -> None:
+def _match(gain: Axes, phase: Axes, check: ControllerCheck) -> None:
+    """The match with G_f; without a target model the response from w to z."""
+    assert check.loop is not None
     if check.match is not None:
-        draw_magnitude(axis, check.match)
-        axis.set_title(f"match: worst {check.match.worst:.2g}", fontsize=10)
+        draw_magnitude(gain, check.match)
+        draw_phase(phase, check.match)
+        phase.set_title("its phase", fontsize=10)
     else:
-        assert check.loop is not None
         omega = (np.arange(1000) + 0.5) * np.pi / 1000
-        response = np.linalg.norm(check.loop.frequency_response(omega), axis=(1, 2))
-        axis.semilogy(omega, response, color=REACHED, linewidth=1.2)
-        axis.set(ylabel=r"$|\tilde G_{zw}|$")
-        axis.set_title("response from w to z", fontsize=10)
-    axis.set(xlabel=r"$\omega$, rad/sample")
-    axis.grid(alpha=0.25)
+        response = np.linalg.norm(check.loop.frequency_response(omega), axis=1)
+        for name, values in zip(check.loop.plant.channels, response.T, strict=True):
+            gain.semilogy(omega, values, linewidth=1.2, label=f"from {name}")
+        gain.legend(fontsize=8)
+        gain.set_title("closed-loop response from w to z", fontsize=10)
+        phase.set_axis_off()
+    for axis in (gain, phase):
+        axis.set_xlabel(r"frequency $\omega$, rad/sample")
+        axis.grid(alpha=0.25)
 
 
 def _nyquist(axis: Axes, check: ControllerCheck) -> None:
@@ -143,11 +145,13 @@ def _nyquist(axis: Axes, check: ControllerCheck) -> None:
         return
     name, margins = next(iter(check.margins.items()))
     draw_nyquist(axis, margins)
-    axis.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=2, frameon=False)
+    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
+                frameon=False)  # fmt: skip
     words = "unstable: no margins"
     if margins.is_stable and margins.gain_up and margins.gain_down and margins.phase:
         words = (
-            f"gain {margins.gain_down.value:.3g} to {margins.gain_up.value:.3g}, phase "
-            f"{margins.phase.value:.3g} deg"
+            f"gain {margins.gain_down.value:.4g} to {margins.gain_up.value:.4g}, "
+            f"phase {margins.phase.value:.3g} deg"
         )
-    axis.set_title(f"Nyquist at {name}: {words}", fontsize=9)
+    axis.set_title(f"Nyquist, opened at {name}\n{words}", fontsize=9,
+                   color=INK if margins.is_stable else WANTED)  # fmt: skip

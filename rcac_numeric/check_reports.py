@@ -64,7 +64,7 @@ def _print_controller(out: Console, check: ControllerCheck) -> None:
         left = ", ".join(f"{gain:.2g} from {name}" for name, gain in model.gains.items())
         left = f"; of these z keeps {left}" if left else ""
         out.print(
-            f"  internal model: pole {complex_list([model.pole])} rejects {model.rejects}{left}"  # type: ignore[arg-type]
+            f"  internal model: pole {complex_list([model.pole])} rejects {model.rejects}{left}"
         )
 
 
@@ -77,6 +77,7 @@ def _print_loop(out: Console, check: ControllerCheck) -> None:
         f"  {'stable' if stable else 'UNSTABLE'}, spectral radius {radius:.9g}",
         style=None if stable else "red",
     )
+    assert check.poles is not None
     out.print(f"  poles: {complex_list(check.poles)}")
     for channel, zeros in check.zeros.items():
         out.print(f"  zeros from {escape(channel)} to z: {complex_list(zeros)}")
@@ -142,7 +143,7 @@ def _print_target(out: Console, check: ControllerCheck) -> None:
             table.add_row(
                 complex_list([wanted]),
                 complex_list([pole]),
-                f"{abs(wanted - pole):.2e}",  # type: ignore[arg-type]
+                f"{abs(wanted - pole):.2e}",
             )
         out.print(table)
         if comparison.asked is None:

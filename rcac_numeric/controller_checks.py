@@ -215,7 +215,7 @@ def _fixed(
     """The controller at the end of the log."""
     if compensator is not None:
         return compensator
-    if log.theta is not None and structure is not None:
+    if log.theta_final is not None and structure is not None:
         require_fit(log, structure)
         return structure.compensator(log.theta_final)
     if log.D_c is not None and log.N_c is not None:

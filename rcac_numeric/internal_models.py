@@ -38,7 +38,8 @@ class Drift:
 
     def __str__(self) -> str:
         verdict = "has converged" if self.is_converged else "is STILL MOVING"
-        return f"theta {verdict}: it moved by {self.relative:.2g} of its size from step {self.start} on"
+        moved = f"it moved by {self.relative:.2g} of its size from step {self.start} on"
+        return f"theta {verdict}: {moved}"
 
 
 @dataclass(frozen=True)

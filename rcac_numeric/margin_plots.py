@@ -56,7 +56,7 @@ def draw_nyquist(axis: Axes, margins: Margins) -> None:
     omega = np.concatenate([np.geomspace(1e-5, 1e-2, 500), np.linspace(1e-2, np.pi, 4000)])
     with np.errstate(all="ignore"):
         L = margins.loop.response(omega)
-    span = 2.2
+    span = 2.2  # half the width of what is shown, less where the margin would be a dot
     L = np.where(np.abs(L) < 50, L, np.nan)
     axis.plot(L.real, L.imag, color=REACHED, linewidth=1.4, label="$L$, positive frequencies")
     axis.plot(L.real, -L.imag, color=REACHED, linewidth=0.8, alpha=0.5)
@@ -66,6 +66,7 @@ def draw_nyquist(axis: Axes, margins: Margins) -> None:
     if margins.disk is not None and margins.disk.alpha < 2:
         low, high = margins.disk.gain
         ends = np.array([-1 / low, -1 / high])  # where the factors of the disk put -1/f
+        span = float(np.clip(3 * np.ptp(ends), 0.05, span))
         disk = ends.mean() + np.ptp(ends) / 2 * circle
         axis.fill(disk.real, disk.imag, color=WANTED, alpha=0.12, linewidth=0,
                   label=f"disk margin {margins.disk.alpha:.3g}")  # fmt: skip
@@ -75,7 +76,10 @@ def draw_nyquist(axis: Axes, margins: Margins) -> None:
     real = margins.loop.response(margins.phase_crossovers).real
     axis.plot(real, np.zeros_like(real), "s", mfc="none", mec=SECOND, ms=7,
               label="phase crossovers")  # fmt: skip
-    axis.set(xlim=(-span - 0.6, span - 0.6), ylim=(-span, span), xlabel="real", ylabel="imaginary")
+    middle = -0.6 if span > 1.5 else -1.0
+    axis.set(
+        xlim=(middle - span, middle + span), ylim=(-span, span), xlabel="real", ylabel="imaginary"
+    )
     axis.set_aspect("equal")
     axis.grid(alpha=0.25)
     axis.legend(fontsize=8, loc="upper right")

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 from rich import box
 from rich.table import Table
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 def table_of(*columns: str) -> Table:
@@ -27,7 +24,7 @@ def complex_text(value: complex) -> str:
     return f"{value.real:.8f} {'+' if value.imag > 0 else '-'} {abs(value.imag):.8f}j"
 
 
-def complex_list(values: np.ndarray) -> str:
+def complex_list(values: Iterable[complex]) -> str:
     """Several numbers with six digits."""
     return ", ".join(f"{v.real:.6g}" if v.imag == 0 else f"{v.real:.6g}{v.imag:+.6g}j"
                      for v in values) or "none"  # fmt: skip
