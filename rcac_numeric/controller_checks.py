@@ -23,14 +23,13 @@ from rcac_numeric.replays import Replay, replay, require_fit
 from rcac_numeric.residual_split import ResidualSplit, split_residual
 from rcac_numeric.structures import Structure
 from rcac_numeric.target_models import TargetModel
-from rcac_numeric.validation import instance_of
+from rcac_numeric.validation import instance_of, number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from rcac_numeric.closed_loop import ComplexArray
     from rcac_numeric.validation import Array
-
-ComplexArray = Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,6 +179,8 @@ def check_controller(
         log = ControllerLog(u=u, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
+    if sample_time is not None and not number(sample_time, "sample_time") > 0:
+        raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
     unsaid: dict[str, str] = {}
     known: dict[str, Any] = {}
     fixed = _fixed(log, structure, compensator)
@@ -195,7 +196,8 @@ def check_controller(
         for name in ("poles", "costs", "margins", "match", "split"):
             unsaid[name] = "the plant is not known"
     else:
-        known |= _with_plant(log, fixed, instance_of(plant, "plant", Plant), target, unsaid)
+        with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
+            known |= _with_plant(log, fixed, instance_of(plant, "plant", Plant), target, unsaid)
         known["margins"], known["disk"] = _margins(known["loop"], sample_time, unsaid)
     return ControllerCheck(
         log=log,

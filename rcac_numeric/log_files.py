@@ -127,7 +127,7 @@ def _from_mat(file: Path) -> dict[str, Array]:
 
 def _from_npz(file: Path) -> dict[str, Array]:
     try:
-        with np.load(file, allow_pickle=False) as archive:
+        with file.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
             contents = {name: archive[name] for name in archive.files}
     except OSError:
         raise

@@ -31,7 +31,8 @@ class Replay:
         0 where row k of theta made u(k); 1 where row k is what the update of step k left, so
         that row k - 1 made u(k). The one that fits better is taken.
     worst : float
-        Largest abs(u - Phi theta) from `start` on, relative to the largest abs(u) there.
+        Largest abs(u - Phi theta) from `start` on, relative to the largest abs(Phi) abs(theta)
+        there: the terms that u is the sum of, which may be much larger than u.
     worst_step : int
     """
 
@@ -100,15 +101,19 @@ def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) 
     require_fit(log, structure)
     phi = regressor(structure, log)
     first = structure.n_c if k_w is None else max(k_w, 0)
+    taps = len(structure.taps)
     if not log.has_history:
         start = max(first, log.steps - max(log.steps // 10, 1))
-        return _held(log.u, phi @ log.theta.reshape(-1, structure.l_u), start, 0)
-    Theta = log.theta.reshape(log.steps, len(structure.taps), structure.l_u)
+        Theta = log.theta.reshape(taps, structure.l_u)
+        return _held(log, phi @ Theta, np.abs(phi) @ np.abs(Theta), start, 0)
+    Theta = log.theta.reshape(log.steps, taps, structure.l_u)
     found = []
     for shift in (0, 1):
-        u = np.zeros_like(log.u)
-        u[shift:] = np.einsum("kj,kji->ki", phi[shift:], Theta[: log.steps - shift])
-        found.append(_held(log.u, u, max(first, shift), shift))
+        rows = Theta[: log.steps - shift]
+        u, terms = np.zeros_like(log.u), np.zeros_like(log.u)
+        u[shift:] = np.einsum("kj,kji->ki", phi[shift:], rows)
+        terms[shift:] = np.einsum("kj,kji->ki", np.abs(phi[shift:]), np.abs(rows))
+        found.append(_held(log, u, terms, max(first, shift), shift))
     return min(found, key=lambda each: (each.worst, each.shift))
 
 
@@ -132,13 +137,13 @@ def require_fit(log: ControllerLog, structure: Structure) -> None:
         )
 
 
-def _held(logged: Array, made: Array, start: int, shift: int) -> Replay:
-    if start >= len(logged):
+def _held(log: ControllerLog, made: Array, terms: Array, start: int, shift: int) -> Replay:
+    if start >= log.steps:
         raise InputError(
-            f"the log of {len(logged)} steps ends before step {start}, from which u could be "
+            f"the log of {log.steps} steps ends before step {start}, from which u could be "
             "compared with Phi theta; a longer log is needed."
         )
-    size = float(np.abs(logged[start:]).max())
-    gaps = np.abs(logged - made)[start:].max(axis=1)
+    size = max(float(np.abs(log.u[start:]).max()), float(terms[start:].max()))
+    gaps = np.abs(log.u - made)[start:].max(axis=1)
     worst = float(gaps.max()) / size if size else float(gaps.max())
     return Replay(made, start, shift, worst, start + int(np.argmax(gaps)))
