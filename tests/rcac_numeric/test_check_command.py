@@ -148,7 +148,8 @@ BAD = [
     ("log.mat", lambda path: path.write_bytes(
         b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\x00\x02IM" + b"\0" * 400),
      "version 7.3.*-v7"),
-    ("log.mat", lambda path: path.write_bytes(b"no log at all" * 40), "not a .mat file that can be read|damaged"),
+    ("log.mat", lambda path: path.write_bytes(b"no log at all" * 40),
+     "not a .mat file that can be read"),
     ("log.npz", lambda path: path.write_bytes(b"no archive"), "not an .npz"),
     ("log.txt", as_text("u,y\n1,2\n"), "use .csv, .mat, .npz"),
     ("log.mat", lambda path: scipy.io.savemat(path, {"input": np.ones((9, 1))}), "has no 'u'"),

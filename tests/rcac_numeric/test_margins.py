@@ -8,7 +8,17 @@ import pytest
 from hypothesis import assume, given, settings
 
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
-from rcac_numeric import ClosedLoop, Compensator, Plant, stability_margins, standard_plant
+from rcac_numeric import (
+    ClosedLoop,
+    Compensator,
+    ControllerSettings,
+    Plant,
+    fir_target,
+    iir,
+    simulate,
+    stability_margins,
+    standard_plant,
+)
 from rcac_numeric.broken_loops import broken_loop
 from rcac_numeric.crossovers import gain_crossovers, phase_crossovers
 from tests.rcac_numeric.loops import random_loop, seeds
@@ -263,6 +273,63 @@ def test_crossovers_are_all_there_and_all_true(seed):
     crosses = (np.diff(np.sign(L.imag)) != 0) & (L.real[1:] < 0) & (L.real[:-1] < 0)
     for i in np.flatnonzero(crosses):
         assert ((phases >= omega[i] - 1e-9) & (phases <= omega[i + 1] + 1e-9)).any()
+
+
+def assert_crossovers_match_a_grid(loop):
+    gains, phases = gain_crossovers(loop), phase_crossovers(loop)
+    omega = np.linspace(1e-3, np.pi - 1e-3, 40001)
+    L = loop.response(omega)
+    assert np.allclose(np.abs(loop.response(gains)), 1, rtol=1e-7)
+    for i in np.flatnonzero(np.diff(np.sign(np.abs(L) - 1))):
+        assert ((gains >= omega[i] - 1e-9) & (gains <= omega[i + 1] + 1e-9)).any()
+    for i in np.flatnonzero((np.diff(np.sign(L.imag)) != 0) & (L.real[1:] < 0) & (L.real[:-1] < 0)):
+        assert ((phases >= omega[i] - 1e-9) & (phases <= omega[i + 1] + 1e-9)).any()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_crossovers_of_a_loop_with_50_lags(seed):
+    """As many as a quasi-FIR controller of chapter 6 has, with the plant (6.2)'s kind of poles."""
+    rng = np.random.default_rng(seed)
+    Q = np.concatenate([[0.0], 0.2 * rng.standard_normal(50)])
+    plant = standard_plant("(q - 1.1)/((q - 0.9)*(q - 0.95))")
+    loop = ClosedLoop(plant, Compensator(np.zeros((50, 1, 1)), Q[:, None, None]))
+    opened = broken_loop(loop)
+    assert len(gain_crossovers(opened)) > 3
+    assert_crossovers_match_a_grid(opened)
+
+
+def test_internal_models_on_the_circle_do_not_hide_crossovers():
+    """A double integrator and an undamped pair: L has poles on the circle itself."""
+    poles = np.concatenate([[1.0, 1.0], np.exp([0.5j, -0.5j])])
+    zeros = np.concatenate([[0.95, 0.9], 0.95 * np.exp([0.5j, -0.5j])])
+    L = tf(0.5 * np.poly(zeros).real, np.poly(poles).real)
+    assert_crossovers_match_a_grid(broken_loop(L, feedback=-1))
+    margins = stability_margins(L, feedback=-1)
+    assert (
+        margins.is_stable and margins.gain_up.radius_after > 1
+    ) or not margins.gain_up.is_reached
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_gain_margin_of_example_5_1(seed):
+    """The text has 1.81 at omega = 0 at step 5000; 1.65 to 1.88 over 20 seeds."""
+    plant = standard_plant(
+        "(q**2 - 1.7*q + 0.785)*(q**2 - 1.4*q + 0.85)"
+        "/((q - 0.5)*(q**2 - 1.8*q + 0.97)*(q**2 - 1.4*q + 0.98))"
+    )
+    controller = ControllerSettings(structure=iir(n_c=10), target=fir_target(plant), R_theta=1e-5)
+    w = 0.01 * np.random.default_rng(seed).standard_normal((5000, 1))
+    loop = ClosedLoop(plant, simulate(plant, controller, w).compensator)
+    margins = stability_margins(loop)
+    assert 1.6 < margins.gain_up.value < 1.9 and margins.gain_up.omega == 0
+    frozen = broken_loop(loop)
+    assert frozen.radius(2.9) > 1 and frozen.radius(1.5) < 1
+
+
+def test_table_5_2_calls_seconds_steps():
+    """129.12 degrees at 0.3708 rad/s are 6.08 s, at h = 0.1 s 60.8 steps; it prints 6.07 steps."""
+    for omega, phase, printed in ((0.3708, 129.12, 6.07), (2.1834, 38.83, 0.31)):
+        assert abs(np.radians(phase) / omega - printed) < 0.01
 
 
 @pytest.mark.parametrize(
