@@ -91,7 +91,9 @@ def _on_the_circle(loop: BrokenLoop, count: int) -> tuple[Array, ComplexArray, C
     while True:
         omega = np.asarray((np.arange(count) + 0.5) * np.pi / count)
         z = np.exp(1j * omega)
-        D = np.prod(z[:, None] - loop.open_poles[None, :], axis=1)
+        # N and D may share any positive factor; this one keeps large poles from overflowing.
+        sizes = np.maximum(np.abs(loop.open_poles), 1.0)
+        D = np.prod((z[:, None] - loop.open_poles) / sizes, axis=1)
         L = loop.at(z)
         if np.all(np.isfinite(L)):
             return omega, L * D, D

@@ -1,6 +1,7 @@
 """Margins: at each of them a pole of the perturbed loop is on the unit circle, and not before."""
 
 import warnings
+from itertools import product
 
 import control
 import numpy as np
@@ -21,6 +22,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.broken_loops import broken_loop
 from rcac_numeric.crossovers import gain_crossovers, phase_crossovers
+from rcac_numeric.margin_boundaries import lag_at
 from tests.rcac_numeric.loops import random_loop, seeds
 
 
@@ -47,6 +49,8 @@ def assert_margins_hold(seed):
         if found.is_reached and not found.jumps:
             assert abs(found.radius_at - 1) < 1e-6, (seed, found)
             assert found.radius_before < 1 < found.radius_after, (seed, found)
+    for found in (margins.phase_lag, margins.phase_lead):  # the farther one of them, too
+        assert not found.is_reached or abs(found.radius_at - 1) < 1e-6, (seed, found)
     assert abs(margins.disk.radius_at - 1) < 1e-6, seed
     # Nothing is lost before the margin, and nothing is missed where there is said to be none.
     for up, found in ((True, margins.gain_up), (False, margins.gain_down)):
@@ -126,39 +130,36 @@ def test_table_5_1_counts_the_phase_in_0_to_360_and_divides(k, omega, phase, del
 
 @pytest.mark.parametrize(("k", "omega", "phase", "delay"), TABLE_5_1)
 def test_a_loop_with_the_margins_of_table_5_1(k, omega, phase, delay):
-    """g (q - a) q^-d / (q^2 - 2 b q + b^2 ...) with |L| = 1 and this phase at this frequency."""
+    """The delay margin, and the whole delays around it, of a loop made to have these numbers."""
     L = loop_with(omega, phase)
     margins = stability_margins(L, feedback=-1)
-    assert np.abs(margins.gain_crossovers - omega).min() < 1e-10
-    assert np.isclose(margins.delay.omega, omega)
-    assert np.isclose(margins.phase_lag.value if k != 60000 else phase, phase)
+    assert np.isclose(margins.delay.omega, omega, rtol=1e-9)
+    assert np.isclose(np.degrees(lag_at(margins.loop, margins.delay.omega)[0]), phase)
     assert abs(margins.delay.value - delay) < 1e-3
     steps = int(np.ceil(delay))
     assert radius(L, delay=steps - 1) < 1 < radius(L, delay=steps)
 
 
 def loop_with(omega, phase):
-    """A stable loop whose delay margin is decided at `omega` with this lag, in degrees."""
+    """(g q + h) / (q^d (q^2 - 2 r cos(angle) q + r^2)) with |L| = 1 and this lag at omega.
+
+    Of all such loops one that is stable and whose delay margin is decided at omega.
+    """
     wanted = np.exp(1j * (np.radians(phase) - np.pi))
     z = np.exp(1j * omega)
-    for extra in range(4):
-        for r in np.linspace(0.1, 1.0, 10):
-            for angle in np.linspace(0.05, 3.1, 62):
-                # (g q + h) / (q^extra (q^2 - 2 r cos(angle) q + r^2)) = wanted at z
-                D = np.array([1, -2 * r * np.cos(angle), r * r])
-                value = wanted * np.polyval(D, z) * z**extra
-                g = value.imag / z.imag
-                h = value.real - g * z.real
-                L = tf([g, h], np.concatenate([D, np.zeros(extra)]))
-                if radius(L) < 0.999 and abs((h - g) / np.polyval(D, -1)) < 1:
-                    found = stability_margins(L, feedback=-1).delay
-                    if (
-                        abs(found.omega - omega) < 1e-9
-                        and abs(np.radians(phase) / omega - found.value) < 1e-9
-                        and radius(L, delay=int(np.ceil(found.value))) > 1
-                    ):
-                        return L
-    raise AssertionError("no loop found")
+    choices = product(range(4), np.linspace(0.1, 1.0, 10), np.linspace(0.05, 3.1, 62))
+    for d, r, angle in choices:
+        D = np.array([1, -2 * r * np.cos(angle), r * r])
+        value = wanted * np.polyval(D, z) * z**d
+        g = value.imag / z.imag
+        h = value.real - g * z.real
+        L = tf([g, h], np.concatenate([D, np.zeros(d)]))
+        if radius(L) < 0.999 and abs((h - g) / np.polyval(D, -1)) < 1:
+            found = stability_margins(L, feedback=-1).delay
+            decided_here = np.isclose(found.omega, omega, rtol=1e-9)
+            if decided_here and radius(L, delay=int(np.ceil(found.value))) > 1:
+                return L
+    raise AssertionError("no such loop found")
 
 
 def test_a_conditionally_stable_loop_has_margins_on_both_sides():
