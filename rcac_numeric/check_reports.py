@@ -161,7 +161,8 @@ def _print_target(out: Console, check: ControllerCheck) -> None:
     if check.split is not None:
         power = ", ".join(f"{name} {value:.3g}" for name, value in check.split.power().items())
         out.print(f"  mean squares of the split residual: {power}")
-        out.print(f"  the split holds to {check.split.identity_error:.1e} (4.14)")
+        if check.loop is not None and check.loop.is_stable:
+            out.print(f"  the split holds to {check.split.identity_error:.1e} (4.14)")
 
 
 def as_dict(check: ControllerCheck) -> dict[str, Any]:
@@ -227,7 +228,8 @@ def as_dict(check: ControllerCheck) -> dict[str, Any]:
         result["match"] = {"worst": worst, "median": median}
     if check.split is not None:
         result["residual"] = {k: finite_or_none(v) for k, v in check.split.power().items()}
-        result["residual"]["identity_error"] = finite_or_none(check.split.identity_error)
+        if check.loop.is_stable:
+            result["residual"]["identity_error"] = finite_or_none(check.split.identity_error)
     return result
 
 

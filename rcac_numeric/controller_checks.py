@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.closed_loop import ClosedLoop, Match, intercalated_match
 from rcac_numeric.comparison import Comparison, compare
 from rcac_numeric.compensators import Compensator
@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 
     from rcac_numeric.closed_loop import ComplexArray
     from rcac_numeric.validation import Array
+
+# Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
+LARGEST = 1e100
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,6 +160,8 @@ def check_controller(
     ------
     InputError
         Where sizes do not fit, or neither coefficients nor compensator are given.
+    DivergedError
+        Where the log ended with coefficients beyond 1e100.
 
     Examples
     --------
@@ -184,6 +189,11 @@ def check_controller(
     unsaid: dict[str, str] = {}
     known: dict[str, Any] = {}
     fixed = _fixed(log, structure, compensator)
+    if (largest := max(np.abs(fixed.P).max(initial=0), np.abs(fixed.Q).max())) > LARGEST:
+        raise DivergedError(
+            f"{log.source}: the controller has a coefficient of size {largest:.3g}: the loop has "
+            "diverged. Cut the log before that."
+        )
     if log.theta is not None and structure is not None and compensator is None:
         known["replay"] = replay(log, structure, k_w=k_w)
         if log.has_history:

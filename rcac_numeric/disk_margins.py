@@ -122,9 +122,9 @@ def _disk_margin(L: Matrices, scalar: BrokenLoop | None) -> DiskMargin:
         value = scalar.response(omega)[0]
         S_minus_T = (1 - value) / (1 + value)
         # 1 + f L = 0 with f = (1 + d/2)/(1 - d/2) means d = 2/(S - T)
-        delta = 2 / S_minus_T
-        if delta != 2:
-            radius = scalar.radius((1 + delta / 2) / (1 - delta / 2))
+        if abs(S_minus_T - 1) > 1e-100:  # else L is too small for any factor to matter
+            factor = (S_minus_T + 1) / (S_minus_T - 1)
+            radius = scalar.radius(factor)
     return DiskMargin(
         2 / peak if peak > 0 else float("inf"), omega, *hinf_norm(S), *hinf_norm(T), radius
     )

@@ -14,6 +14,8 @@ from rcac_numeric.validation import Array
 BESIDE = 1e-3
 # Further out than any gain a crossover asks for, to look for a loss of stability without one.
 FAR = 1e6
+# Gains beyond this, or below its inverse, count as infinite, or as 0.
+MOST_GAIN = 1e100
 # Whole steps of delay that are tried where no crossover can tell.
 MOST_STEPS = 500
 
@@ -63,8 +65,11 @@ def gain_boundary(loop: BrokenLoop, crossovers: Array, *, up: bool) -> Boundary:
     finds it.
     """
     values = loop.response(crossovers).real
-    gains = [(float(-1.0 / v), float(w)) for v, w in zip(values, crossovers, strict=True)]
-    pairs = sorted(((k, w) for k, w in gains if (k > 1 if up else 0 < k < 1)), reverse=not up)
+    with np.errstate(over="ignore"):  # beyond float64 is no boundary
+        inverses = -1.0 / values
+    gains = [(float(v), float(w)) for v, w in zip(inverses, crossovers, strict=True)]
+    low, high = (1.0, MOST_GAIN) if up else (1 / MOST_GAIN, 1.0)
+    pairs = sorted(((k, w) for k, w in gains if low < k < high), reverse=not up)
     direct = loop.D[0, 0]
     if not len(loop.A) and direct and (-1 / direct > 1) == up and direct < 0:
         k = -1 / direct  # a constant loop: 1 + k D = 0, not well posed

@@ -8,7 +8,7 @@ import scipy.io
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric import (
     Compensator,
     ControllerLog,
@@ -171,6 +171,24 @@ def test_a_compensator_or_its_polynomials_in_place_of_theta(octave):
     )
     other = check_controller(polynomials, plant=octave.plant)
     assert np.allclose(given.poles, other.poles) and given.unsaid["convergence"]
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-150, 1e-8, 1e20, 1e80])
+def test_extreme_coefficients_are_reported_without_a_warning_or_a_foreign_error(size):
+    plant = standard_plant("(q - 1.1)/((q - 0.9)*(q - 0.95))")
+    for sign in (1, -1):
+        for structure in (iir(n_c=2), iir(n_c=2, k_c=0)):
+            theta = sign * size * np.arange(1.0, structure.l_theta + 1)
+            check = check_controller(
+                np.ones(30), np.ones(30), z=np.ones(30), w=np.ones(30), theta=theta,
+                structure=structure, plant=plant, target=fir_target(plant),
+            )  # fmt: skip
+            assert str(check) and check.loop.is_stable == (size < 1)
+
+
+def test_a_diverged_controller_is_refused():
+    with pytest.raises(DivergedError, match=r"1e\+150.*Cut the log"):
+        check_controller(np.ones(9), np.ones(9), theta=[1.0, 1e150], structure=iir(n_c=1))
 
 
 def test_an_unstable_loop_and_several_inputs():
