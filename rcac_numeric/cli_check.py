@@ -127,7 +127,8 @@ def _check(
 
 
 def _show(check: ControllerCheck, as_json: bool, picture: Path | None) -> None:
-    from rcac_numeric.check_reports import as_dict, print_check
+    from rcac_numeric.check_records import as_dict
+    from rcac_numeric.check_reports import print_check
 
     if as_json:
         click.echo(json.dumps(as_dict(check), indent=2, allow_nan=False))
