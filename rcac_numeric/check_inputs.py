@@ -93,10 +93,11 @@ def read_structure(
 ) -> Structure | None:  # fmt: skip
     """The structure of the options, or else of [controller]; None where neither says any."""
     given: Table = {}
+    own = Section(table.get("controller", {}), "controller", "--plant")
     if kind is None and n_c is None:
         given = {
             key: value
-            for key, value in table.get("controller", {}).items()
+            for key, value in own.table.items()
             if key in ("structure", "n_c", "k_c", "terms", "free_poles", "F", "feedback",
                        "first_r", "taps", "derived")
         }  # fmt: skip

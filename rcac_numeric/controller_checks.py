@@ -23,7 +23,7 @@ from rcac_numeric.replays import Replay, replay
 from rcac_numeric.residual_split import ResidualSplit
 from rcac_numeric.structures import Structure
 from rcac_numeric.target_models import TargetModel
-from rcac_numeric.validation import instance_of, number
+from rcac_numeric.validation import instance_of, integer, number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -185,6 +185,8 @@ def check_controller(
         instance_of(target, "target", TargetModel)
     if sample_time is not None and not number(sample_time, "sample_time") > 0:
         raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+    if k_w is not None:
+        integer(k_w, "k_w")
     unsaid: dict[str, str] = {}
     known: dict[str, Any] = {}
     fixed = fixed_compensator(log, structure, compensator)

@@ -197,6 +197,25 @@ def test_bad_options(options, words):
     assert re.search(words, result.output, re.S) and "Traceback" not in result.output
 
 
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ('[controller]\nn_c = 4\nk_w = "soon"', "k_w must be an integer"),
+        ("controller = 3", "must be a table"),
+        ("[controller]\nn_cc = 4", "Did you mean 'n_c'"),
+        ('[controller]\nn_c = 4\n[target]\nmodel = "fire"', "model"),
+        ("[controller]\nn_c = 4\n[[plant.changes]]\nstart = 9\ngain = 2", "the one plant"),
+    ],
+)
+def test_bad_experiment_files(tmp_path, table, words):
+    top, *rest = table.split("\n") if table.startswith("controller") else ("", table)
+    path = tmp_path / "case.toml"
+    path.write_text(f'{top}\n[plant]\nproblem = "standard"\nG = "1/(q - 0.5)"\n' + "\n".join(rest))
+    result = run(OCTAVE, "--plant", path)
+    assert result.exit_code == 2 and words in result.output, result.output
+    assert "Traceback" not in result.output
+
+
 @settings(max_examples=60)
 @given(st.data())
 def test_a_damaged_file_never_ends_in_a_foreign_error(tmp_path_factory, data):
