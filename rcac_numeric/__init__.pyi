@@ -11,8 +11,14 @@ from .comparison import Comparison as Comparison
 from .comparison import compare as compare
 from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
+from .controller_checks import ControllerCheck as ControllerCheck
+from .controller_checks import check_controller as check_controller
+from .controller_logs import ControllerLog as ControllerLog
+from .controller_logs import read_log as read_log
 from .controller_settings import ControllerSettings as ControllerSettings
 from .decentralized import Decentralized as Decentralized
+from .disk_margins import DiskMargin as DiskMargin
+from .disk_margins import multivariable_disk_margin as multivariable_disk_margin
 from .era import EigensystemRealisation as EigensystemRealisation
 from .era import eigensystem_realisation as eigensystem_realisation
 from .experiment import Experiment as Experiment
@@ -29,6 +35,9 @@ from .identified_modelling import (
 from .lqg_agreement import ExactAgreement as ExactAgreement
 from .lqg_design import LQG as LQG
 from .lqg_design import lqg as lqg
+from .margin_boundaries import Boundary as Boundary
+from .margins import Margins as Margins
+from .margins import stability_margins as stability_margins
 from .markov_identification import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .markov_identification import identify_markov_parameters as identify_markov_parameters
 from .markov_models import markov_parameters as markov_parameters
@@ -54,6 +63,8 @@ from .recordings import recorded as recorded
 from .recordings import recorded_channels as recorded_channels
 from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
+from .replays import Replay as Replay
+from .replays import replay as replay
 from .residual_split import ResidualSplit as ResidualSplit
 from .residual_split import split_residual as split_residual
 from .riccati import solve_dare as solve_dare
