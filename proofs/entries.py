@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-Kind = Literal["formal", "symbolic", "property", "counterexample"]
-"""Machine-checked for all degrees, symbolic identity, property test, refutation of the text."""
+Kind = Literal["formal", "symbolic", "property", "counterexample", "refutation"]
+"""A theorem for all degrees, an identity of letters, a property test, a case in which the text is
+false, and the theorem that refutes it."""
 
 
 @dataclass(frozen=True)

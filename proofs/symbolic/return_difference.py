@@ -101,3 +101,24 @@ def joseph_form() -> bool:
     printed = transpose(A) * P * A + R_1 - transpose(A) * P * B * V * transpose(B) * P * A
     BPB = transpose(B) * P * B
     return bool(reduced(joseph - printed, {R_2 * V: 1 - BPB * V}) == 0)
+
+
+def difference_of_solutions() -> bool:
+    """P - P' = (A + BK)'(P - P')(A + BK') for two symmetric solutions of (A.7) with gains K and K', so
+    that they are equal if both are stabilising.
+    """  # noqa: D205
+    P_1, P_2, K_1, K_2, W_1, W_2 = letters("P_1 P_2 K_1 K_2 W_1 W_2")
+    A_T, B_T = transpose(A), transpose(B)
+    K_T = transpose(K_1)
+    rules = {
+        A_T * P_1 * A: P_1 - R_1 + K_T * W_1 * K_1,
+        A_T * P_2 * A: P_2 - R_1 + transpose(K_2) * W_2 * K_2,
+        A_T * P_1 * B: -K_T * W_1 - R_12,
+        A_T * P_2 * B: -transpose(K_2) * W_2 - R_12,
+        B_T * P_1 * A: -W_1 * K_1 - transpose(R_12),
+        B_T * P_2 * A: -W_2 * K_2 - transpose(R_12),
+        B_T * P_1 * B: W_1 - R_2,
+        B_T * P_2 * B: W_2 - R_2,
+    }
+    right = (A_T + K_T * B_T) * (P_1 - P_2) * (A + B * K_2)
+    return bool(reduced(right - (P_1 - P_2), rules) == 0)

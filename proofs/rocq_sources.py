@@ -1,0 +1,61 @@
+"""Which theorems the formal part states; read from its files, without Coq."""
+
+import re
+from pathlib import Path
+
+SOURCES = Path(__file__).parent / "rocq"
+_STATED = re.compile(r"^\s*(?:Theorem|Lemma|Corollary|Proposition|Fact|Example)\s+(\w+)", re.M)
+_ASSUMED = re.compile(
+    r"^\s*(Admitted|Axioms?|Parameters?|Conjecture)\b|\b(admit|Admit Obligations)\b", re.M
+)
+
+
+def missing(theorem: str, folder: Path = SOURCES) -> str:
+    """Say why a theorem ``File.name`` is not there; empty if it is.
+
+    Examples
+    --------
+    >>> from proofs.rocq_sources import missing
+    >>> missing("Nowhere.nothing")
+    'proofs/rocq has no file Nowhere.v'
+    """
+    file, _, name = theorem.partition(".")
+    path = folder / f"{file}.v"
+    if not path.exists():
+        return f"proofs/rocq has no file {file}.v"
+    if name not in _STATED.findall(without_comments(path.read_text(encoding="utf-8"))):
+        return f"{file}.v states no theorem {name}"
+    return ""
+
+
+def assumed(folder: Path = SOURCES) -> tuple[str, ...]:
+    """List the files that assume instead of proving, each with the word that does it.
+
+    Examples
+    --------
+    >>> from proofs.rocq_sources import assumed
+    >>> assumed()
+    ()
+    """
+    found = []
+    for path in sorted(folder.glob("*.v")):
+        match = _ASSUMED.search(without_comments(path.read_text(encoding="utf-8")))
+        if match:
+            found.append(f"{path.name}: {match.group().strip()}")
+    return tuple(found)
+
+
+def without_comments(text: str) -> str:
+    """Remove comments, nested ones included.
+
+    Examples
+    --------
+    >>> from proofs.rocq_sources import without_comments
+    >>> without_comments("a (* b (* c *) d *) e")
+    'a  e'
+    """
+    previous = None
+    while text != previous:
+        previous = text
+        text = re.sub(r"\(\*(?:(?!\(\*|\*\)).)*\*\)", "", text, flags=re.S)
+    return text
