@@ -12,3 +12,16 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 napoleon_use_rtype = False
 suppress_warnings = ["ref.python"]
+
+
+def insert_ledger(app, name, source):
+    """Write the ledger of proofs where its page asks for it."""
+    if name == "proofs":
+        from proofs.ledger import ledger
+        from proofs.page import page
+
+        source[0] = source[0].replace("<!-- the ledger -->", page(ledger()))
+
+
+def setup(app):
+    app.connect("source-read", insert_ledger)

@@ -1,7 +1,7 @@
 """What the theorems of the ledger rest on, asked of Coq; needs the standard library only.
 
-``python -m proofs.assumptions`` is the last step of ``make -C proofs/rocq check``. It exits with 1 if
-a theorem is missing or rests on an axiom, or if a file assumes instead of proving.
+``python -m proofs.assumptions`` is the last step of ``make -C proofs/rocq check``. It exits with 1
+if a theorem is missing or rests on an axiom, or if a file assumes instead of proving.
 """
 
 import subprocess
@@ -47,8 +47,8 @@ def read_answers(output: str) -> dict[str, str]:
     ... Closed under the global context
     ... ==> A.c
     ... Axioms:
-    ... classic : forall P : Prop, P \\\\/ ~ P''')
-    {'A.b': '', 'A.c': 'classic : forall P : Prop, P \\\\/ ~ P'}
+    ... choice : exists f, f''')
+    {'A.b': '', 'A.c': 'choice : exists f, f'}
     """
     answers: dict[str, str] = {}
     for part in output.split(_MARK)[1:]:

@@ -9,7 +9,7 @@ from typing import Any
 from compensator_theory.errors import InputError
 
 from .entries import Counterexample, Property, Symbolic
-from .outcomes import Fact, Outcome
+from .outcomes import Fact, Outcome, Status
 
 
 @dataclass(frozen=True)
@@ -149,10 +149,9 @@ def run_symbolic(evidence: Symbolic, *, quick: bool = False) -> Outcome:
     except Exception as error:  # a check that cannot be computed confirms nothing
         return _raised("symbolic", evidence.check, check, error)
     detail = "" if not false else f"false for sizes {false}" if sizes else "the sides differ"
-    status = "fails" if false else "holds"
-    return Outcome(
-        "symbolic", evidence.check, statement_of(check), status, evidence.scope, detail
-    )  # fmt: skip
+    status: Status = "fails" if false else "holds"
+    words = statement_of(check)
+    return Outcome("symbolic", evidence.check, words, status, evidence.scope, detail)
 
 
 def run_property(evidence: Property, *, quick: bool = False) -> Outcome:
@@ -190,11 +189,11 @@ def run_counterexample(evidence: Counterexample) -> Outcome:
     except Exception as error:
         return _raised("counterexample", evidence.check, check, error)
     false = [fact.statement for fact in facts if not fact.holds]
-    status = "holds" if facts and not false else "fails"
+    status: Status = "holds" if facts and not false else "fails"
+    words = statement_of(check)
     detail = "; ".join(f"not so: {statement}" for statement in false)
-    return Outcome(
-        "counterexample", evidence.check, evidence.refutes, status, statement_of(check), detail, facts
-    )  # fmt: skip
+    name, wording = evidence.check, evidence.refutes
+    return Outcome("counterexample", name, wording, status, words, detail, facts)
 
 
 def _raised(kind: Any, name: str, check: Callable[..., Any], error: Exception) -> Outcome:

@@ -38,7 +38,9 @@ def print_ledger(console: Console, found: Iterable[Verified]) -> None:
     for verified in found:
         entry = verified.entry
         console.print()
-        heading = Text.assemble((entry.name, "bold"), "  ", entry.title, (f"  {entry.source}", "dim"))
+        heading = Text.assemble(
+            (entry.name, "bold"), "  ", entry.title, (f"  {entry.source}", "dim")
+        )
         console.print(heading)
         if entry.hypotheses:
             _line(console, "if", "; ".join(entry.hypotheses))
@@ -73,10 +75,10 @@ def print_summary(
     if quick:
         console.print("Quick: a tenth of the examples, all sizes but the largest.")
     detail = compilation.detail
-    console.print(f"{detail[0].upper()}{detail[1:]}.", highlight=False)
+    console.print(Text(f"{detail[0].upper()}{detail[1:]}."))
     absent = sorted({o.name for v in found for o in v.outcomes if o.status == "missing"})
     if absent:
-        console.print(f"Named but not in proofs/rocq: {', '.join(absent)}.", highlight=False)
+        console.print(Text(f"Named but not in proofs/rocq: {', '.join(absent)}."))
     failed = [(v, o) for v in found for o in v.outcomes if o.status == "fails"]
     for verified, outcome in failed:
         text = f"FAILS  {verified.entry.name}: {outcome.name}: {outcome.detail}"

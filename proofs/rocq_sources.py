@@ -28,6 +28,23 @@ def missing(theorem: str, folder: Path = SOURCES) -> str:
     return ""
 
 
+def stated(theorem: str, folder: Path = SOURCES) -> str:
+    """Return the statement of a theorem as its file has it; empty if it is not there.
+
+    Examples
+    --------
+    >>> from proofs.rocq_sources import stated
+    >>> stated("Nowhere.nothing")
+    ''
+    """
+    if missing(theorem, folder):
+        return ""
+    file, _, name = theorem.partition(".")
+    text = without_comments((folder / f"{file}.v").read_text(encoding="utf-8"))
+    start = next(m.start() for m in _STATED.finditer(text) if m.group(1) == name)
+    return re.split(r"^\s*Proof\b", text[start:], maxsplit=1, flags=re.M)[0].strip()
+
+
 def assumed(folder: Path = SOURCES) -> tuple[str, ...]:
     """List the files that assume instead of proving, each with the word that does it.
 

@@ -32,9 +32,9 @@ def printed_poles() -> Facts:
 
 
 def two_unstable_zeros() -> Facts:
-    """N_zu = (q - 2)(q - 3), n = 3, d = 1, the sizes of Example A.2: the printed function has a pole
-    at 0, and A + BC_c has an eigenvalue there.
-    """  # noqa: D205
+    """N_zu = (q - 2)(q - 3), n = 3, d = 1, the sizes of Example A.2: the printed function has a
+    pole at 0, and A + BC_c has an eigenvalue there.
+    """
     A = Matrix([[0, 1, 0], [0, 0, 1], [Rational(1, 8), 0, 0]])
     B, E = Matrix([0, 0, 1]), Matrix([[6, -5, 1]])
     numerator, denominator = fraction(together(q * (1 / q - 2) * (1 / q - 3)))
@@ -90,7 +90,7 @@ def zero_on_the_circle() -> Facts:
 def printed_target() -> Facts:
     """N_zu = 3(q - 2)(q - 1/3), N_yw = q - 4, N_yu = 1, n_c = n = 3: (4.24) literally, with d_yu or
     with d_yw for it, has the wrong relative degree and leading coefficient.
-    """  # noqa: D205
+    """
     plant = _plant_of_target()
     n, d_zu, d_yw, d_yu = 3, 1, 2, 3
     degrees = [n - plant.numerator(channel).degree() for channel in ("zu", "yw", "yu")]
@@ -102,10 +102,15 @@ def printed_target() -> Facts:
         yield f"with {name}: relative degree {printed_degree}", relative == printed_degree
         yield f"with {name}: leading coefficient 3/8", leading == Rational(3, 8)
     found = high_authority_target(plant).transfer_function
+    assert found is not None  # its zeros are rational
     relative, leading = _at_infinity(found.numerator, found.denominator)
-    yield "corrected: relative degree d_zu = 1 and leading coefficient 3", (relative, leading) == (
-        d_zu,
-        3,
+    yield (
+        "corrected: relative degree d_zu = 1 and leading coefficient 3",
+        (relative, leading)
+        == (
+            d_zu,
+            3,
+        ),
     )
 
 

@@ -20,9 +20,9 @@ def transposed_vec() -> Facts:
 
 
 def first_covariance() -> Facts:
-    """lambda = 1/2, R_theta = 1, Phi_f(1) = 1, z(1) - u_f(1) = 1: if (2.43) also runs at k = 0, with
-    Phi_f(0) = 0, from P(0) = R_theta^-1, the minimiser of (2.41) is missed.
-    """  # noqa: D205
+    """lambda = 1/2, R_theta = 1, Phi_f(1) = 1, z(1) - u_f(1) = 1: if (2.43) also runs at k = 0,
+    with Phi_f(0) = 0, from P(0) = R_theta^-1, the minimiser of (2.41) is missed.
+    """
     half, e = Rational(1, 2), 1
     minimiser = -Rational(e) / (1 + half)  # of (theta + e)^2 + lambda theta^2
 
@@ -37,7 +37,7 @@ def first_covariance() -> Facts:
 def printed_subsystem_covariance() -> Facts:
     """P = I, phi(k - d - 1) = [1; 0], phi(k - d) = [-1/2; 0], lambda = 1: (8.63) as printed is
     indefinite.
-    """  # noqa: D205
+    """
     P, phi, next_phi = eye(2), Matrix([1, 0]), Matrix([Rational(-1, 2), 0])
 
     def update(bracket: Matrix) -> Matrix:
@@ -50,7 +50,7 @@ def printed_subsystem_covariance() -> Facts:
 def unobservable_integrator() -> Facts:
     """(8.91) with C_a = [C 0]: the state gamma is not observable, its eigenvalue is 1, and Q of
     (8.100) grows by its process noise for ever.
-    """  # noqa: D205
+    """
     A_a, C_a = Matrix([[Rational(1, 2), 0], [-1, 1]]), Matrix([[1, 0]])
     gamma = Matrix([0, 1])
     yield "A_a gamma = gamma and C_a gamma = 0", A_a * gamma == gamma and (C_a * gamma)[0] == 0
@@ -66,7 +66,7 @@ def unobservable_integrator() -> Facts:
 def filter_form_innovations() -> Facts:
     """(2.47), (2.48), one step from P(1) = 1, R = 1, Phi_f(1) = 1, Phi_f(2) = 2: Upsilon(k) and
     Upsilon(k + 1) of (2.44) are built with different regressors.
-    """  # noqa: D205
+    """
     P, now, following = 1, 1, 2
 
     def Upsilon(Phi: int) -> int:

@@ -47,7 +47,7 @@ def degree_of_the_numerator() -> Facts:
 def more_states_than_the_plant() -> Facts:
     """D = s^2 + 3s + 2, N = s + 5, n_c = 4 > n: M is M_1(D, N), N with formal degree n_c, and it is
     nonsingular, so that "n_c <= n" of Propositions 3 and 5 is not necessary.
-    """  # noqa: D205
+    """
     found = check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=4, m_hat=1)
     yield "M = M_1(D, N)", found.left
     yield "n_c <= n does not hold", not found.printed_right

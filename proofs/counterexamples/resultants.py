@@ -11,7 +11,7 @@ Facts = Iterator[tuple[str, bool]]
 
 
 def both_leading_zeros() -> Facts:
-    """A = 0 s^2 + s + 1, b = 0 s + 5: with a_k = 0 = b_l the rank counts a common root at infinity."""
+    """a = 0 s^2 + s + 1, b = 0 s + 5: with a_k = 0 = b_l the rank counts a root at infinity."""
     matrix = sylvester_m1([0, 1, 1], [0, 5], 2, 1)
     yield "k + l - rank M_1(a, b) = 1", 3 - rank(matrix) == 1
     yield "gcd(a, b) = 1", polynomial("s + 1").gcd(polynomial("5", "s")).degree() == 0
@@ -25,7 +25,7 @@ def more_rows_for_b() -> Facts:
 
 
 def multiple_roots() -> Facts:
-    """A = (s + 1)^2 (s + 2), b = (s + 1)^2: one distinct common root, and k + l - rank = 2."""
+    """a = (s + 1)^2 (s + 2), b = (s + 1)^2: one distinct common root, and k + l - rank = 2."""
     a, b = polynomial("(s + 1)**2*(s + 2)"), polynomial("(s + 1)**2")
     yield "k + l - rank M_1(a, b) = 2", 5 - rank(sylvester_m1(a, b, 3, 2)) == 2
     yield "the one distinct common root is -1", a.gcd(b).sqf_part() == polynomial("s + 1")
@@ -34,7 +34,7 @@ def multiple_roots() -> Facts:
 def leading_zeros() -> Facts:
     """k = 3, l = 1: b gets k - l = 2 leading zeros; with the k + l - 1 = 3 of the remark there are
     more coefficients than M_2 has room for.
-    """  # noqa: D205
+    """
     a, b = [2, 3, 5, 7], [1, 4]
     padded = [0] * 2 + b
     M_2 = sylvester_m2(a, padded)

@@ -1,4 +1,4 @@
-"""Theorem 1 as it is worded: signs, multiplicities, common factors, hidden modes, several signals."""
+"""Theorem 1 as it is worded: signs, multiplicities, factors, hidden modes, several signals."""
 
 from collections.abc import Iterator
 
@@ -43,7 +43,7 @@ def example_7_1() -> Facts:
 
 
 def multiplicity() -> Facts:
-    """A = 0, K = -1, F = 1, n = 1: an observer-based compensator with (s + 1)^2, one distinct root."""
+    """A = 0, K = -1, F = 1, n = 1: observer-based with (s + 1)^2, one distinct root."""
     design = observer_based_compensator(([[0]], [[1]], [[1]]), [-1], [-1])
     yield "K = -1 and F = 1", (design.K[0], design.F[0]) == (-1, 1)
     loop = design.characteristic_polynomial
@@ -64,7 +64,7 @@ def distinct_roots() -> Facts:
 def common_factors() -> Facts:
     """(a) n = 3, G = 1/(s^3 + s^2 + 2s), G_c = 2/(s + 1): with the factor g = (s + 3)(s + 4) the
     pair is observer-based, with g = s^2 + 4s + 5 it is not.
-    """  # noqa: D205
+    """
     answers = []
     for factor in ("(s + 3)*(s + 4)", "(s**2 + 4*s + 5)"):
         pair = (f"2*{factor}", f"(s + 1)*{factor}")
@@ -107,7 +107,10 @@ def real_roots_and_no_form() -> Facts:
     mixed = Realisation([[-1, 0, 0], [0, -3, 0], [0, 0, -4]], [[1], [1], [0]], [[-2, 0, 1]])
     forms = observer_forms(SERVO, mixed).forms
     shares = all(f.regulator.eval(-4) == 0 == f.observer.eval(-3) for f in forms)
-    yield "with -3 unobservable and -4 uncontrollable there are exactly 2", len(forms) == 2 and shares
+    yield (
+        "with -3 unobservable and -4 uncontrollable there are exactly 2",
+        len(forms) == 2 and shares,
+    )
 
 
 def several_signals() -> Facts:
@@ -125,9 +128,9 @@ def several_signals() -> Facts:
 
 
 def suboptimality() -> Facts:
-    """Section 7.6: 4/(s + 1) times g/g, g = s^2 + 4s + 5, on 1/(s^3 + 3s^2 + 8s + 6): the pair is not
-    observer-based, and its transfer function is the optimum of an LQG problem.
-    """  # noqa: D205
+    """Section 7.6: 4/(s + 1) times g/g, g = s^2 + 4s + 5, on 1/(s^3 + 3s^2 + 8s + 6): the pair is
+    not observer-based, and its transfer function is the optimum of an LQG problem.
+    """
     plant, g = "1/(s**3 + 3*s**2 + 8*s + 6)", "(s**2 + 4*s + 5)"
     pair = (f"4*{g}", f"(s + 1)*{g}")
     decided = pair_is_observer_based(plant, pair, feedback=-1)

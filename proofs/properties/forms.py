@@ -11,6 +11,7 @@ from compensator_theory import (
 )
 from compensator_theory.exact_linear_algebra import characteristic_polynomial
 from compensator_theory.observer_form import ObserverForm
+from compensator_theory.primary_components import derogatory_factor
 from compensator_theory.real_factors import count_partitions
 
 from ..checks import for_all
@@ -33,7 +34,7 @@ def is_form(form: ObserverForm) -> bool:
 def subspaces_are_forms(loop: Loop) -> bool:
     """Every n-dimensional real invariant subspace of the loop of a minimal plant and a minimal
     compensator of order n gives a form: its T is invertible and (7.13) holds.
-    """  # noqa: D205
+    """
     found = observer_forms(*loop)
     return bool(
         found.is_complete
@@ -46,7 +47,7 @@ def subspaces_are_forms(loop: Loop) -> bool:
 def as_many_as_divisors(loop: Loop) -> bool:
     """There are as many forms as real monic divisors of degree n of the closed-loop polynomial,
     counted by the generating function, and their regulator polynomials differ.
-    """  # noqa: D205
+    """
     found = observer_forms(*loop)
     regulators = {form.regulator for form in found.forms}
     count = count_observer_forms(found.characteristic_polynomial, loop[0].n)
@@ -55,16 +56,20 @@ def as_many_as_divisors(loop: Loop) -> bool:
 
 @for_all(loop=hidden_loops())
 def hidden_mode_rule(loop: Loop) -> bool:
-    """With a simple closed-loop spectrum the subspace of p_R gives a form if and only if no
-    unobservable mode of the compensator is a root of p_R and every uncontrollable one is.
-    """  # noqa: D205
+    """With a nonderogatory closed loop a factorisation p_R p_O gives a form if and only if no
+    unobservable mode of the compensator is a root of p_R and no uncontrollable one a root of p_O.
+    """
     plant, compensator = loop
     found = observer_forms(plant, compensator)
-    assume(found.characteristic_polynomial.is_sqf)
+    whole = found.characteristic_polynomial
+    assume(derogatory_factor(closed_loop_matrix(plant, compensator), whole) is None)
 
     def allowed(p_R: Poly) -> bool:
-        unseen = p_R.gcd(compensator.unobservable_modes).degree() == 0
-        return bool(unseen and p_R.rem(compensator.uncontrollable_modes).is_zero)
+        hidden = (
+            p_R.gcd(compensator.unobservable_modes),
+            whole.quo(p_R).gcd(compensator.uncontrollable_modes),
+        )
+        return all(common.degree() == 0 for common in hidden)
 
     return all(allowed(form.regulator) and is_form(form) for form in found.forms) and not any(
         allowed(p_R) for p_R, _ in found.rejections
@@ -73,9 +78,9 @@ def hidden_mode_rule(loop: Loop) -> bool:
 
 @for_all(loop=minimal_loops(excess=1, max_order=2))
 def chains_are_youla_forms(loop: Loop) -> bool:
-    """For n_c = n + 1 the chains ker p_R < ker p_R p_Q, with degrees n and n_c, are the observers with
-    a Youla parameter: every factorisation p_R p_Q p_O gives one.
-    """  # noqa: D205
+    """For n_c = n + 1 the chains ker p_R < ker p_R p_Q, with degrees n and n_c, are the observers
+    with a Youla parameter: every factorisation p_R p_Q p_O gives one.
+    """
     plant, compensator = loop
     whole = characteristic_polynomial(closed_loop_matrix(plant, compensator), plant.variable)
     found = youla_forms(plant, compensator)

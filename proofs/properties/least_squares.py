@@ -44,7 +44,7 @@ def batch(data: list[Step], R_theta: Matrix, theta: Matrix, forgetting: Rational
 def recursion_is_batch(data: list[Step], start: Matrix, forgetting: Rational) -> bool:
     """(2.42)-(2.44) from P(1) = R_theta^-1 and theta(1) = theta(0) give the minimiser of (2.41) at
     every k >= 1.
-    """  # noqa: D205
+    """
     R_theta = Matrix(3, 3, lambda i, j: 1 + (i == j))
     found = recursive(data, R_theta.inv(), Matrix(start), forgetting)
     return bool(found == batch(data, R_theta, Matrix(start), forgetting))
@@ -53,9 +53,9 @@ def recursion_is_batch(data: list[Step], start: Matrix, forgetting: Rational) ->
 @for_all(data=steps(l_z=1), beta=st.sampled_from([Rational(1, 3), Rational(5)]),
          forgetting=forgetting_factors)  # fmt: skip
 def subsystem_recursion(data: list[Step], beta: Rational, forgetting: Rational) -> bool:
-    """(8.62), (8.63) with phi(k - d - 1) in every place minimise (8.61), P(0) = beta I, with u*(i - d)
-    and phi(i - d - 1) in the sum.
-    """  # noqa: D205
+    """(8.62), (8.63) with phi(k - d - 1) in every place minimise (8.61), P(0) = beta I, with u*(i -
+    d) and phi(i - d - 1) in the sum.
+    """
     P, theta = beta * eye(3), zeros(3, 1)
     for row, target, _ in data:
         phi = row.T

@@ -72,9 +72,9 @@ def real_share(roots: tuple[Expr, ...], n: int) -> list[Expr] | None:
 
 @for_all(case=plant_and_two_shares())
 def proposition_1(case: tuple[TransferFunction, list[Rational], list[int]]) -> bool:
-    """The compensator does not depend on how 2n poles are shared out between regulator and observer;
-    it is C_c adj(sI - A_c) B_c over det(sI - A_c), unreduced.
-    """  # noqa: D205
+    """The compensator does not depend on how 2n poles are shared out between regulator and
+    observer; it is C_c adj(sI - A_c) B_c over det(sI - A_c), unreduced.
+    """
     plant, poles, order = case
     n = plant.order
     first = observer_based_compensator(plant, poles[:n], poles[n:])
@@ -88,7 +88,7 @@ def proposition_1(case: tuple[TransferFunction, list[Rational], list[int]]) -> b
 def theorem_1_pairs(case: Case) -> bool:
     """The pair (N_c, D_c) that places 2n poles is observer-based if and only if n of the poles are
     closed under conjugation, that is, n is even or there is a real pole; K and F are then found.
-    """  # noqa: D205
+    """
     plant, roots = case
     n = plant.order
     pair = place_poles(plant, list(roots), feedback=-1).compensator
@@ -113,9 +113,9 @@ def theorem_1_pairs(case: Case) -> bool:
 def theorem_1_transfer_functions(
     case: tuple[TransferFunction, TransferFunction], root: Rational
 ) -> bool:
-    """A strictly proper transfer function of McMillan degree r < n is always observer-based: the pair
-    with the common factor (s - x)^(n - r), x any real number, is.
-    """  # noqa: D205
+    """A strictly proper transfer function of McMillan degree r < n is always observer-based: the
+    pair with the common factor (s - x)^(n - r), x any real number, is.
+    """
     plant, given = case
     G_c = given.reduced()
     factor = polynomial(f"(s - ({root}))**{plant.order - G_c.order}", "s")

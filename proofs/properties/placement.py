@@ -29,12 +29,15 @@ def plant_and_poles(draw: st.DrawFn) -> tuple[TransferFunction, tuple[Expr, ...]
 
 
 @for_all(
-    plant=plants, D_c=polynomials(max_degree=5), N_c=polynomials(max_degree=3), room=st.integers(0, 2)
+    plant=plants,
+    D_c=polynomials(max_degree=5),
+    N_c=polynomials(max_degree=3),
+    room=st.integers(0, 2),
 )
 def uniqueness(plant: TransferFunction, D_c: Poly, N_c: Poly, room: int) -> bool:
     """D D_c + N N_c with deg N_c < n determines D_c and N_c; D_c of any degree, monic or not, and
     the other D_c of a degree that may be larger.
-    """  # noqa: D205
+    """
     D, N = plant.denominator, plant.numerator
     n, N_c = plant.order, N_c.rem(D)
     l = max(int(D_c.degree()), int(N.degree())) + 1 + room  # noqa: E741  (columns for D_c)
@@ -55,7 +58,7 @@ def _coefficients(poly: Poly, size: int) -> list[Expr]:
 def existence(case: tuple[TransferFunction, tuple[Expr, ...]]) -> bool:
     """For every n_c >= n - 1 exactly one proper pair with deg N_c < n and monic D_c of degree n_c
     has the closed-loop polynomial asked for.
-    """  # noqa: D205
+    """
     plant, poles = case
     D, N = plant.denominator, plant.numerator
     wanted = polynomial_from_roots(poles, "s")
@@ -76,7 +79,7 @@ def existence(case: tuple[TransferFunction, tuple[Expr, ...]]) -> bool:
 def shapes(plant: TransferFunction, excess: int, m_hat: int) -> bool:
     """M of (7.38) is M_1(D, N), N with formal degree n_c, if and only if m^_c = n - 1; it is
     M_2(D, N) if and only if also n_c = n.
-    """  # noqa: D205
+    """
     m, n = int(plant.numerator.degree()), plant.order
     n_c = max(m + excess, 1)
     if m + m_hat >= n + n_c:

@@ -38,7 +38,7 @@ def lemma_1(a: Poly, b: Poly, degrees: tuple[Poly, Poly]) -> bool:
 def rank_of_m1(a: Poly, b: Poly, shared: Poly, padding: int) -> bool:
     """The degree of gcd(a, b) is k + l - rank M_1(a, b) for a_k not 0 and every formal degree l of
     b, above and below k, leading zeros and b = 0 included.
-    """  # noqa: D205
+    """
     a, b = a * shared, b * shared
     k, l = int(a.degree()), max(int(b.degree()) if not b.is_zero else 0, 0) + padding  # noqa: E741
     if k + l == 0:
@@ -61,7 +61,7 @@ def rank_of_m2(a: Poly, b: Poly, shared: Poly) -> bool:
     b=st.lists(rationals(), min_size=1, max_size=6),
 )
 def determinants(a: Poly, b: list[object]) -> bool:
-    """Det M_2(a, b) = a_k^(k - l) det M_1(a, b) for l <= k."""
+    """det M_2(a, b) = a_k^(k - l) det M_1(a, b) for l <= k."""
     k, l = int(a.degree()), min(len(b) - 1, int(a.degree()))  # noqa: E741
     b = b[: l + 1]
     m1 = sylvester_m1(a.all_coeffs(), b, k, l)

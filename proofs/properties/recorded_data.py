@@ -3,7 +3,11 @@
 from hypothesis import strategies as st
 from sympy import Matrix, Rational
 
-from compensator_theory import compensator_polynomials, intercalated_transfer_matrix
+from compensator_theory import (
+    StandardProblem,
+    compensator_polynomials,
+    intercalated_transfer_matrix,
+)
 from compensator_theory.strategies import rationals, standard_problems
 
 from ..checks import for_all
@@ -39,11 +43,11 @@ def power_series(numerator: list[Rational], denominator: list[Rational]) -> list
     u=st.lists(rationals(3, 2), min_size=STEPS, max_size=STEPS),
 )
 def recorded_signals(
-    plant: object, P: list[Rational], Q: list[Rational], u: list[Rational]
+    plant: StandardProblem, P: list[Rational], Q: list[Rational], u: list[Rational]
 ) -> bool:
     """(4.14) for w = 0 and x(0) = 0: whatever the recorded u and the fixed theta*, z is the
     intercalated transfer function applied to u~ = u - Phi theta*.
-    """  # noqa: D205
+    """
     A, B, C, E_1, E_2 = (Matrix(getattr(plant, name)) for name in ("A", "B", "C", "E_1", "E_2"))
     x, y, z = Matrix([0] * A.rows), [], []
     for control in u:

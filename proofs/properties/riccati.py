@@ -1,14 +1,19 @@
 """High-authority LQG and the Riccati equation, solved exactly where the zeros are rational."""
 
 from hypothesis import strategies as st
-from sympy import Matrix, Poly, Rational, Symbol, prod, zeros
+from sympy import Matrix, Poly, Rational, Symbol, prod
 
 from compensator_theory import polynomial, solve_riccati
 from compensator_theory.exact_linear_algebra import characteristic_polynomial
 from compensator_theory.generators.plants import disguised, unimodular_matrices
 from compensator_theory.polynomials import canonical
 from compensator_theory.state_space import controllable_canonical_form
-from compensator_theory.strategies import matrices, nonzero_rationals, polynomials, standard_problems
+from compensator_theory.strategies import (
+    matrices,
+    nonzero_rationals,
+    polynomials,
+    standard_problems,
+)
 from compensator_theory.transfer_functions import TransferFunction
 
 from ..checks import for_all
@@ -34,7 +39,7 @@ def plants_with_rational_zeros(draw: st.DrawFn) -> Case:
 def high_authority_poles(case: Case) -> bool:
     """For R_2 = 0 the poles of A + BC_c are d times 0, the zeros of N_zu inside the unit circle and
     the reciprocals of those outside; B'PB = H_d^2 times the squares of those outside.
-    """  # noqa: D205
+    """
     (A, B, E_1), found, H, d = case
     outside = [zero for zero in found if abs(zero) > 1]
     reflected = [1 / zero if abs(zero) > 1 else zero for zero in found]
@@ -68,7 +73,7 @@ def separation(plant: object, gains: st.DataObject) -> bool:
 def forward_propagation(A: Matrix, B: Matrix, E: Matrix, start: Matrix) -> bool:
     """One step of (8.96) from P >= 0 with R_1 = E'E, R_2 = 1 gives P+ >= 0, and x'P+x is at most
     x'(A'PA + R_1)x.
-    """  # noqa: D205
+    """
     A, B, E, start = (Matrix(M) for M in (A, B, E, start))
     P = start.T * start
     free = A.T * P * A + E.T * E
@@ -79,7 +84,7 @@ def forward_propagation(A: Matrix, B: Matrix, E: Matrix, start: Matrix) -> bool:
 
 def _is_semidefinite(M: Matrix) -> bool:
     """By the signs of the characteristic polynomial's coefficients: all roots are real."""
-    if M != M.T or M == zeros(*M.shape):
-        return bool(M == M.T)
+    if M != M.T:
+        return False
     descending = characteristic_polynomial(M, q).all_coeffs()
     return all((-1) ** i * coefficient >= 0 for i, coefficient in enumerate(descending))

@@ -84,9 +84,9 @@ def polynomials_of(A: Matrix, B: Matrix, C: Matrix) -> tuple[Poly, Poly]:
 
 
 def placement_equation(n: int) -> bool:
-    """(7.37), (7.38): M times the coefficients of D_c and N_c lists D D_c + N N_c - s^n_c D, for n_c
-    from n - 1 to n + 1.
-    """  # noqa: D205
+    """(7.37), (7.38): M times the coefficients of D_c and N_c lists D D_c + N N_c - s^n_c D, for
+    n_c from n - 1 to n + 1.
+    """
     D, N = generic_polynomial("a", n, is_monic=True), generic_polynomial("b", n - 1)
     for n_c in range(max(n - 1, 1), n + 2):
         D_c = generic_polynomial("x", n_c, is_monic=True)
@@ -111,7 +111,7 @@ def closed_loop_polynomial(n: int) -> bool:
 def separated_polynomial(n: int) -> bool:
     """D det(sI - A_c) - N K adj(sI - A_c) F = det(sI - A - BK) det(sI - A + FC) for A_c = A + BK -
     FC: with (7.31) for G_c the sign of N_c is minus.
-    """  # noqa: D205
+    """
     A, B, C = companion("a", n), last_unit(n), row("c", n)
     K, F = row("k", n), row("f", n).T
     D, N = polynomials_of(A, B, C)
@@ -122,7 +122,7 @@ def separated_polynomial(n: int) -> bool:
 
 
 def resultant_determinants(k: int) -> bool:
-    """Det M_2(a, b) = a_k^(k - l) det M_1(a, b) for deg a = k and every formal degree l <= k of b."""
+    """det M_2(a, b) = a_k^(k - l) det M_1(a, b), deg a = k, every formal degree l <= k of b."""
     a = generic_polynomial("a", k)
     for l in range(k + 1):  # noqa: E741  (the text's letter)
         b = generic_polynomial("b", l)
@@ -136,7 +136,7 @@ def resultant_determinants(k: int) -> bool:
 def reflected_spectrum(n: int) -> bool:
     """N(q)N(1/q) = H^2 prod u_j^2 chi(q)chi(1/q) for N = H prod(q - s_i) prod(q - u_j) and the
     corrected (A.15), chi = q^d prod(q - s_i) prod(q - 1/u_j), for every split of n.
-    """  # noqa: D205
+    """
     H = Symbol("H")
     for stable in range(n + 1):
         for unstable in range(n + 1 - stable):

@@ -22,7 +22,9 @@ THETA_NEXT = theta_k - P * Phi_T * Upsilon**-1 * INNOVATION  # (2.42)
 
 def gradient(at: Expr) -> Expr:
     """Return half the gradient of the next cost, R_u = R - R_z."""
-    return forgetting * P**-1 * (at - theta_k) + Phi_T * (R_z * (Phi * at + e) + (R - R_z) * Phi * at)
+    return forgetting * P**-1 * (at - theta_k) + Phi_T * (
+        R_z * (Phi * at + e) + (R - R_z) * Phi * at
+    )
 
 
 def covariance_inverts_hessian() -> bool:

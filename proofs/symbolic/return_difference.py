@@ -46,7 +46,7 @@ def identity() -> bool:
 def square_of_the_response() -> bool:
     """With R_1 = E_1'E_1, R_12 = E_1'E_2, R_2 = E_2'E_2 the right-hand side is (E_1 psi + E_2 e)'
     (E_1 phi + E_2 d), the product of two responses of z.
-    """  # noqa: D205
+    """
     E_1, E_2 = letters("E_1 E_2")
     right = (
         transpose(e) * transpose(E_2) * E_2 * d
@@ -91,7 +91,7 @@ def gain_in_both_forms() -> bool:
 def joseph_form() -> bool:
     """P+ = A'PA + R_1 - A'PB(R_2 + B'PB)^-1B'PA is (A + BK)'P(A + BK) + K'R_2K + R_1, so that
     (8.96) keeps P positive semidefinite.
-    """  # noqa: D205
+    """
     V = letters("V")[0]
     K_T = transpose(A) * P * B * V  # -K'
     gain = -V * transpose(B) * P * A
@@ -104,9 +104,9 @@ def joseph_form() -> bool:
 
 
 def difference_of_solutions() -> bool:
-    """P - P' = (A + BK)'(P - P')(A + BK') for two symmetric solutions of (A.7) with gains K and K', so
-    that they are equal if both are stabilising.
-    """  # noqa: D205
+    """P - P' = (A + BK)'(P - P')(A + BK') for two symmetric solutions of (A.7) with gains K and K',
+    so that they are equal if both are stabilising.
+    """
     P_1, P_2, K_1, K_2, W_1, W_2 = letters("P_1 P_2 K_1 K_2 W_1 W_2")
     A_T, B_T = transpose(A), transpose(B)
     K_T = transpose(K_1)

@@ -35,7 +35,7 @@ def similarity_with_direct_term() -> bool:
 
 def inverse_of_S() -> bool:
     """S of (7.18) is its own inverse, so that A~ and A~' are similar."""
-    return bool(S * S == Matrix([[1, 0], [0, 1]]))
+    return bool(Matrix([[1, 0], [0, 1]]) == S * S)
 
 
 def riccati_is_triangular() -> bool:
@@ -43,7 +43,7 @@ def riccati_is_triangular() -> bool:
     A_cT - B_cC = 0, for compensators of any order.
 
     The blocks on the diagonal are then A + BC_cT and A_c - TBC_c.
-    """  # noqa: D205, D209
+    """
     loop = Matrix([[A, B * C_c], [B_c * C, A_c]])
     transformed = Matrix([[1, 0], [-T, 1]]) * loop * Matrix([[1, 0], [T, 1]])
     riccati = T * B * C_c * T + T * A - A_c * T - B_c * C
@@ -60,7 +60,7 @@ def form_solves_riccati() -> bool:
 def youla_similarity() -> bool:
     """With a filter (A_q, B_q, C_q) of the innovations the loop in (x, x_q, e) is block triangular,
     and its diagonal is A + BK, A_q, A - FC.
-    """  # noqa: D205
+    """
     loop = Matrix(
         [
             [A, B * K, B * C_q],
