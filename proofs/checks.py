@@ -40,7 +40,7 @@ class ForAll:
 
     def run(self, examples: int) -> Outcome:
         """Draw examples, the same ones in every run, until the predicate fails or is believed."""
-        from hypothesis import HealthCheck, given, settings
+        from hypothesis import HealthCheck, Phase, given, settings
 
         seen, false = 0, ""
 
@@ -50,6 +50,7 @@ class ForAll:
             derandomize=True,
             deadline=None,
             report_multiple_bugs=False,
+            phases=(Phase.generate, Phase.shrink),
             suppress_health_check=list(HealthCheck),
         )
         @given(**self.strategies)

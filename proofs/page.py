@@ -73,11 +73,11 @@ def _entry(entry: Entry) -> Iterator[str]:
     yield from _formal(entry)
     for identity in entry.symbolic:
         words = statement_of(resolve("symbolic", identity.check))
-        yield f"- identity (`{identity.check}`, {identity.scope}): {escaped(words)}"
+        yield f"- identity (`{identity.check}`; {identity.scope}): {escaped(words)}"
     for claim in entry.properties:
         check = resolve("properties", claim.check)
         yield (
-            f"- property (`{claim.check}`, {claim.examples} examples of {escaped(check.drawn)}): "
+            f"- property (`{claim.check}`; {claim.examples} examples of {escaped(check.drawn)}): "
             f"{escaped(check.statement)}"
         )
     for case in entry.counterexamples:

@@ -6,7 +6,7 @@ from pathlib import Path
 SOURCES = Path(__file__).parent / "rocq"
 _STATED = re.compile(r"^\s*(?:Theorem|Lemma|Corollary|Proposition|Fact|Example)\s+(\w+)", re.M)
 _ASSUMED = re.compile(
-    r"^\s*(Admitted|Axioms?|Parameters?|Conjecture)\b|\b(admit|Admit Obligations)\b", re.M
+    r"\b(?:Admitted|admit|Admit Obligations)\b|^\s*(?:Axioms?|Parameters?|Conjecture)\b", re.M
 )
 
 

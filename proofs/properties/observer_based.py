@@ -55,9 +55,9 @@ def real_share(roots: tuple[Expr, ...], n: int) -> list[Expr] | None:
 
     Examples
     --------
-    >>> from sympy import I
+    >>> from sympy import I, S
     >>> from proofs.properties.observer_based import real_share
-    >>> real_share((I, -I, 2 * I, -2 * I, 1, 1), 3)
+    >>> real_share((I, -I, 2 * I, -2 * I, S.One, S.One), 3)
     [I, -I, 1]
     >>> real_share((I, -I), 1)
     """

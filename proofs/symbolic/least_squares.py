@@ -52,10 +52,9 @@ def gain_of_new_covariance() -> bool:
 
 
 def kalman_predictor() -> bool:
-    """(2.43) with lambda = 1 is the Riccati equation (8.100) of the pair (I, Phi) without noise."""
-    A, C, V, Q = letters("A C V Q")
-    W = letters("W")[0]  # (C Q C' + V)^-1
+    """(2.46) is the Riccati equation (8.100) of the pair (I, Phi) with the process noise Q(k)."""
+    A, C, V, Q, W = letters("A C V Q W")  # W = (C Q C' + V_2)^-1
     printed = A * Q * transpose(A) + V - A * Q * transpose(C) * W * C * Q * transpose(A)
-    identity = printed.subs({transpose(A): 1, A: 1, V: 0})
-    here = (P_NEXT * forgetting).subs({P: Q, Upsilon: W**-1, Phi: C, Phi_T: transpose(C)})
-    return bool(expand(identity - here) == 0)
+    predictor = printed.subs({transpose(A): 1, A: 1})
+    here = V + (P_NEXT * forgetting).subs({P: Q, Upsilon: W**-1, Phi: C, Phi_T: transpose(C)})
+    return bool(expand(predictor - here) == 0)
