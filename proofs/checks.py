@@ -3,7 +3,7 @@
 import importlib
 import inspect
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from compensator_theory.errors import InputError
@@ -144,7 +144,7 @@ def run_symbolic(evidence: Symbolic, *, quick: bool = False) -> Outcome:
     """
     check = resolve("symbolic", evidence.check)
     sizes = evidence.sizes[:-1] if quick and len(evidence.sizes) > 1 else evidence.sizes
-    evidence = Symbolic(evidence.check, sizes)
+    evidence = replace(evidence, sizes=sizes)
     try:
         false = [size for size in sizes if not check(size)] if sizes else not check()
     except Exception as error:  # a check that cannot be computed confirms nothing

@@ -38,18 +38,20 @@ class Symbolic:
     check : str
         ``module.function`` of :mod:`proofs.symbolic`.
     sizes : tuple of int
-        Sizes for which it is expanded, every coefficient a letter; empty if the letters are
-        matrices of any size.
+        Sizes for which it is expanded, every coefficient a letter.
+    extent : str
+        How far an identity without sizes reaches; by default its letters are matrices of any size.
     """
 
     check: str
     sizes: tuple[int, ...] = ()
+    extent: str = "any size"
 
     @property
     def scope(self) -> str:
         """How far the identity reaches."""
         if not self.sizes:
-            return "any size"
+            return self.extent
         return "sizes " + ", ".join(map(str, self.sizes))
 
 

@@ -90,7 +90,8 @@ def _entry(chapter: str, table: dict[str, Any], where: str) -> Entry:
         relied_on_by=tuple(table["relied_on_by"]),
         formal=tuple(Formal(**t) for t in table.get("formal", ())),
         symbolic=tuple(
-            Symbolic(t["check"], tuple(t.get("sizes", ()))) for t in table.get("symbolic", ())
+            Symbolic(**(t | {"sizes": tuple(t.get("sizes", ()))}))
+            for t in table.get("symbolic", ())
         ),
         properties=tuple(Property(**t) for t in table.get("property", ())),
         counterexamples=tuple(Counterexample(**t) for t in table.get("counterexample", ())),
