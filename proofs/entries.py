@@ -18,10 +18,13 @@ class Formal:
         ``File.theorem``, a file of ``proofs/rocq`` without its suffix.
     says : str
         For which degrees, sizes and fields.
+    part : bool
+        Whether it proves a part of the entry's conclusion only.
     """
 
     theorem: str
     says: str = ""
+    part: bool = False
 
     @property
     def file(self) -> str:

@@ -15,7 +15,7 @@ _EVIDENCE = ("formal", "symbolic", "property", "counterexample")
 
 @cache
 def ledger() -> tuple[Entry, ...]:
-    """Read every entry, in the order of the files and within them.
+    """Read every entry: chapters before appendices, in the order of the files and within them.
 
     Examples
     --------
@@ -24,7 +24,7 @@ def ledger() -> tuple[Entry, ...]:
     'Lemma 1'
     """
     found: list[Entry] = []
-    for path in sorted(STATEMENTS.glob("*.toml")):
+    for path in sorted(STATEMENTS.glob("*.toml"), key=lambda p: (p.stem < "chapter", p.stem)):
         with path.open("rb") as file:
             data = tomllib.load(file)
         found += [_entry(data["chapter"], table, path.name) for table in data["entry"]]

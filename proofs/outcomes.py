@@ -78,8 +78,9 @@ class Verified:
     @property
     def strength(self) -> str:
         """The strongest evidence that this run has seen hold."""
+        in_part = all(theorem.part for theorem in self.entry.formal)
         for kind, words in (
-            ("formal", "machine-checked"),
+            ("formal", "machine-checked in part" if in_part else "machine-checked"),
             ("symbolic", "symbolic"),
             ("property", "property-tested"),
         ):

@@ -97,7 +97,9 @@ def print_names(console: Console, entries: Iterable[Entry]) -> None:
     7  lemma-1                        Lemma 1
     """
     for entry in entries:
-        console.print(f"{entry.chapter}  {entry.name:30} {entry.title}", highlight=False)
+        console.print(
+            f"{entry.chapter}  {entry.name:30} {entry.title}", highlight=False, soft_wrap=True
+        )
 
 
 def _line(console: Console, label: str, text: str) -> None:

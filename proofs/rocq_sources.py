@@ -5,6 +5,7 @@ from pathlib import Path
 
 SOURCES = Path(__file__).parent / "rocq"
 _STATED = re.compile(r"^\s*(?:Theorem|Lemma|Corollary|Proposition|Fact|Example)\s+(\w+)", re.M)
+_SECTIONS = re.compile(r"^\s*(?:Section|End|Hypothes[ei]s)\b.*?\.(?=\s)", re.M | re.S)
 _ASSUMED = re.compile(
     r"\b(?:Admitted|admit|Admit Obligations)\b|^\s*(?:Axioms?|Parameters?|Conjecture)\b", re.M
 )
@@ -29,7 +30,7 @@ def missing(theorem: str, folder: Path = SOURCES) -> str:
 
 
 def stated(theorem: str, folder: Path = SOURCES) -> str:
-    """Return the statement of a theorem as its file has it; empty if it is not there.
+    """Return a theorem as its file states it, after the hypotheses of its section; or nothing.
 
     Examples
     --------
@@ -42,7 +43,22 @@ def stated(theorem: str, folder: Path = SOURCES) -> str:
     file, _, name = theorem.partition(".")
     text = without_comments((folder / f"{file}.v").read_text(encoding="utf-8"))
     start = next(m.start() for m in _STATED.finditer(text) if m.group(1) == name)
-    return re.split(r"^\s*Proof\b", text[start:], maxsplit=1, flags=re.M)[0].strip()
+    statement = re.split(r"^\s*Proof\b", text[start:], maxsplit=1, flags=re.M)[0].strip()
+    return "\n".join([*_hypotheses(text[:start]), statement])
+
+
+def _hypotheses(before: str) -> list[str]:
+    """List the hypotheses of the sections that are open at the end of a text."""
+    opened: list[list[str]] = [[]]
+    for match in _SECTIONS.finditer(before):
+        words = " ".join(match.group().split())
+        if words.startswith("Section"):
+            opened.append([])
+        elif words.startswith("End"):
+            opened.pop()
+        else:
+            opened[-1].append(words)
+    return [hypothesis for section in opened for hypothesis in section]
 
 
 def assumed(folder: Path = SOURCES) -> tuple[str, ...]:

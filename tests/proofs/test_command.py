@@ -119,3 +119,11 @@ def test_an_axiom_fails(monkeypatch):
 def test_the_formal_part_has_its_makefile():
     text = (SOURCES / "Makefile").read_text()
     assert "check: all" in text and "proofs.assumptions" in text
+
+
+def test_a_theorem_about_a_part_is_no_proof_of_the_whole(monkeypatch):
+    answers = {"InvariantSubspaces.upper_part_is_invertible": ""}
+    compiled = rocq_build.Compilation("compiled", "the formal part compiles", answers)
+    monkeypatch.setattr("proofs.__main__.compile_formal_part", lambda theorems: compiled)
+    record = json.loads(run("youla-chains", "--quick", "--json", "--formal").stdout)
+    assert record["entries"][0]["strength"] == "machine-checked in part"

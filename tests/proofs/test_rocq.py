@@ -13,6 +13,18 @@ PROVED = """
 Theorem one_is_one : 1 = 1.
 Proof. reflexivity. Qed.
 """
+IN_SECTIONS = """
+Section Outer.
+Variable n : nat.
+Hypothesis positive : 0 < n.
+Section Closed.
+Hypothesis elsewhere : 1 < n.
+End Closed.
+Theorem there_is_a_predecessor : exists m,
+  n = S m.
+Proof. destruct n. inversion positive. eauto. Qed.
+End Outer.
+"""
 ADMITTED = """
 From Compensators Require Import Proved.
 Theorem two_is_one : 2 = 1.
@@ -36,6 +48,10 @@ def test_theorems_are_found_in_the_files(folder):
     assert missing("Proved.in_a_comment", folder) == "Proved.v states no theorem in_a_comment"
     assert missing("Absent.x", folder) == "proofs/rocq has no file Absent.v"
     assert stated("Proved.one_is_one", folder) == "Theorem one_is_one : 1 = 1."
+    (folder / "Sections.v").write_text(IN_SECTIONS)
+    assert stated("Sections.there_is_a_predecessor", folder).splitlines() == [
+        "Hypothesis positive : 0 < n.", "Theorem there_is_a_predecessor : exists m,", "  n = S m.",
+    ]  # fmt: skip
     assert assumed(folder) == ("Assumed.v: Admitted",)
     assert without_comments("(* a (* b *) c *)x(**)") == "x"
 
