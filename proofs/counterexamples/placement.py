@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from sympy import Matrix, Symbol
+from sympy import Expr, I, Integer, Matrix, Symbol, expand
 
 from compensator_theory import check_proposition_3, polynomial
 from compensator_theory.exact_linear_algebra import characteristic_polynomial, determinant
@@ -59,3 +59,26 @@ def constant_zero() -> Facts:
     a, b, q, p = (polynomial(text, "s") for text in ("1", "0", "s", "0"))
     yield "bq + ap = 0", (b * q + a * p).is_zero
     yield "a is not 0", not a.is_zero
+
+
+def separated_pair() -> Facts:
+    """D = s^2 + 3s + 2, N = 1, the poles j, -j, -1, -5: with j in the regulator and -j in the
+    observer K and F are complex, and the compensator is that of the real share.
+    """
+    A, B, C = Matrix([[0, 1], [-2, -3]]), Matrix([0, 1]), Matrix([[1, 0]])
+
+    def compensator(p: tuple[Expr, Expr], o: tuple[Expr, Expr]) -> tuple[Matrix, Expr, Expr]:
+        """Return K, D_c and N_c for the regulator s^2 + p_1 s + p_0 and the observer o."""
+        K = Matrix([[2 - p[1], 3 - p[0]]])
+        F = Matrix([o[0] - 3, o[1] - 2 - 3 * (o[0] - 3)])
+        spectra = (A + B * K).charpoly(s).as_expr(), (A - F * C).charpoly(s).as_expr()
+        asked = (s**2 + p[0] * s + p[1], s**2 + o[0] * s + o[1])
+        assert all(expand(x - y) == 0 for x, y in zip(spectra, asked, strict=True))
+        A_c = A + B * K - F * C
+        D_c = expand(A_c.charpoly(s).as_expr())
+        return K, D_c, expand(D_c - (A_c + F * K).charpoly(s).as_expr())
+
+    separated = compensator((1 - I, -I), (5 + I, 5 * I))  # (s - j)(s + 1), (s + j)(s + 5)
+    real = compensator((Integer(0), Integer(1)), (Integer(6), Integer(5)))
+    yield "K of the separated share is complex", separated[0] != separated[0].C
+    yield "D_c and N_c are the same", separated[1:] == real[1:]

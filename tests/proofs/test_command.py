@@ -122,7 +122,7 @@ def test_the_formal_part_has_its_makefile():
 
 
 def test_a_theorem_about_a_part_is_no_proof_of_the_whole(monkeypatch):
-    answers = {"InvariantSubspaces.upper_part_is_invertible": ""}
+    answers = {"InvariantSubspaces.invariant_subspace_is_a_graph": ""}
     compiled = rocq_build.Compilation("compiled", "the formal part compiles", answers)
     monkeypatch.setattr("proofs.__main__.compile_formal_part", lambda theorems: compiled)
     record = json.loads(run("youla-chains", "--quick", "--json", "--formal").stdout)
