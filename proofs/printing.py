@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 from rich.console import Console
-from rich.padding import Padding
+from rich.table import Table
 from rich.text import Text
 
 from .entries import Entry
@@ -42,14 +42,20 @@ def print_ledger(console: Console, found: Iterable[Verified]) -> None:
             (entry.name, "bold"), "  ", entry.title, (f"  {entry.source}", "dim")
         )
         console.print(heading)
-        if entry.hypotheses:
-            _line(console, "if", "; ".join(entry.hypotheses))
-        _line(console, "then", entry.conclusion)
-        _line(console, "text", entry.text)
-        if entry.difference:
-            _line(console, "but", entry.difference)
+        words = {
+            "if": "; ".join(entry.hypotheses),
+            "then": entry.conclusion,
+            "text": entry.text,
+            "but": entry.difference,
+        }
+        statement = _grid()
+        for label, text in words.items():
+            if text:
+                statement.add_row("", Text(label, "dim"), Text(text))
+        evidence = _grid()
         for outcome in verified.outcomes:
-            _print_outcome(console, outcome)
+            evidence.add_row("", *_words(outcome))
+        console.print(statement, evidence, sep="\n")
 
 
 def print_summary(
@@ -71,7 +77,8 @@ def print_summary(
     strengths = Counter(verified.strength for verified in found)
     parts = [f"{count} {words}" for words, count in strengths.most_common()]
     console.print()
-    console.print(f"{len(found)} entries" + (": " if parts else "") + ", ".join(parts))
+    entries = "1 entry" if len(found) == 1 else f"{len(found)} entries"
+    console.print(entries + (": " if parts else "") + ", ".join(parts))
     if quick:
         console.print("Quick: a tenth of the examples, all sizes but the largest.")
     detail = compilation.detail
@@ -102,18 +109,20 @@ def print_names(console: Console, entries: Iterable[Entry]) -> None:
         )
 
 
-def _line(console: Console, label: str, text: str) -> None:
-    console.print(Padding(Text.assemble((f"{label:5}", "dim"), text), (0, 0, 0, 2)))
+def _grid() -> Table:
+    """Make columns whose last one wraps within itself."""
+    grid = Table.grid(padding=(0, 1))
+    grid.add_column(width=1)
+    grid.add_column(no_wrap=True)
+    return grid
 
 
-def _print_outcome(console: Console, outcome: Outcome) -> None:
-    scope = f" ({outcome.scope})" if outcome.scope else ""
+def _words(outcome: Outcome) -> tuple[Text, Text, Text]:
+    colour = _COLOURS[outcome.status]
     statement = f": {outcome.statement}" if outcome.statement else ""
-    detail = f" [{outcome.detail}]" if outcome.detail else ""
-    words = Text.assemble(
-        (f"{outcome.status:13}", _COLOURS[outcome.status]),
-        f"{_KINDS[outcome.kind]:9} {outcome.name}{statement}",
-        (scope, "dim"),
-        (detail, _COLOURS[outcome.status]),
+    text = Text.assemble(
+        f"{outcome.name}{statement}",
+        (f" ({outcome.scope})" if outcome.scope else "", "dim"),
+        (f" [{outcome.detail}]" if outcome.detail else "", colour),
     )
-    console.print(Padding(words, (0, 0, 0, 2)))
+    return Text(outcome.status, colour), Text(_KINDS[outcome.kind]), text

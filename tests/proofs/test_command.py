@@ -25,7 +25,7 @@ def test_it_prints_statement_text_difference_and_evidence():
     assert found.exit_code == 0
     words = " ".join(found.stdout.split())
     for part in ("a_k is not 0", "l <= k is not needed", "polynomials.rank_of_m1", "refuted",
-                 "Quick: a tenth of the examples", "1 entries"):  # fmt: skip
+                 "Quick: a tenth of the examples", "1 entry"):  # fmt: skip
         assert part in words, part
 
 
