@@ -1,4 +1,4 @@
-"""The whole closed loop: its overhead over the update, NumPy beside it, threads, memory, import.
+"""The whole closed loop: its overhead over the update, NumPy, threads, lanes, memory, import.
 
 Every pair is measured side by side in one run, alternating, and the median of the repetitions is
 printed. Machines are noisy: read the ratios.
@@ -14,6 +14,9 @@ import time
 import tracemalloc
 from dataclasses import replace
 
+from update_step import dgemm  # first: it keeps NumPy to one thread
+
+# isort: split
 import numpy as np
 
 from rcac_numeric import (
@@ -43,13 +46,13 @@ def seconds(function):
     return time.perf_counter() - start
 
 
-def side_by_side(repetitions, **functions):
-    """Median seconds of each, the calls taking turns."""
+def side_by_side(repetitions, summary=statistics.median, **functions):
+    """Median seconds of each (or another summary), the calls taking turns."""
     times = {name: [] for name in functions}
     for _ in range(repetitions):
         for name, function in functions.items():
             times[name].append(seconds(function))
-    return {name: statistics.median(values) for name, values in times.items()}
+    return {name: summary(values) for name, values in times.items()}
 
 
 def overhead(repetitions):
@@ -128,6 +131,34 @@ def threads(repetitions):
         )
 
 
+def lanes(repetitions):
+    """Batches in lanes beside those of the ordinary loop, preparation and records included.
+
+    The best times: on a busy machine pauses weigh more in the longer of two measurements.
+    """
+    steps, count, rates = 50_000, 16, []
+    for l_theta in (8, 20, 40):
+        cases = [
+            Case(PLANT, settings(l_theta), noise(steps, i), {"stride": steps}) for i in range(count)
+        ]
+        t = side_by_side(
+            repetitions,
+            min,
+            ordinary=lambda c=cases: simulate_many(c, threads=1),
+            lanes=lambda c=cases: simulate_many(c, threads=1, lanes=True),
+            two_threads=lambda c=cases: simulate_many(c, threads=2, lanes=True),
+            dgemm=lambda: rates.append(dgemm()),
+        )
+        share = 3 * l_theta**2 * steps * count / t["lanes"] / max(rates)
+        print(
+            f"lanes, {count} loops, l_theta = {l_theta:2d}: "
+            f"{1e9 * t['lanes'] / steps / count:.0f} ns a step and loop, "
+            f"{t['ordinary'] / t['lanes']:.1f} times faster than one after another, "
+            f"{100 * share:.0f} % of dgemm on one thread (3 l^2 a step; bar at 20: 65), "
+            f"two threads {t['lanes'] / t['two_threads']:.2f} times faster"
+        )
+
+
 def memory():
     s, w = settings(20), noise(1_000_000)
     tracemalloc.start()
@@ -155,6 +186,7 @@ def main():
     overhead(repetitions)
     beside_numpy(repetitions)
     threads(repetitions)
+    lanes(repetitions)
     memory()
     import_time()
 

@@ -73,7 +73,7 @@ public:
     }
 
     void visit(Archive& archive) {
-        archive(count_);
+        archive(count_, 0, Archive::longest);
         archive(values_);
     }
 

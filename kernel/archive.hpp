@@ -17,6 +17,8 @@ public:
     Archive() = default;                                                 // writes
     explicit Archive(std::vector<double> values) : values_(std::move(values)), reading_(true) {}
 
+    static constexpr std::int64_t longest = std::int64_t{1} << 62;  // of any count of steps
+
     bool reading() const { return reading_; }
 
     void operator()(double& value) {
@@ -32,6 +34,14 @@ public:
         std::memcpy(&bits, &value, sizeof bits);
         (*this)(bits);
         std::memcpy(&value, &bits, sizeof bits);
+    }
+    // A count or an index that something is reached by, in [least, most].
+    void operator()(std::int64_t& value, std::int64_t least, std::int64_t most) {
+        (*this)(value);
+        if (reading_ && (value < least || value > most))
+            throw std::invalid_argument("it holds " + std::to_string(value) + " where a number from " +
+                                        std::to_string(least) + " to " + std::to_string(most) +
+                                        " belongs");
     }
     void operator()(bool& value) {
         std::int64_t number = value;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "closed_loop.hpp"
@@ -54,7 +55,11 @@ void in_threads(std::size_t count, std::size_t threads, const Work& work) {
             }
     };
     std::vector<std::thread> helpers;
-    for (std::size_t t = 1; t < std::min(threads, count); ++t) helpers.emplace_back(loop);
+    try {
+        for (std::size_t t = 1; t < std::min(threads, count); ++t) helpers.emplace_back(loop);
+    } catch (const std::system_error&) {
+        // The system gives no more threads; those that there are do the work.
+    }
     loop();
     for (std::thread& helper : helpers) helper.join();
     if (failure) std::rethrow_exception(failure);

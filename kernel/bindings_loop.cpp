@@ -5,7 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "bindings.hpp"
-#include "batch.hpp"
+#include "lane_loop.hpp"
 
 namespace rcac {
 namespace {
@@ -88,14 +88,25 @@ private:
     Output y_, z_, theta_;
 };
 
-// Each job at most `rows` steps further; whether there is anything left to do.
-bool run_jobs(const std::vector<OwnedJob*>& owned, std::size_t threads, std::int64_t rows) {
+// Each job at most `rows` steps further, in lanes (with that instruction set) where they are asked
+// for and the job fits; whether there is anything left to do.
+bool run_jobs(const std::vector<OwnedJob*>& owned, std::size_t threads, std::int64_t rows,
+              bool in_lanes, const std::string& level_name) {
+    const Level& lane_level = level(level_name.c_str());
     std::vector<Job*> jobs;
     for (OwnedJob* one : owned)
         if (!one->job.finished()) jobs.push_back(&one->job);
     {
         nb::gil_scoped_release release;
-        in_threads(jobs.size(), threads, [&](std::size_t i) { jobs[i]->run(rows); });
+        LaneGroups groups{{}, jobs};
+        if (in_lanes) groups = lane_groups(jobs);
+        const std::size_t first = groups.in_lanes.size();
+        in_threads(first + groups.others.size(), threads, [&](std::size_t i) {
+            if (i < first)
+                LaneLoop(groups.in_lanes[i], lane_level).run(rows);
+            else
+                groups.others[i - first]->run(rows);
+        });
     }
     for (const Job* job : jobs)
         if (!job->finished()) return true;
@@ -135,7 +146,8 @@ void bind_loop(nb::module_& m) {
         .def_prop_ro("done", [](const OwnedJob& self) { return self.job.done; })
         .def_prop_ro("outcome",
                      [](const OwnedJob& self) { return static_cast<int>(self.job.outcome); });
-    m.def("run_jobs", &run_jobs, nb::arg("jobs"), nb::arg("threads"), nb::arg("rows"));
+    m.def("run_jobs", &run_jobs, nb::arg("jobs"), nb::arg("threads"), nb::arg("rows"),
+          nb::arg("lanes") = false, nb::arg("level") = "");
 }
 
 }  // namespace rcac

@@ -131,22 +131,20 @@ void bind_plants(nb::module_& m) {
                  std::vector<double> y(size.l_y), z(size.l_z);
                  self.begin(k, w.data());
                  self.receive(u.data());
-                 if (!self.y(y.data()) || !self.z(z.data()))
-                     throw std::runtime_error("the plant's output function failed");
-                 return std::make_pair(to_numpy(std::move(y), {size.l_y}),
-                                       to_numpy(std::move(z), {size.l_z}));
+                 const bool works = self.y(y.data()) && self.z(z.data());
+                 return std::make_tuple(works, to_numpy(std::move(y), {size.l_y}),
+                                        to_numpy(std::move(z), {size.l_z}));
              },
              nb::arg("k"), nb::arg("u"), nb::arg("w"))
         .def("advance",
-             [](Plant& self, const Array& u, const Array& w) {
+             [](Plant& self, std::int64_t k, const Array& u, const Array& w) {
                  require(u.size(), self.sizes().l_u, "u");
                  require(w.size(), self.sizes().l_w, "w");
-                 self.disturb(w.data());
+                 self.begin(k, w.data());
                  self.receive(u.data());
-                 if (!self.advance())
-                     throw std::runtime_error("the plant's advance function failed");
+                 return self.advance();
              },
-             nb::arg("u"), nb::arg("w"));
+             nb::arg("k"), nb::arg("u"), nb::arg("w"));
     m.def("linear_plant", &linear_plant, nb::arg("sizes"), nb::arg("segments"), nb::arg("x_0"));
     m.def("python_plant", &python_plant, nb::arg("sizes"), nb::arg("advance"), nb::arg("output"),
           nb::arg("x_0"));

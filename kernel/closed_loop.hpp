@@ -127,6 +127,12 @@ public:
         return finite_state() ? Outcome::diverged : Outcome::plant_not_finite;
     }
 
+    // For whoever makes its steps elsewhere (lane_state.hpp): one failed, after these coefficients.
+    void has_failed(const std::vector<double>& theta_before) { theta_before_ = theta_before; }
+
+    Plant& plant() { return plant_; }
+    const Actuator& actuator() const { return actuator_; }
+    const LoopOptions& options() const { return options_; }
     const std::vector<Controller*>& controllers() const { return controllers_; }
     // The coefficients at the beginning of the last step, which are valid where it failed.
     const std::vector<double>& theta_before() const { return theta_before_; }

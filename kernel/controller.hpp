@@ -168,6 +168,7 @@ public:
         ++resets_;
     }
 
+    const ControllerPlan& plan() const { return plan_; }
     const Structure& structure() const { return plan_.structure; }
     std::size_t l_u() const { return plan_.structure.l_u; }
     std::size_t l_z() const { return plan_.targets.front().l_z; }
@@ -181,6 +182,11 @@ public:
     double lambda() const { return lambda_; }
     std::int64_t reflections() const { return reflections_; }
     std::int64_t resets() const { return resets_; }
+    bool frozen() const { return frozen_; }
+    // For whoever makes its steps elsewhere (lane_state.hpp).
+    History& signals() { return signals_; }
+    TargetFilter& filter() { return filter_; }
+    void has_stepped(std::int64_t steps) { step_ += steps; }
     bool measures_first() const {
         if (plan_.filter_form) return true;
         for (const Tap& tap : structure().regressor)
@@ -191,12 +197,12 @@ public:
     void visit(Archive& archive) {
         archive(theta_);
         archive(lambda_);
-        archive(step_);
-        archive(next_event_);
+        archive(step_, 0, Archive::longest);
+        archive(next_event_, 0, events());
         archive(reflections_);
         archive(resets_);
-        archive(last_reset_);
-        archive(target_number_);
+        archive(last_reset_, -1, Archive::longest);
+        archive(target_number_, 0, static_cast<std::int64_t>(plan_.targets.size()) - 1);
         archive(frozen_);
         if (archive.reading()) filter_.replace(plan_.targets.at(as_size(target_number_)));
         signals_.visit(archive);

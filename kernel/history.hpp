@@ -50,6 +50,11 @@ public:
     double operator()(std::size_t signal, std::size_t delay) const {
         return values_[signal * stretch_ + now_ + delay];
     }
+    double& at(std::size_t signal, std::size_t delay) {
+        return values_[signal * stretch_ + now_ + delay];
+    }
+    std::size_t signals() const { return signals_; }
+    std::size_t depth() const { return depth_; }
     double operator()(Tap tap) const { return (*this)(tap.source, tap.delay); }
 
     // For loops over many taps: values()[offset(tap)].

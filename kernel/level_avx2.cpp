@@ -1,6 +1,7 @@
 // AVX2 with fused multiply-add: vectors of 32 bytes.
 #define RCAC_LEVEL avx2
 #define RCAC_WIDTH 4
+#include "lane_loop_body.hpp"
 #include "symmetric_body.hpp"
 #include "ud_lanes_body.hpp"
 #include "ud_rank_one_body.hpp"
@@ -14,6 +15,7 @@ const Level level_avx2{"avx2",
                        &avx2::symmetric_measure,
                        &avx2::lanes_rank_one,
                        &avx2::lanes_measure,
+                       &avx2::lane_steps,
                        &avx2::finite};
 
 }  // namespace rcac

@@ -1,6 +1,7 @@
 // AVX-512: vectors of 64 bytes.
 #define RCAC_LEVEL avx512
 #define RCAC_WIDTH 8
+#include "lane_loop_body.hpp"
 #include "symmetric_body.hpp"
 #include "ud_lanes_body.hpp"
 #include "ud_rank_one_body.hpp"
@@ -14,6 +15,7 @@ const Level level_avx512{"avx512",
                          &avx512::symmetric_measure,
                          &avx512::lanes_rank_one,
                          &avx512::lanes_measure,
+                         &avx512::lane_steps,
                          &avx512::finite};
 
 }  // namespace rcac

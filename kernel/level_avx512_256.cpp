@@ -1,6 +1,7 @@
 // AVX-512 on vectors of 32 bytes, for its 32 registers; see levels.cpp for where that is fastest.
 #define RCAC_LEVEL avx512_256
 #define RCAC_WIDTH 4
+#include "lane_loop_body.hpp"
 #include "symmetric_body.hpp"
 #include "ud_lanes_body.hpp"
 #include "ud_rank_one_body.hpp"
@@ -14,6 +15,7 @@ const Level level_avx512_256{"avx512-256",
                              &avx512_256::symmetric_measure,
                              &avx512_256::lanes_rank_one,
                              &avx512_256::lanes_measure,
+                             &avx512_256::lane_steps,
                              &avx512_256::finite};
 
 }  // namespace rcac

@@ -47,6 +47,7 @@ Found::Found() : mixed(level_plain) {
         mixed = level_avx512_256;
         mixed.lanes_rank_one = level_avx512.lanes_rank_one;
         mixed.lanes_measure = level_avx512.lanes_measure;
+        mixed.lane_steps = level_avx512.lane_steps;
         add(mixed);
         add(level_avx512);
     } else if (avx512) {

@@ -62,6 +62,8 @@ struct UdLaneFactors {
     double* D;
 };
 
+struct LaneArrays;
+
 struct Level {
     const char* name;
     // One measurement of regressor `row` and variance r by Bierman's recursion: updates U and D,
@@ -84,6 +86,8 @@ struct Level {
     // The same with theta, for the measurements  row theta + rhs = 0.
     unsigned (*lanes_measure)(const UdLaneFactors& factors, const double* row, const double* rhs,
                               const double* r, double* gain, double* theta, double* alpha);
+    // Steps of whole closed loops in lock step, see lane_arrays.hpp.
+    std::size_t (*lane_steps)(LaneArrays& arrays, std::size_t count);
     bool (*finite)(const double* values, std::size_t count);
 };
 

@@ -43,15 +43,12 @@ public:
         while (number_ + 1 < segments_.size() && segments_[number_ + 1].start <= k) enter(number_ + 1);
         if (segments_[number_].ramp) interpolate(k);
         if (past_u_) {
-            past_u_->advance();
+            if (!begun_) past_u_->advance();
             delay_input();
         }
-        disturb(w);
-        return true;
-    }
-
-    void disturb(const double* w) override {
+        begun_ = true;
         copy_few(w, sizes_.l_w, input_.data() + m_.n + sizes_.l_u);
+        return true;
     }
 
     void receive(const double* u) override {
@@ -76,13 +73,24 @@ public:
         std::swap(x_, next_);
         copy_few(x_.data(), m_.n, input_.data());
         ++k_;
+        begun_ = false;
         return true;
+    }
+
+    // Whether it is nothing but one set of matrices; then these are they.
+    bool is_constant() const { return segments_.size() == 1 && !past_u_; }
+    const PlantMatrices& matrices() const { return m_; }
+    // For whoever makes its steps elsewhere (lane_state.hpp).
+    void has_stepped(std::int64_t steps, const std::vector<double>& x) {
+        k_ += steps;
+        x_ = x;
+        copy_few(x_.data(), m_.n, input_.data());
     }
 
     void visit(Archive& archive) override {
         archive(k_);
         auto number = static_cast<std::int64_t>(number_);
-        archive(number);
+        archive(number, 0, static_cast<std::int64_t>(segments_.size()) - 1);
         if (archive.reading()) {
             number_ = static_cast<std::size_t>(number);
             m_ = segments_.at(number_).matrices;
@@ -143,6 +151,7 @@ private:
     std::vector<Segment> segments_;
     PlantMatrices m_;
     std::size_t number_ = 0;
+    bool begun_ = false;  // the step, which a caller outside may begin more than once
     std::unique_ptr<History> past_u_;
     std::vector<double> delayed_, input_;  // input_ is [x; u; w]
 };

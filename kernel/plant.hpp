@@ -21,7 +21,6 @@ public:
 
     // False where a function of the user has failed.
     virtual bool begin(std::int64_t k, const double* w) = 0;
-    virtual void disturb(const double* w) = 0;  // w(k); `begin` does it
     virtual void receive(const double* u) = 0;
     virtual bool y(double* y) = 0;
     virtual bool z(double* z) = 0;
@@ -62,7 +61,6 @@ public:
         measured_ = false;
         return true;
     }
-    void disturb(const double* w) override { w_ = w; }
     void receive(const double* u) override { u_ = u; }
     bool y(double* y) override {
         if (!measure()) return false;

@@ -62,6 +62,8 @@ public:
         return (channel * l_z_ + row) * l_u_ + column;
     }
     const History& outputs() const { return outputs_; }
+    History& outputs() { return outputs_; }
+    History& inputs() { return inputs_; }
     std::size_t l_z() const { return l_z_; }
 
     void visit(Archive& archive) {

@@ -50,6 +50,15 @@ public:
         for (std::size_t j = 0; j < n_; ++j) D_[j * lanes + lane] /= lambda;
     }
 
+    // As a lane without a run: P = I.
+    void clear(std::size_t lane) {
+        for (std::size_t j = 0; j < n_; ++j) {
+            for (std::size_t i = 0; i < j; ++i) u(i, j, lane) = 0.0;
+            D_[j * lanes + lane] = 1.0;
+        }
+    }
+
+    UdLaneFactors factors() { return {n_, U_.data(), D_.data()}; }
     std::size_t l_theta() const { return n_; }
     const double* gain() const { return gain_.data(); }
     const double* alpha() const { return alpha_.data(); }

@@ -110,6 +110,11 @@ RCAC_INLINE Vec lane_block_step(const UdLaneFactors& factors, std::size_t j, std
     return alpha;
 }
 
+template <std::size_t C>
+struct Columns {
+    static constexpr std::size_t count = C;
+};
+
 template <bool guarded>
 inline unsigned lanes_loop(const UdLaneFactors& factors, const double* row, const double* r,
                            double* gain, const double* noise, double* alpha) {
@@ -127,14 +132,15 @@ inline unsigned lanes_loop(const UdLaneFactors& factors, const double* row, cons
             grown[k] = lane_block_step<lane_block, guarded>(
                 factors, j, h, u + h, row + h, gain + h, grown[k], f[k], noise + h, lost);
     for (std::size_t k = 0, h = 0; k < halves; ++k, h += width) {
-        const auto last = [&](auto step) {
-            grown[k] = step(factors, whole, h, u + h, row + h, gain + h, grown[k], f[k], noise + h,
-                            lost);
+        // Not by pointers to functions: without optimisation those cannot be inlined.
+        const auto last = [&](auto columns) {
+            grown[k] = lane_block_step<decltype(columns)::count, guarded>(
+                factors, whole, h, u + h, row + h, gain + h, grown[k], f[k], noise + h, lost);
         };
         switch (n - whole) {
-            case 3: last(lane_block_step<3, guarded>); break;
-            case 2: last(lane_block_step<2, guarded>); break;
-            case 1: last(lane_block_step<1, guarded>); break;
+            case 3: last(Columns<3>{}); break;
+            case 2: last(Columns<2>{}); break;
+            case 1: last(Columns<1>{}); break;
         }
         store(alpha + h, grown[k]);
     }

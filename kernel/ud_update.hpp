@@ -111,6 +111,7 @@ public:
     double& u(std::size_t i, std::size_t j) { return U_[place_in_tiles(i, j)]; }
     double u(std::size_t i, std::size_t j) const { return U_[place_in_tiles(i, j)]; }
     double& d(std::size_t j) { return D_[j]; }
+    void doubt(std::int64_t step) { guard_.raise(step); }
     double d(std::size_t j) const { return D_[j]; }
 
 private:

@@ -37,6 +37,7 @@ public:
         for (std::int64_t i = first; i < count_; ++i) {
             const double* item = kept_.data() + static_cast<std::size_t>(i % window()) * item_;
             const double variance = std::pow(data.lambda, -static_cast<double>(count_ - 1 - i));
+            if (!std::isfinite(variance)) continue;  // forgotten beyond the range of float64
             const Data past{m, n_, item, item + m * n_, item + m * n_ + m,
                             item + m * n_ + m + m * m, variance};
             if (!arithmetic_.measure(past, step, theta)) return false;
@@ -49,7 +50,7 @@ public:
 
     void visit(Archive& archive) override {
         Update::visit(archive);
-        archive(count_);
+        archive(count_, 0, Archive::longest);
         archive(kept_);
         arithmetic_.visit(archive);
     }

@@ -11,8 +11,14 @@ from .comparison import Comparison as Comparison
 from .comparison import compare as compare
 from .compensators import Compensator as Compensator
 from .controller import Controller as Controller
+from .controller_checks import ControllerCheck as ControllerCheck
+from .controller_checks import check_controller as check_controller
+from .controller_logs import ControllerLog as ControllerLog
+from .controller_logs import read_log as read_log
 from .controller_settings import ControllerSettings as ControllerSettings
 from .decentralized import Decentralized as Decentralized
+from .disk_margins import DiskMargin as DiskMargin
+from .disk_margins import multivariable_disk_margin as multivariable_disk_margin
 from .era import EigensystemRealisation as EigensystemRealisation
 from .era import eigensystem_realisation as eigensystem_realisation
 from .experiment import Experiment as Experiment
@@ -20,16 +26,25 @@ from .experiment_builder import load_example as load_example
 from .experiment_builder import load_experiment as load_experiment
 from .filter_targets import target_model as target_model
 from .function_plants import FunctionPlant as FunctionPlant
+from .h2_costs import H2Cost as H2Cost
+from .h2_costs import h2_cost as h2_cost
 from .high_authority_targets import high_authority_target as high_authority_target
 from .identified_modelling import (
     modelling_information_from_markov as modelling_information_from_markov,
 )
+from .lqg_agreement import ExactAgreement as ExactAgreement
+from .lqg_design import LQG as LQG
+from .lqg_design import lqg as lqg
+from .margin_boundaries import Boundary as Boundary
+from .margins import Margins as Margins
+from .margins import stability_margins as stability_margins
 from .markov_identification import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .markov_identification import identify_markov_parameters as identify_markov_parameters
 from .markov_models import markov_parameters as markov_parameters
 from .markov_models import markov_target as markov_target
 from .modelling import ModellingInformation as ModellingInformation
 from .modelling import modelling_information as modelling_information
+from .noise import with_bias as with_bias
 from .observer_forms import NumericObserverForms as NumericObserverForms
 from .observer_forms import numeric_observer_forms as numeric_observer_forms
 from .output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros
@@ -44,10 +59,16 @@ from .plants import servo_plant as servo_plant
 from .plants import standard_plant as standard_plant
 from .plots import plot_sheet as plot_sheet
 from .recordings import read_recording as read_recording
+from .recordings import recorded as recorded
+from .recordings import recorded_channels as recorded_channels
 from .reference import ReferenceRun as ReferenceRun
 from .reference import simulate_reference as simulate_reference
+from .replays import Replay as Replay
+from .replays import replay as replay
 from .residual_split import ResidualSplit as ResidualSplit
 from .residual_split import split_residual as split_residual
+from .riccati import solve_dare as solve_dare
+from .riccati_solutions import StabilisingSolution as StabilisingSolution
 from .runs import Run as Run
 from .saved_states import SavedState as SavedState
 from .signals import Signal as Signal
@@ -56,13 +77,15 @@ from .signals import harmonic as harmonic
 from .signals import piecewise as piecewise
 from .signals import pulse as pulse
 from .signals import ramp as ramp
-from .signals import recorded as recorded
-from .signals import recorded_channels as recorded_channels
 from .signals import sequence as sequence
 from .signals import step as step
 from .signals import white_noise as white_noise
 from .simulation import frozen_twin as frozen_twin
 from .simulation import simulate as simulate
+from .simulators import Simulator as Simulator
+from .state_space_compensators import (
+    compensator_from_state_space as compensator_from_state_space,
+)
 from .structure_kinds import feedforward as feedforward
 from .structure_kinds import fir as fir
 from .structure_kinds import fir_integrator as fir_integrator

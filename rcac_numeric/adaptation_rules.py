@@ -123,5 +123,6 @@ class SignalWeight:
 
     def __post_init__(self) -> None:
         for name in ("z_squared", "constant"):
-            if number(getattr(self, name), name) < 0:
+            object.__setattr__(self, name, number(getattr(self, name), name))
+            if getattr(self, name) < 0:
                 raise InputError(f"{name} = {getattr(self, name)} must not be negative.")

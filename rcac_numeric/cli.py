@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.cli_check import check_command
 from rcac_numeric.cli_observer import observer_command
 from rcac_numeric.cli_place import place
 
@@ -30,6 +31,7 @@ def main() -> None:
     """Retrospective cost adaptive control, held against exact compensator theory."""
 
 
+main.add_command(check_command)
 main.add_command(observer_command)
 main.add_command(place)
 
@@ -74,10 +76,11 @@ def _verify(case: str, picture: Path | None, as_json: bool) -> int:
     # Imported here, after the command line is known to be right: NumPy, SciPy and SymPy take
     # most of a second to load.
     from rcac_numeric.experiment_builder import load_example, load_experiment
+    from rcac_numeric.pictures import require_picture_format
     from rcac_numeric.verdicts import verify
 
     if picture is not None:
-        _require_picture_format(picture)
+        require_picture_format(picture)
     is_file = case.endswith(".toml") or "/" in case or Path(case).is_file()
     experiment = load_experiment(case) if is_file else load_example(case)
     interactive = sys.stderr.isatty()
@@ -100,14 +103,6 @@ def _verify(case: str, picture: Path | None, as_json: bool) -> int:
         if not as_json:
             click.echo(f"\nPicture: {picture}")
     return verification.exit_status
-
-
-def _require_picture_format(picture: Path) -> None:
-    formats = (".pdf", ".png", ".svg")
-    if picture.suffix.lower() not in formats:
-        raise InputError(f"--plot {picture}: the name must end in one of {', '.join(formats)}.")
-    if not picture.parent.is_dir():
-        raise InputError(f"--plot {picture}: there is no folder {picture.parent}.")
 
 
 def _draw(verification: Verification, picture: Path) -> None:

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -11,9 +16,16 @@ from rcac_numeric.controller_settings import ControllerSettings
 from rcac_numeric.fingerprints import fingerprint
 from rcac_numeric.kernel_controllers import Failures, compiled_controller
 from rcac_numeric.saved_states import SavedState, saved_state
-from rcac_numeric.validation import Array, real_array
+from rcac_numeric.setting_checks import require_covariance
+from rcac_numeric.validation import Array, vector
 
 NOTHING = np.zeros(0)
+
+
+def _rebuilt(settings: ControllerSettings, state: SavedState) -> Controller:
+    controller = Controller(settings)
+    controller.restore(state)
+    return controller
 
 
 class Controller:
@@ -47,6 +59,11 @@ class Controller:
         self._failures = Failures()
         self._kernel = compiled_controller(settings, self._failures)
         self._broken = ""
+        self._at_work = Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are controllers of their own in the same state."""
+        return _rebuilt, (self.settings, self.state)
 
     def step(
         self,
@@ -83,22 +100,34 @@ class Controller:
         FunctionFailedError
             Where a weight that is a function failed.
         """
+        with self._alone():
+            return self._step(y, z, r, u_applied)
+
+    def _step(
+        self, y: ArrayLike, z: ArrayLike, r: ArrayLike | None, u_applied: ArrayLike | None
+    ) -> Array:
         structure, target = self.settings.structure, self.settings.target
         if self._broken:
             raise DivergedError(self._broken)
-        y = self._sized(y, "y", structure.l_y)
-        z = self._sized(z, "z", target.l_z)
+        y = vector(y, "y", structure.l_y)
+        z = vector(z, "z", target.l_z)
         if (r is None) != (structure.l_r == 0):
             raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
-        command = NOTHING if r is None else self._sized(r, "r", structure.l_r)
+        command = NOTHING if r is None else vector(r, "r", structure.l_r)
         applied = NOTHING
         if u_applied is not None:
-            applied = self._sized(u_applied, "u_applied", structure.l_u)
+            applied = vector(u_applied, "u_applied", structure.l_u)
             if self.k == 0:
                 raise InputError("u_applied belongs to the step before; at step 0 there is none.")
             if any(t.relative_degree == 0 for t in (target, *self.settings.later_targets.values())):
                 raise InputError("u_applied needs a strictly proper target model.")
-        u, finite = self._kernel.step(y, z, command, applied)
+        try:
+            u, finite = self._kernel.step(y, z, command, applied)
+        except BaseException:  # a key was pressed while a weight that is a function ran
+            self._broken = (
+                f"step {self.k} was interrupted half-way; restore a saved state, or start anew."
+            )
+            raise
         if self._failures.error is not None:
             self._broken = "a weight of this controller has failed; start a new one."
             raise FunctionFailedError(
@@ -114,20 +143,40 @@ class Controller:
 
     def freeze(self) -> None:
         """Stop the adaptation: theta and P stay, signals are still recorded."""
-        self._kernel.freeze(True)
+        with self._alone():
+            self._kernel.freeze(True)
 
     def resume(self) -> None:
         """Go on adapting after `freeze`."""
-        self._kernel.freeze(False)
+        with self._alone():
+            self._kernel.freeze(False)
 
     def reset_covariance(self) -> None:
-        """Set P back to P(0); theta stays."""
-        self._kernel.reset_covariance()
+        """Set P back to P(0); theta stays.
+
+        Raises
+        ------
+        InputError
+            Where the update keeps no covariance.
+        """
+        require_covariance(self.settings.update)
+        with self._alone():
+            self._kernel.reset_covariance()
 
     @property
     def state(self) -> SavedState:
-        """Everything that later steps depend on, beside the settings."""
-        return SavedState("controller", self.k, self._kernel.save(), fingerprint(self.settings))
+        """Everything that later steps depend on, beside the settings.
+
+        Raises
+        ------
+        DivergedError
+            Where a step failed half-way, so that there is no state to go on from.
+        """
+        if self._broken:
+            raise DivergedError(self._broken)
+        with self._alone():
+            values = self._kernel.save()
+        return SavedState("controller", self.k, values, fingerprint(self.settings))
 
     def restore(self, state: SavedState) -> None:
         """Go back, or forward, to a saved state of a controller with the same settings.
@@ -137,10 +186,11 @@ class Controller:
         InputError
             Where the state belongs to other settings; the controller has not moved.
         """
-        saved_state(state, "state").restore_into(
-            self._kernel, "controller", fingerprint(self.settings)
-        )
-        self._broken, self._failures.error = "", None
+        with self._alone():
+            saved_state(state, "state").restore_into(
+                self._kernel, "controller", fingerprint(self.settings)
+            )
+            self._broken, self._failures.error = "", None
 
     @property
     def k(self) -> int:
@@ -154,7 +204,10 @@ class Controller:
 
     @property
     def P(self) -> Array:
-        """The covariance P(k); shape (l_theta, l_theta)."""
+        """The covariance P(k); shape (l_theta, l_theta).
+
+        For the gradient update, which has none, its step size times I.
+        """
         return np.asarray(self._kernel.P)
 
     @property
@@ -167,9 +220,15 @@ class Controller:
         """The present controller as a fixed compensator from [y; r] to u."""
         return self.settings.compensator(self.theta)
 
-    @staticmethod
-    def _sized(value: ArrayLike, name: str, size: int) -> Array:
-        array = real_array(value, name).reshape(-1)
-        if array.size != size:
-            raise InputError(f"{name} has {array.size} entries; the controller expects {size}.")
-        return array
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Refuse what a weight's function or another thread does in the middle of a step."""
+        if not self._at_work.acquire(blocking=False):
+            raise InputError(
+                "the controller is in the middle of a step: neither a weight that is a function "
+                "nor another thread may drive it meanwhile. Use one controller for each loop."
+            )
+        try:
+            yield
+        finally:
+            self._at_work.release()

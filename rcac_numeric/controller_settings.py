@@ -17,6 +17,7 @@ from rcac_numeric.setting_checks import (
     changes_by_step,
     forgetting_factor,
     interval,
+    require_covariance,
     require_target,
 )
 from rcac_numeric.structures import Structure
@@ -201,8 +202,8 @@ class ControllerSettings:
             raise InputError(
                 f'update = "{self.update}" keeps no past, so nothing can be forgotten.'
             )
-        if self.reset is not None and not recursive:
-            raise InputError(f'update = "{self.update}" has no covariance that could be reset.')
+        if self.reset is not None:
+            require_covariance(self.update)
         changing = self.later_lambdas or self.forgetting
         if changing and self.update == "sliding window":
             raise InputError('update = "sliding window" needs a constant lambda.')

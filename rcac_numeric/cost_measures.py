@@ -6,43 +6,49 @@ import numpy as np
 
 from rcac_numeric import h2_costs
 from rcac_numeric.closed_loop import ClosedLoop
+from rcac_numeric.lqg_design import lqg
+from rcac_numeric.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.repetitions import Repetition
 from rcac_numeric.validation import number
 
 
-def h2_cost(r: Repetition) -> float:
-    """Variance of z for white w of unit variance with the final controller."""
-    return h2_costs.h2_cost(r.loop)
+def h2_cost(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+    """Mean square of z with the final controller, for white noise w of these intensities."""
+    return float(h2_costs.h2_cost(r.loop.plant, r.loop.compensator, noise=noise))
 
 
-def high_authority_cost(r: Repetition) -> float:
-    """The same with the high-authority LQG controller: the least cost there is."""
-    return h2_costs.h2_cost(_high_authority_loop(r))
+def high_authority_cost(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+    """The same with LQG, the least of a strictly proper controller; high authority if R_2 = 0."""
+    return lqg(r.plant, noise=noise).cost.value
 
 
-def cost_over_high_authority(r: Repetition) -> float:
-    """The H2 cost of the final controller over that of high-authority LQG; at least 1."""
-    return h2_cost(r) / high_authority_cost(r)
+def cost_over_high_authority(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+    """The H2 cost of the final controller over that of LQG; at least 1 if strictly proper."""
+    return h2_cost(r, noise) / high_authority_cost(r, noise)
 
 
-def high_authority_pole_distance(r: Repetition, value: float) -> float:
-    """Distance from a real number to the nearest pole of the high-authority LQG controller."""
-    poles = _high_authority_loop(r).compensator.poles()
+def high_authority_pole_distance(
+    r: Repetition, value: float, noise: NoiseIntensities | None = None
+) -> float:
+    """Distance from a real number to the nearest pole of the LQG controller."""
+    poles = np.linalg.eigvals(lqg(r.plant, noise=noise).state_space[0])
     return float(np.abs(poles - number(value, "value")).min())
 
 
-def high_authority_response_distance(r: Repetition) -> float:
-    """Median over frequency of the relative distance of abs(G_zw) to that of high-authority LQG."""
+def high_authority_response_distance(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+    """Median over frequency of the relative distance of abs(G_zw) to that of LQG."""
     omega = (np.arange(1000) + 0.5) * np.pi / 1000
     reached, best = (
-        np.linalg.norm(loop.frequency_response(omega), axis=(1, 2))
-        for loop in (r.loop, _high_authority_loop(r))
+        np.linalg.norm(_noise_response(loop, omega, noise), axis=(1, 2))
+        for loop in (r.loop, lqg(r.plant, noise=noise).loop)
     )
     return float(np.median(np.abs(reached - best) / best))
 
 
-def _high_authority_loop(r: Repetition) -> ClosedLoop:
-    return ClosedLoop(r.plant, h2_costs.high_authority_compensator(r.plant))
+def _noise_response(
+    loop: ClosedLoop, omega: np.ndarray, noise: NoiseIntensities | None
+) -> np.ndarray:
+    return loop.frequency_response(omega) @ noise_inputs(loop.plant, noise).factor
 
 
 COST_MEASURES = (

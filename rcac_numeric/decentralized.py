@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.compensators import Compensator
 from rcac_numeric.controller_settings import ControllerSettings
+from rcac_numeric.structures import DerivedSignal, Structure, Tap
 from rcac_numeric.target_models import TargetModel
 from rcac_numeric.validation import Array, instance_of, items, real_array
 
@@ -75,12 +76,13 @@ class Decentralized:
         if values.size != self.l_theta:
             raise InputError(f"theta has {values.size} entries; {self.l_theta} are needed.")
         ends = np.cumsum([c.structure.l_theta for c in self.controllers])[:-1]
+        coefficients = np.split(values, ends)
+        if self.shared_u:
+            return _sum_of_one_u([c.structure for c in self.controllers], coefficients)
         parts = [
             _with_commands(c.structure.compensator(part), self.l_r - c.structure.l_r)
-            for c, part in zip(self.controllers, np.split(values, ends), strict=True)
+            for c, part in zip(self.controllers, coefficients, strict=True)
         ]
-        if self.shared_u:
-            return _added(parts)
         if parts[0].l_u > 1:
             raise InputError("one difference equation for the sum is formed for l_u = 1 only.")
         total = parts[0]
@@ -94,12 +96,28 @@ def _with_commands(compensator: Compensator, missing: int) -> Compensator:
     return Compensator(compensator.P, np.pad(compensator.Q, padding))
 
 
-def _added(parts: list[Compensator]) -> Compensator:
-    """U = sum (P_i(q) u + Q_i(q) [y; r]) with the shared u on the right."""
-    order = max(part.n_c for part in parts)
-    P = sum(_padded(part.P, order) for part in parts)
-    Q = sum(_padded(part.Q, order + 1) for part in parts)
-    return Compensator(P, Q)
+def _sum_of_one_u(structures: list[Structure], coefficients: list[Array]) -> Compensator:
+    """U = sum Phi_i theta_i where every Phi_i reads the same u: all taps in one table.
+
+    Only so do the poles of derived signals act on the signals that they were derived from, and
+    not on the sum u, as they would if each part's difference equation were added.
+    """
+    first, l_r = structures[0], max(s.l_r for s in structures)
+    columns: dict[Tap, Array] = {}
+    derived: list[DerivedSignal] = []
+    for structure, theta in zip(structures, coefficients, strict=True):
+        for tap, column in zip(structure.taps, theta.reshape(-1, first.l_u), strict=True):
+            shift = len(derived) if tap.signal == "derived" else 0
+            own = replace(tap, component=tap.component + shift)
+            columns[own] = columns.get(own, 0.0) + column
+        nothing = (0.0,) * (l_r - structure.l_r)
+        derived += [
+            replace(signal, now=signal.now + nothing, before=signal.before + nothing)
+            for signal in structure.derived
+        ]
+    n_c = max(structure.n_c for structure in structures)
+    whole = Structure(tuple(columns), first.l_u, first.l_y, n_c, "sum", l_r, derived)
+    return whole.compensator(np.concatenate(list(columns.values())))
 
 
 def _parallel(a: Compensator, b: Compensator) -> Compensator:
@@ -117,7 +135,3 @@ def _convolved(numerator: Array, other: Compensator) -> Array:
 
 def _denominator(compensator: Compensator) -> Array:
     return np.concatenate([[1.0], -compensator.P[:, 0, 0]])
-
-
-def _padded(values: Array, length: int) -> Array:
-    return np.pad(values, [(0, length - len(values)), (0, 0), (0, 0)])

@@ -58,7 +58,8 @@ def eigensystem_realisation(
     Raises
     ------
     InputError
-        If the parameters are too few to carry this order.
+        If the parameters are too few to carry this order, or the errors are negative or do not
+        fit the shape of H.
 
     Notes
     -----
@@ -85,9 +86,12 @@ def eigensystem_realisation(
     K_0, K_1 = (_hankel(parameters[1 + shift :], rows, columns) for shift in (0, 1))
     U, size, Vt = np.linalg.svd(K_0)
     if order is None:
-        floor = np.finfo(float).eps * np.abs(parameters).max() * max(K_0.shape)
-        errors = np.maximum(np.broadcast_to(real_array(error, "error"), parameters.shape), floor)
-        n = int((size > np.linalg.norm(_hankel(errors[1:], rows, columns))).sum())
+        largest = np.abs(parameters).max()
+        floor = np.finfo(float).eps * largest * max(K_0.shape)
+        errors = np.maximum(_errors(error, parameters.shape), floor)
+        # Squares of numbers near 1, which a norm of very large or small ones would not form.
+        unit = largest or 1.0
+        n = int((size / unit > np.linalg.norm(_hankel(errors[1:] / unit, rows, columns))).sum())
     else:
         n = integer(order, "order")
     if n > size.size:
@@ -108,6 +112,19 @@ def eigensystem_realisation(
         D=parameters[0].copy(),
         singular_values=size,
     )
+
+
+def _errors(error: ArrayLike, shape: tuple[int, ...]) -> Array:
+    errors = real_array(error, "error")
+    try:
+        fitted = np.broadcast_to(errors, shape)
+    except ValueError:
+        raise InputError(
+            f"error has shape {errors.shape}, which does not fit H of shape {shape}."
+        ) from None
+    if (fitted < 0).any():
+        raise InputError(f"error has the entry {fitted.min():g}; a standard error is at least 0.")
+    return fitted
 
 
 def _hankel(parameters: Array, rows: int, columns: int) -> Array:

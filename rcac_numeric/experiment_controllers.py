@@ -9,6 +9,7 @@ from rcac_numeric.adaptation_rules import CovarianceReset, SignalWeight, Variabl
 from rcac_numeric.controller_settings import UPDATES, ControllerSettings
 from rcac_numeric.decentralized import Decentralized
 from rcac_numeric.experiment_files import Section, Table, merged
+from rcac_numeric.experiment_lqg import lqg_settings
 from rcac_numeric.experiment_structures import structure_of
 from rcac_numeric.experiment_targets import target_of
 from rcac_numeric.frozen_plants import plant_at
@@ -55,6 +56,8 @@ def _settings(
     plant: Plant | PlantSchedule,
     arithmetic: str | None,
 ) -> ControllerSettings:
+    if section.get("structure", "iir") == "lqg":
+        return lqg_settings(section, target, plant)
     structure = structure_of(section, plant)
     options = section.given(
         "R_z", "R_u", "k_w", "k_update", "k_filter", "theta_0", "process_noise", "form", "window",

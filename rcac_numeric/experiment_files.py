@@ -37,6 +37,7 @@ KEYS: dict[str, set[str]] = {
         "derived", "k_w", "k_update", "k_filter", "R_theta", "R_z", "R_u", "lambda", "theta_0",
         "update", "form", "window", "step_size", "process_noise", "forgetting", "lambda_changes",
         "target_changes", "reset", "freeze", "reflect_poles", "stop_where_unsupported", "shared_u",
+        "noise",
     },
     "controller.derived": {"now", "before", "pole"},
     "controller.forgetting": {"short", "long", "gain", "smallest"},
@@ -135,7 +136,7 @@ class Section:
 def example_ids() -> list[str]:
     """The numbers of the dissertation's examples that are here, in order."""
     names = [path.name[: -len(".toml")] for path in _folder().iterdir() if _is_example(path.name)]
-    return sorted(names, key=lambda name: [int(part) for part in name.split(".")])
+    return sorted(names, key=lambda name: [part.zfill(2) for part in name.split(".")])
 
 
 def example_titles() -> Iterator[tuple[str, str]]:

@@ -9,14 +9,13 @@ from compensator_theory.errors import InputError
 from rcac_numeric.experiment_files import Section
 from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
-from rcac_numeric.recordings import read_recording
+from rcac_numeric.recordings import read_recording, recorded
 from rcac_numeric.signals import (
     Signal,
     harmonic,
     piecewise,
     pulse,
     ramp,
-    recorded,
     sequence,
     step,
     white_noise,

@@ -27,7 +27,7 @@ STRUCTURE_KEYS = {"structure"}.union(*(needed + optional for _, needed, optional
 
 def structure_of(section: Section, plant: Plant | PlantSchedule) -> Structure:
     """The structure, as wide as the plant asks for."""
-    kind = one_of(section.text("structure", "iir"), "structure", tuple(KINDS))
+    kind = one_of(section.text("structure", "iir"), "structure", (*KINDS, "lqg"))
     make, needed, optional = KINDS[kind]
     own = Section(
         section.given(*STRUCTURE_KEYS), section.name, section.file, keys=KEYS["controller"]

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
 from rcac_numeric.kernel_controllers import Failures
-from rcac_numeric.plants import initial_state
-from rcac_numeric.validation import Array, instance_of, integer
+from rcac_numeric.plants import blocks_of_w, initial_state
+from rcac_numeric.simulators import Simulator
+from rcac_numeric.validation import Array, float_array, integer
 
 ADVANCE = "int (int64_t, double *, double *, double *, double *, void *)"
 
@@ -69,10 +69,7 @@ class FunctionPlant:
     def __post_init__(self) -> None:
         for name, least in (("n", 0), ("l_u", 1), ("l_w", 0), ("l_y", 1), ("l_z", 1)):
             integer(getattr(self, name), name, at_least=least)
-        blocks = dict(instance_of(self.blocks, "blocks", Mapping)) or {"w": self.l_w}
-        object.__setattr__(self, "blocks", blocks)
-        if sum(self.blocks.values()) != self.l_w:
-            raise InputError(f"the blocks {self.blocks} of w do not add up to l_w = {self.l_w}.")
+        object.__setattr__(self, "blocks", blocks_of_w(self.blocks, self.l_w))
         compiled = [_is_compiled(self.advance), _is_compiled(self.output)]
         if any(compiled) and not all(compiled):
             raise InputError("advance and output must both be compiled, or both Python functions.")
@@ -98,7 +95,12 @@ class FunctionPlant:
         """False: u(k) acts through the state."""
         return False
 
-    def simulator(self, x_0: Array | None = None, failures: Failures | None = None) -> Any:
+    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
+        """The plant for a loop in Python."""
+        failures = Failures()
+        return Simulator(self.compiled(x_0, failures), self.l_u, self.l_w, failures)
+
+    def compiled(self, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
         """The plant for the kernel; exceptions of Python functions are kept in `failures`."""
         sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)
         start = initial_state(x_0, self.n)
@@ -106,9 +108,11 @@ class FunctionPlant:
             # A LowLevelCallable is a tuple of a capsule and what it was made from, but refuses [0].
             advance, output = (tuple.__getitem__(f, 0) for f in (self.advance, self.output))
             return _kernel.compiled_plant(sizes, advance, output, start)
-        keep = failures or Failures()
         return _kernel.python_plant(
-            sizes, keep.guard(self._checked_advance), keep.guard(self._checked_output), start
+            sizes,
+            failures.guard(self._checked_advance),
+            failures.guard(self._checked_output),
+            start,
         )
 
     def _checked_advance(self, k: int, x: Array, u: Array, w: Array) -> Array:
@@ -132,10 +136,8 @@ class FunctionPlant:
 
 
 def _sized(value: ArrayLike, function: str, name: str, size: int) -> Array:
-    try:
-        array = np.array(value, dtype=np.float64).reshape(-1)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{function} returned {value!r} as {name}: {error}.") from None
+    # Not a number is for the kernel to name; a complex number, a text or None is no state at all.
+    array = float_array(value, f"what {function} returned as {name}").reshape(-1)
     if array.size != size:
         raise InputError(f"{function} returned {array.size} numbers as {name}; {size} are needed.")
     return array

@@ -67,6 +67,8 @@ def modelling_information_from_markov(
     else:
         cleared = np.array(real_array(H, "H"))
         cleared = cleared.reshape(-1, 1, 1) if cleared.ndim == 1 else cleared
+        if cleared.ndim == 0:
+            raise InputError(f"H = {float(cleared):g} is a number; H_0, H_1, ... are needed.")
         rounding = np.finfo(float).eps * np.abs(cleared).max(initial=0.0)
         error = np.full(cleared.shape, rounding)
         insignificant = np.cumsum(np.abs(cleared) > significance * rounding, axis=0) == 0

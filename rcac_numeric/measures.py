@@ -41,6 +41,15 @@ def worst_spectrum_distance(r: Repetition) -> float:
 
 
 @measure
+def polynomial_distance(r: Repetition) -> float:
+    """Largest difference between a closed-loop coefficient, reached and asked for, both exact."""
+    c = r.comparison
+    if c.asked is None:
+        raise InputError(f"there is no characteristic polynomial to compare with: {c.obstacle}")
+    return float(max(map(abs, (c.reached - c.asked).all_coeffs())))
+
+
+@measure
 def worst_match(r: Repetition) -> float:
     """Largest relative distance of the intercalated transfer function to G_f over frequency."""
     return r.match.worst

@@ -8,11 +8,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
 from rcac_numeric.plants import MATRICES, Plant, initial_state
-from rcac_numeric.validation import Array, Read, instance_of, integer, items, matrix
+from rcac_numeric.simulators import Simulator
+from rcac_numeric.validation import Read, instance_of, integer, items, matrix
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -126,8 +128,12 @@ class PlantSchedule:
         """Whether z(k) depends on u(k) at some step."""
         return any(change.plant.z_needs_u for change in self.changes)
 
-    def simulator(self, x_0: Array | None = None) -> Any:
-        """A compiled copy of the plant for a loop in Python; see `Plant.simulator`."""
+    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
+        """A compiled copy of the plant for a loop in Python."""
+        return Simulator(self.compiled(x_0), self.first.l_u, self.first.l_w)
+
+    def compiled(self, x_0: ArrayLike | None = None) -> _kernel.Plant:
+        """The plant for the kernel."""
         segments = [
             (
                 change.start,

@@ -8,10 +8,20 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric import _kernel
-from rcac_numeric.validation import Array, Read, matrix, real_array, rounded
+from rcac_numeric.simulators import Simulator
+from rcac_numeric.validation import (
+    Array,
+    Read,
+    instance_of,
+    integer,
+    matrix,
+    real_array,
+    rounded,
+)
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -69,9 +79,7 @@ class Plant:
             value = getattr(self, name)
             shape = (l_rows, columns[name])
             set_(name, np.zeros(shape) if value is None else matrix(value, name, shape))
-        set_("blocks", dict(self.blocks) or {"w": self.l_w})
-        if sum(self.blocks.values()) != self.l_w:
-            raise InputError(f"the blocks {self.blocks} of w do not add up to l_w = {self.l_w}.")
+        set_("blocks", blocks_of_w(self.blocks, self.l_w))
 
     @property
     def n(self) -> int:
@@ -127,12 +135,12 @@ class Plant:
                 )
         return self.problem.numerator(name), self.problem.denominator
 
-    def simulator(self, x_0: Array | None = None) -> Any:
-        """A compiled copy of the plant for a loop in Python.
+    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
+        """A compiled copy of the plant for a loop in Python."""
+        return Simulator(self.compiled(x_0), self.l_u, self.l_w)
 
-        `output(k, u, w)` returns (y, z) at the present state and `advance(u, w)` moves it; the
-        arithmetic is that of `simulate`, bit for bit.
-        """
+    def compiled(self, x_0: ArrayLike | None = None) -> _kernel.Plant:
+        """The plant for the kernel."""
         matrices = [getattr(self, name) for name in MATRICES]
         segments = [(0, matrices, False, np.zeros(0), 0)]
         sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)
@@ -151,6 +159,18 @@ class Plant:
     def __repr__(self) -> str:
         sizes = (f"{name}={getattr(self, name)}" for name in ("n", "l_u", "l_w", "l_y", "l_z"))
         return f"Plant({', '.join(sizes)})"
+
+
+def blocks_of_w(blocks: Any, l_w: int) -> dict[str, int]:
+    """How w is divided; one block "w" where nothing is said."""
+    given = instance_of(blocks, "blocks", Mapping)
+    read = {
+        instance_of(name, "the name of a block", str): integer(width, f"the width of {name!r}")
+        for name, width in given.items()
+    } or {"w": l_w}
+    if sum(read.values()) != l_w:
+        raise InputError(f"the blocks {read} of w do not add up to l_w = {l_w}.")
+    return read
 
 
 def initial_state(x_0: Any, n: int) -> Array:

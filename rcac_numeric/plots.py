@@ -7,15 +7,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.closed_loop import Match
+from rcac_numeric.drawing import (
+    INK,
+    REACHED,
+    SECOND,
+    WANTED,
+    draw_history,
+    draw_magnitude,
+    draw_phase,
+)
 from rcac_numeric.repetitions import Repetition
 from rcac_numeric.runs import Run
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
 
 
 def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
@@ -51,7 +57,7 @@ def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
     if title:
         figure.suptitle(title, fontsize=12, fontweight="bold")
     run = repetition.run
-    _history(axes[0, 0], run.z, "performance $z$", "z")
+    draw_history(axes[0, 0], run.z, "performance $z$", "z")
     _control(axes[1, 0], run)
     _coefficients(axes[2, 0], run)
     if run.outcome != "completed":
@@ -64,25 +70,16 @@ def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
     except CompensatorError as error:
         axes[1, 1].set_title(f"no intercalated match: {error}", fontsize=10)
     else:
-        _magnitude(axes[1, 1], match)
-        _phase(axes[2, 1], match)
+        draw_magnitude(axes[1, 1], match)
+        draw_phase(axes[2, 1], match)
     for axis in axes.ravel():
         axis.grid(alpha=0.25)
     return figure
 
 
-def _history(axis: Axes, values: np.ndarray, label: str, symbol: str) -> None:
-    for i, column in enumerate(values.T):
-        axis.step(np.arange(len(column)), column, where="post", linewidth=1.1,
-                  label=f"${symbol}_{i + 1}$")  # fmt: skip
-    if values.shape[1] > 1:
-        axis.legend(fontsize=8)
-    axis.set_ylabel(label)
-
-
 def _control(axis: Axes, run: Run) -> None:
     """What the controller asked for and, where that differs, what the actuator applied."""
-    _history(axis, run.u, "control $u$", "u")
+    draw_history(axis, run.u, "control $u$", "u")
     if run.u_applied is run.u or np.array_equal(run.u_applied, run.u):
         return
     for i, column in enumerate(run.u_applied.T):
@@ -139,27 +136,3 @@ def _pole_zero(axis: Axes, repetition: Repetition) -> None:
         if (count := int((np.abs(values) > span).sum()))
     ]
     axis.annotate(", ".join(hidden), (0.02, 0.02), xycoords="axes fraction", fontsize=8)
-
-
-def _magnitude(axis: Axes, match: Match) -> None:
-    for i, j in np.ndindex(match.wanted.shape[1:]):
-        axis.semilogy(match.omega, np.abs(match.wanted[:, i, j]), color=WANTED, linewidth=3.5,
-                      alpha=0.45, label="$G_f$" if i == j == 0 else None)  # fmt: skip
-        axis.semilogy(match.omega, np.abs(match.reached[:, i, j]), color=REACHED, linewidth=1.2,
-                      label=r"$\tilde G_{z\tilde u}$" if i == j == 0 else None)  # fmt: skip
-    axis.set_ylabel("magnitude")
-    axis.set_title(
-        f"intercalated match: worst {match.worst:.2g}, median {match.median:.2g}", fontsize=10
-    )
-    axis.legend(fontsize=9)
-
-
-def _phase(axis: Axes, match: Match) -> None:
-    for i, j in np.ndindex(match.wanted.shape[1:]):
-        for values, color, width, alpha in (
-            (match.wanted[:, i, j], WANTED, 3.5, 0.45),
-            (match.reached[:, i, j], REACHED, 1.2, 1.0),
-        ):
-            axis.plot(match.omega, np.unwrap(np.angle(values)), color=color, linewidth=width,
-                      alpha=alpha)  # fmt: skip
-    axis.set(xlabel=r"frequency $\omega$, rad/sample", ylabel="phase, rad")

@@ -19,7 +19,7 @@ from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import Plant
 from rcac_numeric.runs import OUTCOMES, Run, controllers_of
 from rcac_numeric.saved_states import SavedState, saved_state
-from rcac_numeric.validation import Array, instance_of, integer, number, signal_array
+from rcac_numeric.validation import Array, instance_of, integer, number, real_array, signal_array
 
 AnyPlant = Plant | PlantSchedule | FunctionPlant
 
@@ -43,13 +43,16 @@ class PreparedRun:
         instance_of(settings, "settings", ControllerSettings | Decentralized)
         if saturation is not None:
             instance_of(saturation, "saturation", Saturation)
-        self.plant, self.settings, self.x_0, self.saturation = plant, settings, x_0, saturation
+        self.plant, self.settings, self.saturation = plant, settings, saturation
+        # A copy: a frozen twin starts from it, whatever becomes of the caller's array.
+        self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
         self.w = signal_array(w, "w", plant.l_w)
         check_sizes(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
         limit = number(divergence_limit, "divergence_limit")
         if limit <= 0:
             raise InputError(f"divergence_limit = {limit} must be positive.")
+        self.divergence_limit = limit
         self._failures = Failures()
         controllers = controllers_of(settings)
         self._kernels = [compiled_controller(c, self._failures) for c in controllers]
@@ -78,6 +81,9 @@ class PreparedRun:
         """What the job has done so far, as a run; raises where a function of the user failed."""
         done, outcome = self.job.done, self.job.outcome
         kernels = self._kernels
+        name = OUTCOMES[outcome]
+        if name == "overflow" and self._failures.error is not None:
+            name = "weight failed"  # the kernel was handed a NaN in its place
         state = None
         if outcome == 0:
             state = SavedState("loop", self.first_step + done, self._loop.save(), self._name)
@@ -95,7 +101,7 @@ class PreparedRun:
                 else self._loop.theta_before()
             ),
             stride=self.stride,
-            outcome=OUTCOMES[outcome],
+            outcome=name,
             guard_count=sum(kernel.guard_count for kernel in kernels),
             guard_first_step=min(
                 (k.guard_first_step for k in kernels if k.guard_first_step >= 0), default=-1
@@ -107,6 +113,7 @@ class PreparedRun:
             state=state,
             saturation=self.saturation,
             x_0=self.x_0,
+            divergence_limit=self.divergence_limit,
         )
         if self._failures.error is not None:
             error = self._failures.error
@@ -131,9 +138,9 @@ class PreparedRun:
                 "was applied. Use Decentralized(..., shared_u=True)."
             )
         body = (
-            plant.simulator(self.x_0, self._failures)
+            plant.compiled(self.x_0, self._failures)
             if isinstance(plant, FunctionPlant)
-            else plant.simulator(self.x_0)
+            else plant.compiled(self.x_0)
         )
         return _kernel.Loop(
             controllers=self._kernels,

@@ -1,4 +1,4 @@
-"""Recorded signals in files: columns of numbers, as text or as NumPy arrays."""
+"""Recorded signals: as arrays, and in files as columns of text or as NumPy arrays."""
 
 from __future__ import annotations
 
@@ -7,9 +7,56 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from rcac_numeric.signals import Signal
 from rcac_numeric.validation import Array, integer, real_array
+
+
+def recorded(values: ArrayLike, name: str = "record") -> Signal:
+    """A record, one value for each step from step 0 on; nothing is known beyond its end.
+
+    Parameters
+    ----------
+    values : array, shape (steps,)
+        For a record of several channels see `recorded_channels`.
+    name : str
+        What errors call it.
+
+    Raises
+    ------
+    InputError
+        When more steps are asked for than were recorded, also of a sum.
+
+    Examples
+    --------
+    >>> from rcac_numeric import recorded
+    >>> recorded([0.5, -0.5, 1.0]).samples(2)
+    array([ 0.5, -0.5])
+    """
+    record = real_array(values, name)
+    if record.ndim != 1 or record.size == 0:
+        raise InputError(f"{name} has shape {record.shape}; a record needs shape (steps,).")
+    return Signal(
+        f"{name} of {record.size} steps", lambda steps, _: record[:steps].copy(), record.size
+    )
+
+
+def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, ...]:
+    """A record of several channels as one signal for each; values of shape (steps, channels).
+
+    Examples
+    --------
+    >>> from rcac_numeric import exogenous, recorded_channels
+    >>> exogenous(recorded_channels([[1.0, 2.0], [3.0, 4.0]]), steps=2)
+    array([[1., 2.],
+           [3., 4.]])
+    """
+    record = real_array(values, name)
+    if record.ndim != 2 or record.size == 0:
+        raise InputError(f"{name} has shape {record.shape}; shape (steps, channels) is needed.")
+    return tuple(recorded(column, f"{name}[:, {i}]") for i, column in enumerate(record.T))
 
 
 def read_recording(path: str | Path, column: int | str = 0) -> Array:

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
-from rich import box
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
 from compensator_theory.errors import CompensatorError
+from rcac_numeric.tables import complex_list, complex_text, finite_or_none, table_of
 from rcac_numeric.verdicts import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verification
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from rcac_numeric.comparison import Comparison
     from rcac_numeric.repetitions import Repetition
 
@@ -88,8 +84,11 @@ def as_dict(verification: Verification) -> dict[str, Any]:
     }
     match, _ = _analysed(repetition, "match")
     split, _ = _analysed(repetition, "split")
-    result["match"] = match and {"worst": _json(match.worst), "median": _json(match.median)}
-    result["residual"] = split and {name: _json(v) for name, v in split.power().items()}
+    result["match"] = match and {
+        "worst": finite_or_none(match.worst),
+        "median": finite_or_none(match.median),
+    }
+    result["residual"] = split and {name: finite_or_none(v) for name, v in split.power().items()}
     if repetition.is_scalar:
         c = repetition.comparison
         result |= {
@@ -102,7 +101,7 @@ def as_dict(verification: Verification) -> dict[str, Any]:
                 "obstacle": c.obstacle or None,
             },
             "worst_pole_distance": c.worst_distance,
-            "controller_distance": _json(c.controller_distance),
+            "controller_distance": finite_or_none(c.controller_distance),
         }
     else:
         result["obstacle"] = repetition.obstacle
@@ -111,7 +110,7 @@ def as_dict(verification: Verification) -> dict[str, Any]:
 
 
 def _print_claims(out: Console, verification: Verification) -> None:
-    table = _table("claim", "claimed", "measured", "verdict")
+    table = table_of("claim", "claimed", "measured", "verdict")
     for v in verification.verdicts:
         verdict = f"[{COLOURS.get(v.verdict, 'magenta')}]{v.verdict}[/]"
         if v.claim.correction:
@@ -126,7 +125,7 @@ def _print_claims(out: Console, verification: Verification) -> None:
 
 def _print_runs(out: Console, verification: Verification) -> None:
     """Every run side by side: what each arithmetic makes of the same data."""
-    table = _table("run", "arithmetic", "worst pole distance", "decided by rounding", "outcome")
+    table = table_of("run", "arithmetic", "worst pole distance", "decided by rounding", "outcome")
     for name, result in verification.results.items():
         runs = result.repetitions
         distance = ""
@@ -155,7 +154,7 @@ def _print_runs(out: Console, verification: Verification) -> None:
 
 def _print_comparison(out: Console, c: Comparison) -> None:
     degree = c.reached.degree()
-    table = _table("power of q", "asked for, exact", "reached", "difference")
+    table = table_of("power of q", "asked for, exact", "reached", "difference")
     for power in range(degree, -1, -1):
         reached = float(c.reached.nth(power))
         if c.asked is None:
@@ -168,13 +167,13 @@ def _print_comparison(out: Console, c: Comparison) -> None:
     out.print(table)
     if c.asked is None:
         out.print(f"  No exact prediction: {escape(c.obstacle)}", style="yellow")
-    table = _table("pole of G_f", "closed-loop pole", "distance")
+    table = table_of("pole of G_f", "closed-loop pole", "distance")
     for wanted, pole in c.assigned:
-        table.add_row(_complex(wanted), _complex(pole), f"{abs(wanted - pole):.2e}")
+        table.add_row(complex_text(wanted), complex_text(pole), f"{abs(wanted - pole):.2e}")
     out.print(table)
-    out.print(f"  other closed-loop poles:  {_complex_list(c.unassigned)}")
+    out.print(f"  other closed-loop poles:  {complex_list(c.unassigned)}")
     for channel, zeros in c.zeros.items():
-        out.print(f"  zeros from {channel} to z:       {_complex_list(zeros)}")
+        out.print(f"  zeros from {channel} to z:       {complex_list(zeros)}")
     out.print(f"  worst pole distance:      {c.worst_distance:.3g}")
     if c.compensators is not None:
         free = len(c.compensators.homogeneous)
@@ -186,11 +185,11 @@ def _print_comparison(out: Console, c: Comparison) -> None:
 def _print_poles(out: Console, repetition: Repetition) -> None:
     """What float64 can say where the exact comparison does not apply."""
     out.print(f"  No exact comparison: {escape(repetition.obstacle)}.", style="yellow")
-    out.print(f"  closed-loop poles:        {_complex_list(repetition.loop.poles())}")
-    out.print(f"  controller poles:         {_complex_list(repetition.run.compensator.poles())}")
+    out.print(f"  closed-loop poles:        {complex_list(repetition.loop.poles())}")
+    out.print(f"  controller poles:         {complex_list(repetition.run.compensator.poles())}")
     if repetition.run.plant.l_z == 1:
         for channel, zeros in repetition.zeros.items():
-            out.print(f"  zeros from {channel} to z:       {_complex_list(zeros)}")
+            out.print(f"  zeros from {channel} to z:       {complex_list(zeros)}")
 
 
 def _print_match(out: Console, repetition: Repetition) -> None:
@@ -229,28 +228,6 @@ def _analysed(repetition: Repetition, name: str) -> tuple[Any, str]:
         return None, str(error).rstrip(".")
 
 
-def _table(*columns: str) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for column in columns:
-        table.add_column(column, overflow="fold")
-    return table
-
-
-def _complex(value: complex) -> str:
-    if abs(value.imag) < 1e-300:
-        return f"{value.real:.8f}"
-    return f"{value.real:.8f} {'+' if value.imag > 0 else '-'} {abs(value.imag):.8f}j"
-
-
-def _complex_list(values: np.ndarray) -> str:
-    return ", ".join(f"{v.real:.6g}" if v.imag == 0 else f"{v.real:.6g}{v.imag:+.6g}j"
-                     for v in values) or "none"  # fmt: skip
-
-
 def _short(value: Any) -> str:
     text = str(value)
     return text if len(text) <= 28 else f"{float(value):.12g}"
-
-
-def _json(value: float) -> float | None:
-    return value if math.isfinite(value) else None

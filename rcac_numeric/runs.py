@@ -22,7 +22,7 @@ OUTCOMES = (
     "plant not finite",
     "plant failed",
     "unsupported R_theta",
-)
+)  # and "weight failed", which the kernel does not tell from "overflow"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +42,12 @@ class Run:
         The coefficients after the last completed step.
     outcome : str
         "completed"; "diverged" (a signal, a state or a coefficient exceeded the limit);
-        "overflow" (the update left the range of float64); "plant not finite"; "plant failed" (a
-        compiled function returned nonzero); "unsupported R_theta" (an update was decided by
-        rounding and the settings ask to stop there). The arrays end before the failed step.
+        "overflow" (the update left the range of float64: with lambda < 1 P grows like lambda^-k in
+        directions without excitation, which a `reset` or lambda = 1 prevents); "plant not
+        finite"; "plant failed" (a function returned nonzero or raised); "weight failed" (a weight
+        that is a function raised or returned no weight); "unsupported R_theta" (an
+        update was decided by rounding and the settings ask to stop there).
+        The arrays end before the failed step.
     guard_count, guard_first_step : int
         Updates decided by rounding and the first such step (-1: none): for "ud", a direction
         that the data excite by no more than their rounding errors while R_theta is so small that
@@ -75,6 +78,7 @@ class Run:
     state: SavedState | None = None
     saturation: Any = None
     x_0: Array | None = None
+    divergence_limit: float = 1e100
 
     @property
     def steps(self) -> int:

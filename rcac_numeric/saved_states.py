@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -42,20 +42,29 @@ class SavedState:
 
     kind: str
     k: int
-    values: Array
-    fingerprint: str
+    values: Array = field(repr=False)
+    fingerprint: str = field(repr=False)
 
     def save(self, path: str | Path) -> None:
-        """Write the state to a .npz file."""
-        with Path(path).open("wb") as file:
-            np.savez(
-                file,
-                kind=np.array(self.kind),
-                k=np.array(self.k),
-                # As integers, so that no reader can mistake or normalise a bit pattern.
-                bits=np.asarray(self.values).view(np.int64),
-                fingerprint=np.array(self.fingerprint),
-            )
+        """Write the state to a .npz file.
+
+        Raises
+        ------
+        InputError
+            Where the file cannot be written.
+        """
+        try:
+            with Path(path).open("wb") as file:
+                np.savez(
+                    file,
+                    kind=np.array(self.kind),
+                    k=np.array(self.k),
+                    # As integers, so that no reader can mistake or normalise a bit pattern.
+                    bits=np.asarray(self.values).view(np.int64),
+                    fingerprint=np.array(self.fingerprint),
+                )
+        except OSError as error:
+            raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
 
     @classmethod
     def load(cls, path: str | Path) -> SavedState:
@@ -88,9 +97,15 @@ class SavedState:
                 f"{self.fingerprint}) than this one ({fingerprint}). Restore it with the settings "
                 "that it was saved with."
             )
+        values = self.values
+        if not (isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1):
+            raise InputError(
+                f"the values of the state are a {type(values).__name__} instead of a float64 "
+                "array of one dimension; use what `state` or `SavedState.load` gave."
+            )
         before = compiled.save()
         try:
-            compiled.restore(self.values)
+            compiled.restore(values)
         except (ValueError, IndexError) as error:
             compiled.restore(before)
             raise InputError(f"the state of this {kind} is damaged: {error}.") from None

@@ -26,6 +26,12 @@ def require_target(model: Any, structure: Structure, first: TargetModel) -> None
         raise InputError(f"the target models have {first.l_z} and {model.l_z} rows.")
 
 
+def require_covariance(update: str) -> None:
+    """Raise where `update` keeps no covariance from step to step."""
+    if update not in ("ud", "covariance"):
+        raise InputError(f'update = "{update}" has no covariance that could be reset.')
+
+
 def forgetting_factor(value: Any) -> float:
     """`value` as a number in (0, 1]."""
     factor = number(value, "lambda")

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.validation import Array, integer, number, real_array
+from rcac_numeric.validation import Array, integer, items, number, real_array
 
 Sampler = Callable[[int, np.random.Generator], Array]
 
@@ -48,6 +47,8 @@ class Signal:
             )
 
     def __add__(self, other: Signal) -> Signal:
+        if not isinstance(other, Signal):
+            raise InputError(f"{other!r} is not a Signal; add step({other!r}) for a constant.")
         return Signal(
             f"{self.description} + {other.description}",
             lambda steps, rng: self.sampler(steps, rng) + other.sampler(steps, rng),
@@ -139,6 +140,10 @@ def piecewise(pieces: Sequence[tuple[int, Signal]]) -> Signal:
     >>> piecewise([(1, step(height=2)), (3, sequence([1, 2, 3, 4, 5]))]).samples(5)
     array([0., 2., 2., 4., 5.])
     """
+    pieces = items(pieces, "pieces")
+    for piece in pieces:
+        if not (isinstance(piece, Sequence) and len(piece) == 2 and isinstance(piece[1], Signal)):
+            raise InputError(f"pieces has the entry {piece!r}; pairs (step, Signal) are needed.")
     starts = [integer(start, "the start of a piece") for start, _ in pieces]
     if not starts or any(b <= a for a, b in pairwise(starts)):
         raise InputError(f"the pieces start at {starts}; increasing steps are needed.")
@@ -197,51 +202,6 @@ def sequence(values: Sequence[float], hold: int = 1) -> Signal:
     )
 
 
-def recorded(values: ArrayLike, name: str = "record") -> Signal:
-    """A record, one value for each step from step 0 on; nothing is known beyond its end.
-
-    Parameters
-    ----------
-    values : array, shape (steps,)
-        For a record of several channels see `recorded_channels`.
-    name : str
-        What errors call it.
-
-    Raises
-    ------
-    InputError
-        When more steps are asked for than were recorded, also of a sum.
-
-    Examples
-    --------
-    >>> from rcac_numeric import recorded
-    >>> recorded([0.5, -0.5, 1.0]).samples(2)
-    array([ 0.5, -0.5])
-    """
-    record = real_array(values, name)
-    if record.ndim != 1 or record.size == 0:
-        raise InputError(f"{name} has shape {record.shape}; a record needs shape (steps,).")
-    return Signal(
-        f"{name} of {record.size} steps", lambda steps, _: record[:steps].copy(), record.size
-    )
-
-
-def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, ...]:
-    """A record of several channels as one signal for each; values of shape (steps, channels).
-
-    Examples
-    --------
-    >>> from rcac_numeric import exogenous, recorded_channels
-    >>> exogenous(recorded_channels([[1.0, 2.0], [3.0, 4.0]]), steps=2)
-    array([[1., 2.],
-           [3., 4.]])
-    """
-    record = real_array(values, name)
-    if record.ndim != 2 or record.size == 0:
-        raise InputError(f"{name} has shape {record.shape}; shape (steps, channels) is needed.")
-    return tuple(recorded(column, f"{name}[:, {i}]") for i, column in enumerate(record.T))
-
-
 def exogenous(signals: Sequence[Signal], steps: int, seed: int | None = 0) -> Array:
     """The exogenous input w of shape (steps, len(signals)), one signal for each channel.
 
@@ -255,6 +215,8 @@ def exogenous(signals: Sequence[Signal], steps: int, seed: int | None = 0) -> Ar
     array([[1., 2.],
            [1., 2.]])
     """
+    signals = items(signals, "signals", Signal)
+    integer(steps, "steps")
     if seed is not None:
         integer(seed, "seed")
     streams = np.random.default_rng(seed).spawn(len(signals))

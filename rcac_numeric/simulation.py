@@ -122,5 +122,6 @@ def frozen_twin(run: Run, k: int) -> Run:
         run.w,
         x_0=run.x_0,
         stride=run.stride,
+        divergence_limit=run.divergence_limit,
         saturation=run.saturation,
     )

@@ -6,7 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.structures import DerivedSignal, Structure, Tap, difference, integral
+from rcac_numeric.structures import (
+    LONGEST_DELAY,
+    DerivedSignal,
+    Structure,
+    Tap,
+    difference,
+    integral,
+)
 from rcac_numeric.validation import integer, matrix
 
 
@@ -186,7 +193,7 @@ def _past(signal: str, width: int, first: int, last: int) -> tuple[Tap, ...]:
 
 
 def _sizes(n_c: int, l_u: int, l_y: int, k_c: int) -> tuple[int, int, int, int]:
-    order = integer(n_c, "n_c", at_least=1)
+    order = integer(n_c, "n_c", at_least=1, at_most=LONGEST_DELAY)
     first = integer(k_c, "k_c")
     if first > order:
         raise InputError(f"k_c = {first} exceeds n_c = {order}: the controller would not read y.")

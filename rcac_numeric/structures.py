@@ -13,6 +13,7 @@ from rcac_numeric.compensators import Compensator
 from rcac_numeric.validation import Array, integer, items, number, one_of, real_array
 
 SIGNALS = ("u", "y", "r", "derived")
+LONGEST_DELAY = 100_000
 
 
 @dataclass(frozen=True)
@@ -149,7 +150,7 @@ class Structure:
         for tap in self.taps:
             one_of(tap.signal, "the signal of a tap", SIGNALS)
             integer(tap.component, "the component of a tap")
-            integer(tap.delay, "the delay of a tap", at_most=100_000)
+            integer(tap.delay, "the delay of a tap", at_most=LONGEST_DELAY)
             if tap.component >= widths[tap.signal]:
                 raise InputError(
                     f"{tap} reads component {tap.component} of {tap.signal}, which has "

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.filter_poles import require_no_pole_outside
 from rcac_numeric.modelling import ModellingInformation, modelling_information
-from rcac_numeric.validation import Read, real_array, rounded
+from rcac_numeric.validation import Read, instance_of, real_array, rounded
 
 if TYPE_CHECKING:
     from sympy import Poly
@@ -63,7 +63,7 @@ class TargetModel:
         identity = np.eye(N.shape[1])[None]
         D = identity if self.denominator is None else real_array(self.denominator, "denominator")
         D = D.reshape(-1, 1, 1) if D.ndim == 1 else D
-        if D.ndim != 3 or D.shape[1:] != identity.shape[1:]:
+        if D.ndim != 3 or len(D) == 0 or D.shape[1:] != identity.shape[1:]:
             raise InputError(
                 f"the denominator of the target model has shape {D.shape}; (n_f + 1, l_z, l_z) "
                 f"with l_z = {N.shape[1]} is needed."
@@ -79,7 +79,12 @@ class TargetModel:
             object.__setattr__(self, name, real_array(np.pad(value, padding), name))
         if not self.numerator.any():
             raise InputError("the target model is zero: no controller could be adapted with it.")
-        exact = None if self.exact is None else self.exact.denominator
+        exact = None
+        if self.exact is not None:
+            from compensator_theory import TransferFunction, TransferMatrix
+
+            instance_of(self.exact, "exact", TransferFunction | TransferMatrix)
+            exact = self.exact.denominator
         require_no_pole_outside(self.denominator, exact)
 
     @property
@@ -104,7 +109,7 @@ class TargetModel:
 
     def frequency_response(self, omega: ArrayLike) -> NDArray[np.complex128]:
         """G_f(exp(j omega)); shape (len(omega), l_z, l_u), omega in rad/sample."""
-        powers = np.exp(-1j * np.outer(np.atleast_1d(omega), np.arange(self.n_f + 1)))
+        powers = np.exp(-1j * np.outer(real_array(omega, "omega"), np.arange(self.n_f + 1)))
         numerator = np.einsum("wi,izu->wzu", powers, self.numerator)
         return np.asarray(
             np.linalg.solve(np.einsum("wi,izy->wzy", powers, self.denominator), numerator)

@@ -23,15 +23,7 @@ def real_array(value: ArrayLike, name: str) -> Array:
 
     A copy, so that what has been checked cannot be changed from outside.
     """
-    try:
-        given = np.asarray(value)
-        if given.dtype.kind not in "iuf" and not _all_real(given):
-            raise TypeError(f"its entries are of type {given.dtype}")
-        array = np.array(given, dtype=np.float64, order="C")
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(
-            f"{name} must be an array of real numbers, not {value!r}: {error}."
-        ) from None
+    array = float_array(value, name)
     array.setflags(write=False)
     if not np.all(np.isfinite(array)):
         where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
@@ -40,6 +32,21 @@ def real_array(value: ArrayLike, name: str) -> Array:
             "Remove or replace it first."
         )
     return array
+
+
+def float_array(value: ArrayLike, name: str) -> Array:
+    """`value` as a new C-contiguous float64 array, whose entries may be infinite or NaN."""
+    try:
+        if np.ma.is_masked(value):
+            raise TypeError("some of its entries are masked")
+        given = np.asarray(value)
+        if given.dtype.kind not in "iuf" and not _all_real(given):
+            raise TypeError(f"its entries are of type {given.dtype}")
+        return np.array(given, dtype=np.float64, order="C")
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(
+            f"{name} must be an array of real numbers, not {value!r}: {error}."
+        ) from None
 
 
 def rounded(entries: Sequence[Any], name: str) -> Array:
@@ -77,6 +84,14 @@ def matrix(value: ArrayLike, name: str, shape: tuple[int | None, int | None]) ->
     return array
 
 
+def vector(value: ArrayLike, name: str, size: int) -> Array:
+    """`value` as a 1-D array of `size` entries; a number where one is enough."""
+    array = real_array(value, name).reshape(-1)
+    if array.size != size:
+        raise InputError(f"{name} has {array.size} entries where {size} are needed.")
+    return array
+
+
 def signal_array(value: ArrayLike, name: str, width: int, steps: int | None = None) -> Array:
     """`value` as an array of shape (steps, width); a 1-D array is a scalar signal."""
     array = real_array(value, name)
@@ -101,9 +116,10 @@ def _all_real(values: NDArray[Any]) -> bool:
 def items(value: Any, name: str, kind: type | None = None) -> tuple[Any, ...]:
     """The entries of a list or another iterable, each of them a `kind`."""
     try:
-        entries = tuple(value)
+        iterator = iter(value)
     except TypeError:
         raise InputError(f"{name} = {value!r} must be a list.") from None
+    entries = tuple(iterator)
     for entry in entries:
         instance_of(entry, f"an entry of {name}", kind or object)
     return entries

@@ -17,16 +17,20 @@ def constant_weight(value: ArrayLike, name: str, size: int, *, definite: bool) -
         raise InputError(f"{name} is not symmetric; use ({name} + {name}') / 2.")
     diagonal = np.diag(array)
     is_diagonal = np.array_equal(array, np.diag(diagonal))
-    eigenvalues = diagonal if is_diagonal else np.linalg.eigvalsh(array)
-    smallest = eigenvalues.min()
-    if definite and smallest <= 0:
-        raise InputError(f"{name} has the eigenvalue {smallest:.6g}; it must be positive definite.")
-    if smallest < -1e-12 * max(abs(eigenvalues.max()), np.finfo(float).tiny):
-        raise InputError(
-            f"{name} has the eigenvalue {smallest:.6g}; it must be positive semidefinite."
-        )
+    if definite and not is_diagonal and diagonal.min() > 0:
+        _require_definite_in_float64(array, name)
+        smallest = diagonal.min()
+    else:
+        eigenvalues = diagonal if is_diagonal else np.linalg.eigvalsh(array)
+        smallest = eigenvalues.min()
+        if definite and smallest <= 0:
+            raise _indefinite(name, smallest)
+        if smallest < -1e-12 * max(abs(eigenvalues.max()), np.finfo(float).tiny):
+            raise InputError(
+                f"{name} has the eigenvalue {smallest:.6g}; it must be positive semidefinite."
+            )
     with np.errstate(over="ignore"):
-        invertible = not (definite and is_diagonal) or np.isfinite(1.0 / diagonal).all()
+        invertible = not definite or np.isfinite(inverse(array)).all()
     if not invertible:
         raise InputError(f"{name} = {smallest:.3g} has no float64 inverse; use a larger weight.")
     return real_array(array, name)
@@ -37,7 +41,32 @@ def inverse(weight: Array) -> Array:
     diagonal = np.diag(weight)
     if np.array_equal(weight, np.diag(diagonal)):
         return np.diag(1.0 / diagonal)
-    return np.ascontiguousarray(np.linalg.inv(weight))
+    scale = 1.0 / np.sqrt(diagonal)
+    inverted = np.linalg.inv(weight * scale * scale[:, None]) * scale * scale[:, None]
+    return np.ascontiguousarray((inverted + inverted.T) / 2)
+
+
+def _indefinite(name: str, eigenvalue: float) -> InputError:
+    return InputError(f"{name} has the eigenvalue {eigenvalue:.6g}; it must be positive definite.")
+
+
+def _require_definite_in_float64(weight: Array, name: str) -> None:
+    """Raise where rounding decides whether the weight, or its inverse, is positive definite.
+
+    Decided after scaling to a unit diagonal, which loses no digit: a graded weight such as
+    diag(1, 1e-20) is far from singular.
+    """
+    scale = 1.0 / np.sqrt(np.diag(weight))
+    smallest = float(np.linalg.eigvalsh(weight * scale * scale[:, None]).min())
+    rounding = 16 * len(weight) * np.finfo(float).eps
+    if smallest < -rounding:
+        raise _indefinite(name, np.linalg.eigvalsh(weight).min())
+    if smallest <= rounding:
+        raise InputError(
+            f"{name} cannot be told from a singular matrix in float64: scaled to a unit diagonal "
+            f"its smallest eigenvalue is {smallest:.1e}. Use a better conditioned one, such as "
+            f"{name} plus a small multiple of the identity."
+        )
 
 
 def square_root_columns(weight: Array) -> Array:

@@ -85,6 +85,8 @@ def test_bad_cases_are_named_by_number():
         simulate_many([Case(plant, settings, np.zeros((5, 1)), {"strid": 2})])
     with pytest.raises(InputError, match="case 0 is 3"):
         simulate_many([3])
+    with pytest.raises(InputError, match="cases = 5 must be a list"):
+        simulate_many(5)
     with pytest.raises(InputError, match="threads = 0"):
         simulate_many([fine], threads=0)
     assert simulate_many([]) == []

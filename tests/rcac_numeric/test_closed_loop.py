@@ -103,7 +103,7 @@ def test_the_residual_splits_exactly(data, seed):
     w, u = rng.standard_normal((20, plant.l_w)), rng.standard_normal((20, plant.l_u))
     body, y, z = plant.simulator(), [], []
     for k in range(20):
-        y_k, z_k = body.output(k, u[k], w[k])
+        y_k, z_k = body.output(u[k], w[k])
         body.advance(u[k], w[k])
         y.append(y_k)
         z.append(z_k)

@@ -84,6 +84,7 @@ def test_a_weight_that_fails_keeps_the_steps_before(change, message, update):
     with np.errstate(all="ignore"), pytest.raises(FunctionFailedError, match=message) as caught:
         simulate(PLANT, settings, ONES)
     run = caught.value.run
+    assert run.outcome == "weight failed"
     assert run.steps == 3 and np.array_equal(run.theta_final, settings.theta_0)
     controller = Controller(settings)
     for k in range(4):

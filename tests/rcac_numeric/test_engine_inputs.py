@@ -1,7 +1,12 @@
 """Whatever is out of range or does not fit is named, by one of this project's own errors."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
+import scipy.linalg
+from hypothesis import given
+from hypothesis import strategies as st
 
 from compensator_theory import ImproperError, InputError
 from rcac_numeric import (
@@ -28,8 +33,10 @@ from rcac_numeric import (
     pid,
     quasi_fir,
     servo_plant,
+    simulate,
     standard_plant,
 )
+from rcac_numeric.weights import constant_weight, inverse
 
 GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
 SETTINGS = ControllerSettings(**GOOD)
@@ -109,6 +116,12 @@ def test_a_setting_that_does_not_fit(change, message):
         (lambda: VariableRateForgetting(1, 2, 1.0, 0.0), r"smallest = 0.0 is not in \(0, 1\]"),
         (lambda: SignalWeight(-1.0), "z_squared = -1.0 must not be negative"),
         (lambda: SignalWeight(1.0, "x"), "constant must be a real number"),
+        (lambda: iir(10**9), "n_c = 1000000000 must be at most 100000"),
+        (
+            lambda: TargetModel([0, 1.0], []),
+            r"denominator of the target model has shape \(0, 1, 1\)",
+        ),
+        (lambda: TargetModel([0, 1.0]).frequency_response("fast"), "omega must be an array"),
         (lambda: Structure([]), "no taps"),
         (lambda: Structure(5), "taps = 5 must be a list"),
         (lambda: Structure([("u", 0, 1)]), "is not a Tap"),
@@ -149,6 +162,50 @@ def test_a_rule_or_a_structure_that_does_not_fit(make, message):
         make()
 
 
+@pytest.mark.parametrize("name", ["R_theta", "R_z"])
+@pytest.mark.parametrize(
+    "weight",
+    [
+        scipy.linalg.hilbert(12),
+        np.full((12, 12), 1e-200),
+        np.ones((12, 12)) + 2**-51 * np.eye(12),
+    ],
+)
+def test_a_weight_whose_definiteness_is_decided_by_rounding(name, weight):
+    """Its inverse has no UD factors, or none that mean anything."""
+    change = {name: weight, "structure": iir(6)}
+    if name == "R_z":
+        change["target"] = TargetModel(np.ones((2, 12, 1)))
+    with pytest.raises(InputError, match=f"{name} (cannot be told from a singular|has the eigenv)"):
+        ControllerSettings(**{**GOOD, **change})
+
+
+@given(st.integers(2, 8), st.integers(0, 40), st.integers(0, 2**32 - 1))
+def test_a_graded_weight_keeps_its_digits(size, decades, seed):
+    """diag(g) C diag(g) with a well conditioned C: its inverse is that of C, scaled."""
+    rng = np.random.default_rng(seed)
+    root = np.eye(size) + 0.3 * rng.uniform(-1, 1, (size, size)) / size
+    grade = 10.0 ** rng.uniform(-decades / 2, 0, size)
+    correlation = root @ root.T
+    weight = (correlation + correlation.T) / 2 * np.outer(grade, grade)
+    found = inverse(constant_weight(weight, "R_theta", size, definite=True))
+    assert np.array_equal(found, found.T)
+    assert found * np.outer(grade, grade) @ correlation == pytest.approx(np.eye(size), abs=1e-11)
+
+
+def test_a_setting_may_be_a_fraction():
+    weight = SignalWeight(z_squared=Fraction(1, 10), constant=Fraction(1, 3))
+    run = simulate(PLANT, ControllerSettings(**{**GOOD, "R_u": weight}), ONES)
+    floats = ControllerSettings(**{**GOOD, "R_u": SignalWeight(0.1, 1 / 3)})
+    assert (run.u == simulate(PLANT, floats, ONES).u).all()
+
+
+def test_a_masked_entry_is_no_number():
+    w = np.ma.masked_array(ONES, mask=[[0], [1], [0], [0], [0]])
+    with pytest.raises(InputError, match="some of its entries are masked"):
+        simulate(PLANT, SETTINGS, w)
+
+
 def at(start, plant=PLANT, **more):
     return Change(start=start, plant=plant, **more)
 
@@ -181,6 +238,10 @@ def functions(advance=abs, output=abs, n=1, blocks=None):
         (lambda: functions(n=-1), "n = -1"),
         (lambda: functions(blocks={"r": 2}), "do not add up to l_w = 1"),
         (lambda: functions(blocks=5), "blocks = 5 is not a Mapping"),
+        (lambda: functions(blocks={"r": "wide"}), "the width of 'r' must be an integer"),
+        (lambda: functions(blocks={"r": -1, "w": 2}), "the width of 'r' = -1 must be at least 0"),
+        (lambda: Plant(A=[[0]], B=[[1]], D_1=[[1]], C=[[1]], blocks=5), "is not a Mapping"),
+        (lambda: Plant(A=[[0]], B=[[1]], D_1=[[1]], C=[[1]], blocks={5: 1}), "5 is not a str"),
     ],
 )
 def test_a_plant_that_does_not_fit(make, message):

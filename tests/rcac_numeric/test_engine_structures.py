@@ -93,11 +93,12 @@ def test_decentralised_controllers_follow_the_text(data, l_u, l_y, l_z, shared_u
     assert_follows(run, parts, shared_u=shared_u)
 
 
+@pytest.mark.parametrize("kind", ["fb_fir", "iir", "pid", "fir_integrator", "table"])
 @given(st.data(), sizes, seeds)
-def test_a_decentralised_compensator_is_the_frozen_sum(data, l_y, seed):
-    """With u of their own the two denominators multiply; with the shared u the rows add."""
+def test_a_decentralised_compensator_is_the_frozen_sum(kind, data, l_y, seed):
+    """With u of their own the two denominators multiply; with the shared u the taps add."""
     plant = data.draw(engine_plants(1, l_y, 1, 1))
-    drawn = [data.draw(structures(1, l_y, 1, [kind]))[0] for kind in ("fb_fir", "ff")]
+    drawn = [data.draw(structures(1, l_y, 1, [kind]))[0] for kind in (kind, "ff")]
     k_w = max(s.n_c for s in drawn) + 3
     parts = [data.draw(settings_for(s, 1, freeze=((0, None),), k_w=k_w, k_update=0)) for s in drawn]
     w = noise(seed, k_w + 12, plant.l_w)

@@ -14,7 +14,9 @@ from rcac_numeric import (
     TargetModel,
     VariableRateForgetting,
     fir,
+    iir,
     simulate,
+    standard_plant,
 )
 from tests.rcac_numeric.engine_cases import cases, engine_plants, positive, settings_for, structures
 from tests.rcac_numeric.strategies import seeds, sizes, targets
@@ -141,6 +143,20 @@ def test_the_filter_form_uses_z_before_u(data, l_u, l_y, l_z, lambda_, seed):
 def test_the_sliding_window_is_its_batch(data, l_u, l_y, l_z, window, lambda_, seed):
     extra = {"update": "sliding window", "window": window, "lambda_": lambda_}
     follows(data, seed, l_u, l_y, l_z, **extra)
+
+
+def test_a_window_longer_than_float64_remembers():
+    """0.5^-2000 is infinite: what is older than that is forgotten, and the run goes on."""
+    plant, w = standard_plant("1/(q - 0.9)"), noise(1, 1500, 1)
+    settings = {
+        "structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0,
+        "update": "sliding window", "lambda_": 0.5,
+    }  # fmt: skip
+    longer, long = (
+        simulate(plant, ControllerSettings(window=window, **settings), w) for window in (1400, 1000)
+    )
+    assert longer.outcome == long.outcome == "completed"
+    assert longer.theta == pytest.approx(long.theta, rel=1e-9)
 
 
 @given(st.data(), sizes, sizes, sizes, st.sampled_from(["instantaneous", "gradient"]), seeds)

@@ -162,6 +162,14 @@ def test_the_realisation_has_the_given_parameters(plant):
         x = model.A @ x
 
 
+@pytest.mark.parametrize("unit", [1e300, 1e-300])
+def test_the_order_does_not_depend_on_the_unit(unit):
+    """1/(q - 1) and 1/(q - 1/2) in parallel; the squares of these numbers leave float64."""
+    H = unit * np.r_[0.0, 1 + 0.5 ** np.arange(9)]
+    model = eigensystem_realisation(H)
+    assert np.sort(np.linalg.eigvals(model.A)) == pytest.approx([0.5, 1.0], rel=1e-9)
+
+
 def test_it_is_the_realisation_of_python_control():
     H = markov_parameters(standard_plant(NMP), 8)
     ours = eigensystem_realisation(H, 3)
@@ -221,6 +229,9 @@ def test_data_that_do_not_determine_the_parameters_are_refused(u, y, mu, n_mod, 
         (lambda: modelling_information_from_markov([0, 0, 1.0, 0.5]), "only 1 .* follow .* H_2"),
         (lambda: modelling_information_from_markov(np.ones((5, 2, 1))), "scalar z and u"),
         (lambda: modelling_information_from_markov([0, 1.0, 0.5, 0.25], order=3), "order = 3"),
+        (lambda: modelling_information_from_markov(5), "H = 5 is a number"),
+        (lambda: eigensystem_realisation(np.ones(9), error=-1), "a standard error is at least 0"),
+        (lambda: eigensystem_realisation(np.ones(9), error=[1, 2]), r"error has shape \(2,\)"),
         (lambda: eigensystem_realisation([0, 1.0]), "at least H_0, H_1, H_2"),
         (lambda: eigensystem_realisation([0, 0, 0, 0, 0.0], order=1), "has rank 0"),
     ],

@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import ClosedLoop, Compensator, SignalWeight, iir, standard_plant
+from rcac_numeric import (
+    ClosedLoop,
+    Compensator,
+    SignalWeight,
+    TargetModel,
+    compare,
+    iir,
+    pole_placement_target,
+    servo_plant,
+    standard_plant,
+)
 from rcac_numeric.experiment_builder import build
 from rcac_numeric.measures import MEASURES
 
@@ -155,3 +165,26 @@ def test_of_the_cost():
     assert MEASURES["cost_over_high_authority"](closed_with(0.3)) > 1.001
     assert MEASURES["high_authority_response_distance"](closed_with(0.3)) > 0.1
     assert MEASURES["h2_cost"](closed_with(1.5)) == np.inf
+
+
+def test_of_the_cost_with_intensities():
+    """d and v of a servo problem with their own intensities; the command is no noise."""
+    plant = servo_plant("1/(q - 0.5)", performance="true")
+    r = SimpleNamespace(plant=plant, loop=ClosedLoop(plant, iir(1).compensator([0.0, 0.0])))
+    noise = {"d": 4.0, "v": 1.0}
+    assert MEASURES["h2_cost"](r, noise=noise) == pytest.approx(4 / 0.75)
+    assert MEASURES["high_authority_cost"](r, noise=noise) < 4 / 0.75
+    assert MEASURES["cost_over_high_authority"](r, noise=noise) > 1
+    assert MEASURES["high_authority_response_distance"](r, noise=noise) > 0
+
+
+def test_of_the_characteristic_polynomial():
+    plant = standard_plant("1/(q - 2)")
+    converged = Compensator(P=[[[-1.25]]], Q=[[[0.0]], [[-2.625 + 2**-20]]])
+    comparison = compare(plant, converged, pole_placement_target(plant, ["1/2", "1/4"]))
+    r = SimpleNamespace(comparison=comparison)
+    assert MEASURES["polynomial_distance"](r) == 2**-20
+    target = TargetModel([0, 1], [1, -0.5])
+    r = SimpleNamespace(comparison=compare(plant, converged, target))
+    with pytest.raises(InputError, match="no characteristic polynomial"):
+        MEASURES["polynomial_distance"](r)

@@ -7,6 +7,7 @@ from compensator_theory import InputError
 from rcac_numeric import (
     exogenous,
     harmonic,
+    piecewise,
     pulse,
     ramp,
     read_recording,
@@ -153,6 +154,14 @@ def test_noise_is_reproducible_and_channels_are_independent():
         lambda: recorded([[1.0]]),
         lambda: recorded(["a"]),
         lambda: recorded_channels([1.0]),
+        lambda: step() + 1,
+        lambda: piecewise(5),
+        lambda: piecewise([5]),
+        lambda: piecewise([(0, 1.0)]),
+        lambda: exogenous(5, 10),
+        lambda: exogenous([0.5], 10),
+        lambda: exogenous([], -1),
+        lambda: exogenous([], "long"),
     ],
 )
 def test_bad_input_is_named(make):

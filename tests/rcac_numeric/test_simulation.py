@@ -39,7 +39,7 @@ def test_a_python_loop_gives_the_same_bits(data, seed):
     no_control = np.zeros(plant.l_u)
     for k in range(run.steps):
         assert np.array_equal(controller.theta, run.theta[k])
-        y, z = body.output(k, no_control, w[k])  # no feedthrough: y and z do not need u
+        y, z = body.output(no_control, w[k])  # no feedthrough: y and z do not need u
         u = controller.step(y, z)
         body.advance(u, w[k])
         assert np.array_equal(y, run.y[k]) and np.array_equal(z, run.z[k])
@@ -144,10 +144,15 @@ def test_what_was_checked_cannot_be_changed_from_outside():
             array[...] = 0.0
 
 
-def test_the_kernel_checks_sizes_itself():
+def test_a_simulator_checks_sizes_and_so_does_the_kernel():
     body = Plant(A=np.eye(3) / 2, B=np.ones((3, 2)), D_1=np.ones((3, 4)), C=np.ones((1, 3)))
-    simulator = body.simulator()
-    for call in (partial(simulator.output, 0), simulator.advance):
+    simulator, kernel = body.simulator(), body.compiled()
+    for call in (simulator.output, simulator.advance):
+        with pytest.raises(InputError, match="u has 1 entries where 2 are needed"):
+            call([0.0], np.zeros(4))
+        with pytest.raises(InputError, match="w"):
+            call([0.0, 0.0], [0.0, 0.0, 0.0, np.nan])
+    for call in (partial(kernel.output, 0), partial(kernel.advance, 0)):
         with pytest.raises(ValueError, match="1 numbers where 2 belong"):
             call(np.zeros(1), np.zeros(4))
         with pytest.raises(ValueError, match="1 numbers where 4 belong"):

@@ -106,6 +106,7 @@ def test_irrational_zeros_are_found():
         (lambda: ModellingInformation(-1, 1.0), InputError, "d_zu = -1"),
         (lambda: ModellingInformation(1, float("nan")), CompensatorError, "NaN|nan"),
         (lambda: TargetModel([0.0, 0.0]), InputError, "target model is zero"),
+        (lambda: TargetModel([0.0, 1.0], exact=5), InputError, "exact = 5 is not a Transfer"),
         (lambda: ModellingInformation(1, "a"), InputError, "contains symbols"),
         (lambda: ModellingInformation(1, 1.0, ["a"]), InputError, "contains symbols"),
         (lambda: ModellingInformation(1, 1.0, 1.5), InputError, "must be a list"),
