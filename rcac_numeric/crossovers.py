@@ -15,12 +15,14 @@ from rcac_numeric.validation import Array
 SPLIT = 1e-6
 # A function of points on the circle that is zero at a crossover, with its slope over omega.
 Gap = Callable[[ComplexArray], tuple[Array, Array]]
+# The value of a gap from that of L, where no slope is needed.
+ValueOf = Callable[[ComplexArray], Array]
 # What a candidate must reach, relative to the size of L, to count as a crossover: the first where
 # L is well conditioned, and next to a multiple pole what rounding leaves of it, up to the second.
 REACHED, REACHED_AT_WORST = 1e-8, 1e-3
 # Distances from 0 and from pi at which signs are compared: cos omega is flat there, and of a loop
 # that is sampled fast, all of whose poles are near 1, its polynomial keeps no correct digit.
-FROM_THE_ENDS = np.geomspace(1e-13, 0.5, 240)
+FROM_THE_ENDS = np.geomspace(1e-13, 0.5, 128)
 # The same about every pole, in widths of its resonance.
 ABOUT_A_POLE = np.array([-10.0, -3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0, 10.0])
 
@@ -64,7 +66,7 @@ def gain_crossovers(loop: BrokenLoop) -> Array:
         # log abs(L) and its slope along the circle, whatever the size of L nearby
         return np.log(np.abs(L)), np.real(loop.slope(z) / L * 1j * z)
 
-    return _crossovers(loop, found, gap)
+    return _crossovers(loop, found, gap, lambda L: np.log(np.abs(L)))
 
 
 def phase_crossovers(loop: BrokenLoop) -> Array:
@@ -85,7 +87,7 @@ def phase_crossovers(loop: BrokenLoop) -> Array:
         across = np.imag(N * np.conj(D)) / np.sin(omega)
         if np.any(np.abs(across) > 1e-14 * np.abs(N * D).max(initial=0.0)):
             candidates.append(_frequencies(across, omega))
-    inner = _crossovers(loop, np.concatenate(candidates), gap)
+    inner = _crossovers(loop, np.concatenate(candidates), gap, lambda L: np.imag(L) / np.abs(L))
     inner = inner[(inner > 0) & (inner < np.pi)]
     every = np.concatenate([[0.0], inner, [np.pi]])
     values = loop.response(every)
@@ -121,10 +123,10 @@ def _frequencies(values: Array, omega: Array) -> Array:
     return np.arccos(np.clip(x, -1, 1))
 
 
-def _crossovers(loop: BrokenLoop, roots: Array, gap: Gap) -> Array:
+def _crossovers(loop: BrokenLoop, roots: Array, gap: Gap, value_of: ValueOf) -> Array:
     """Those of the roots that are crossovers, and those that changes of sign find besides."""
     roots = roots[_rounding(loop, roots) < 1e-6]  # where it is more, only changes of sign count
-    changes = _changes_of_sign(loop, gap)
+    changes = _changes_of_sign(loop, value_of)
     tolerance = np.clip(_rounding(loop, changes), REACHED, REACHED_AT_WORST)
     found = np.sort(
         np.concatenate([_polished(roots, gap, REACHED), _polished(changes, gap, tolerance)])
@@ -133,7 +135,7 @@ def _crossovers(loop: BrokenLoop, roots: Array, gap: Gap) -> Array:
     return np.asarray(found[is_new])
 
 
-def _changes_of_sign(loop: BrokenLoop, gap: Gap) -> Array:
+def _changes_of_sign(loop: BrokenLoop, value_of: ValueOf) -> Array:
     """Where the gap changes its sign next to the ends and to the poles, to seven digits.
 
     Values that rounding may have made have no sign.
@@ -145,13 +147,13 @@ def _changes_of_sign(loop: BrokenLoop, gap: Gap) -> Array:
     points = np.concatenate([FROM_THE_ENDS, np.pi - FROM_THE_ENDS, about.ravel()])
     omega = np.unique(points[(points > 0) & (points < np.pi)])
     with np.errstate(all="ignore"):
-        value = gap(np.exp(1j * omega))[0]
+        value = value_of(loop.at(np.exp(1j * omega)))
         omega, value = (part[np.abs(value) > _rounding(loop, omega)] for part in (omega, value))
         changes = np.flatnonzero(np.sign(value[:-1]) * np.sign(value[1:]) < 0)
         low, high, below = omega[changes], omega[changes + 1], np.sign(value[changes])
         for _ in range(24 if len(changes) else 0):
             middle = (low + high) / 2
-            same = np.sign(gap(np.exp(1j * middle))[0]) == below
+            same = np.sign(value_of(loop.at(np.exp(1j * middle)))) == below
             low, high = np.where(same, middle, low), np.where(same, high, middle)
     return np.asarray((low + high) / 2)
 
