@@ -110,7 +110,7 @@ def _check(
     recorded = read_log(log, parse_names(names), transpose=transpose)
     model, table = read_case(plant, problem)
     if model is None and log.suffix.lower() != ".csv":
-        model = plant_in(read_variables(log))
+        model = plant_in(read_variables(log), str(log))
     widths = (recorded.u.shape[1], recorded.y.shape[1])
     if k_w is None and isinstance(table.get("controller"), dict):
         k_w = table["controller"].get("k_w")

@@ -206,7 +206,9 @@ def check_controller(
         else:
             unsaid["convergence"] = "theta was logged only once"
     else:
-        unsaid["replay"] = unsaid["convergence"] = "no theta was logged"
+        unsaid["replay"] = unsaid["convergence"] = (
+            "no theta was logged" if log.theta is None else "theta was not used"
+        )
     if plant is None:
         for name in ("poles", "costs", "margins", "match", "split"):
             unsaid[name] = "the plant is not known"

@@ -131,9 +131,12 @@ def require_fit(log: ControllerLog, structure: Structure) -> None:
             )
     size = log.theta.shape[-1]
     if size != structure.l_theta:
+        hint = "Check n_c, k_c and the kind of structure."
+        if size == log.steps and structure.l_theta == 1:
+            hint = f"One coefficient over time has the shape ({log.steps}, 1)."
         raise InputError(
             f"{log.source}: theta has {size} coefficients; {words}, l_u = {structure.l_u}, l_y = "
-            f"{structure.l_y} has {structure.l_theta}. Check n_c, k_c and the kind of structure."
+            f"{structure.l_y} has {structure.l_theta}. {hint}"
         )
 
 
