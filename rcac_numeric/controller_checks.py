@@ -210,6 +210,8 @@ def check_controller(
             "no theta was logged" if log.theta is None else "theta was not used"
         )
     if plant is None:
+        if noise is not None:
+            raise InputError("noise is for the H2 costs, and they need the plant; give both.")
         for name in ("poles", "costs", "margins", "match", "split"):
             unsaid[name] = "the plant is not known"
     else:

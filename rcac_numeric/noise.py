@@ -80,6 +80,8 @@ def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseIn
         root = square_root_columns(
             constant_weight(intensity, f"the intensity of {name}", len(where), definite=False)
         )
+        if root.shape[1] == 0:  # no noise has a share too
+            root = np.zeros((len(where), 1))
         placed = np.zeros((plant.l_w, root.shape[1]))
         placed[where] = root
         columns.append(placed)

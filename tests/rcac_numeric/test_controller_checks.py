@@ -231,3 +231,14 @@ def test_refusals(arguments, words):
     given = {"u": np.ones(30), "y": np.ones(30), "theta": np.ones(4), "structure": iir(n_c=2)}
     with pytest.raises(InputError, match=words):
         check_controller(**{**given, **arguments})
+
+
+def test_noise_needs_a_plant_and_a_silent_channel_has_a_share():
+    plant = servo_plant("1/(q - 0.5)")
+    run = logged(plant, iir(n_c=2), [step(), step(0), step(0)], steps=500)
+    with pytest.raises(InputError, match="they need the plant"):
+        check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), noise={"d": 1.0})
+    check = check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), plant=plant,
+                             noise={"d": 0.0, "v": 1.0})  # fmt: skip
+    assert check.costs.reached.shares["d"] == 0.0
+    assert check.costs.reached.value == check.costs.reached.shares["v"]
