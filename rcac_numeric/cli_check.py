@@ -22,7 +22,8 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
     "check",
     epilog="""
 Exit status: 0 done; 1 the logged u is not the output of the logged theta or compensator; 2 bad
-input; 4 a defect of rcac. An unstable loop or a theta that still moves is reported, and is no error.
+input; 4 a defect of rcac. An unstable loop or a theta that still moves is reported, and is no
+error.
 """,
 )
 @click.argument("log", type=click.Path(dir_okay=False, path_type=Path))
