@@ -12,7 +12,7 @@ from rcac_numeric.experiment_plants import plant_of
 from rcac_numeric.experiment_structures import structure_of
 from rcac_numeric.experiment_targets import target_of
 from rcac_numeric.filter_targets import target_model
-from rcac_numeric.log_files import FORMATS, read_variables
+from rcac_numeric.log_files import FORMATS, as_number, read_variables
 from rcac_numeric.plant_schedules import PlantSchedule
 from rcac_numeric.plants import MATRICES, Plant, servo_plant, standard_plant
 from rcac_numeric.structures import Structure
@@ -52,13 +52,13 @@ def parse_noise(text: str) -> dict[str, float] | None:
     """
     noise: dict[str, float] = {}
     for name, intensity in parse_names(text, "noise", "d=1,v=0.25").items():
-        try:
-            noise[name] = float(intensity)
-        except ValueError:
+        value = as_number(intensity)
+        if value is None:
             raise InputError(
                 f"--noise {name}={intensity}: {intensity!r} is no number; write for instance "
                 "d=1,v=0.25."
-            ) from None
+            )
+        noise[name] = value
     return noise or None
 
 
@@ -91,7 +91,7 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Table]:
         return found, table
     if suffix in FORMATS:
         variables = read_variables(plant)
-        found_plant = plant_in(variables)
+        found_plant = plant_in(variables, plant)
         if found_plant is None:
             raise InputError(
                 f"{plant} has no plant: A, B and C are needed, and it has {', '.join(variables)}."
@@ -100,12 +100,15 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Table]:
     return (servo_plant(plant) if problem == "servo" else standard_plant(plant)), {}
 
 
-def plant_in(variables: Mapping[str, Any]) -> Plant | None:
-    """The plant whose matrices are among these variables; D_1 = B where it is left out."""
+def plant_in(variables: Mapping[str, Any], file: str) -> Plant | None:
+    """The plant whose matrices are among a file's variables; D_1 = B where it is left out."""
     if not {"A", "B", "C"} <= variables.keys():
         return None
     matrices = {name: variables[name] for name in MATRICES if name in variables}
-    return Plant(**{"D_1": variables["B"], **matrices})
+    try:
+        return Plant(**{"D_1": variables["B"], **matrices})
+    except CompensatorError as error:
+        raise named(error, file) from None
 
 
 def read_structure(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from math import isnan
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -98,7 +99,7 @@ def _print_margins(out: Console, name: str, margins: Margins) -> None:
         "disk, S - T",
         f"{disk.alpha:.6g}: {low:.4g} to {high:.4g}, {disk.phase:.4g} deg",
         f"{disk.omega:.6g}",
-        f"{disk.radius_at:.12f}",
+        "" if isnan(disk.radius_at) else f"{disk.radius_at:.12f}",
     )
     out.print(table)
     out.print(

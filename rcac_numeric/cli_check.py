@@ -21,8 +21,9 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 @click.command(
     "check",
     epilog="""
-Exit status: 0 done; 1 the logged u is not the output of the logged theta; 2 bad input; 4 a defect
-of rcac. An unstable loop or a theta that still moves is reported, and is no error.
+Exit status: 0 done; 1 the logged u is not the output of the logged theta or compensator; 2 bad
+input; 4 a defect of rcac. An unstable loop or a theta that still moves is reported, and is no
+error.
 """,
 )
 @click.argument("log", type=click.Path(dir_okay=False, path_type=Path))
@@ -110,7 +111,7 @@ def _check(
     recorded = read_log(log, parse_names(names), transpose=transpose)
     model, table = read_case(plant, problem)
     if model is None and log.suffix.lower() != ".csv":
-        model = plant_in(read_variables(log))
+        model = plant_in(read_variables(log), str(log))
     widths = (recorded.u.shape[1], recorded.y.shape[1])
     if k_w is None and isinstance(table.get("controller"), dict):
         k_w = table["controller"].get("k_w")

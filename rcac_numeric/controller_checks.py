@@ -20,7 +20,7 @@ from rcac_numeric.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.margins import Margins
 from rcac_numeric.noise import NoiseIntensities
 from rcac_numeric.plants import Plant
-from rcac_numeric.replays import Replay, replay
+from rcac_numeric.replays import Replay, replay, replay_compensator
 from rcac_numeric.residual_split import ResidualSplit
 from rcac_numeric.structures import Structure
 from rcac_numeric.target_models import TargetModel
@@ -206,8 +206,14 @@ def check_controller(
         else:
             unsaid["convergence"] = "theta was logged only once"
     else:
-        unsaid["replay"] = unsaid["convergence"] = "no theta was logged"
+        unsaid["convergence"] = "no theta was logged" if log.theta is None else "theta was not used"
+        if log.steps > len(fixed.P):
+            known["replay"] = replay_compensator(log, fixed)
+        else:
+            unsaid["replay"] = f"the log of {log.steps} steps does not fill the controller's memory"
     if plant is None:
+        if noise is not None:
+            raise InputError("noise is for the H2 costs, and they need the plant; give both.")
         for name in ("poles", "costs", "margins", "match", "split"):
             unsaid[name] = "the plant is not known"
     else:

@@ -145,7 +145,7 @@ class ControllerLog:
 
     def _coefficients(self, steps: int) -> Array:
         theta = self._finite("theta", self.theta)
-        if theta.ndim == 1 or 1 in theta.shape:
+        if theta.ndim <= 1 or 1 in theta.shape:
             return theta.reshape(-1) if theta.shape != (steps, 1) else theta
         if theta.ndim == 2 and theta.shape[0] == steps:
             return theta

@@ -10,7 +10,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.broken_loops import BrokenLoop
 from rcac_numeric.closed_loop import ClosedLoop
-from rcac_numeric.validation import Array, one_of
+from rcac_numeric.validation import Array, instance_of, one_of
 
 Matrices = tuple[Array, Array, Array, Array]
 
@@ -91,7 +91,7 @@ def multivariable_disk_margin(loop: ClosedLoop, *, at: str = "u") -> DiskMargin:
     >>> round(multivariable_disk_margin(ClosedLoop(two, gains)).alpha, 9)   # L = 2/(q - 2)
     0.4
     """
-    if not loop.is_stable:
+    if not instance_of(loop, "loop", ClosedLoop).is_stable:
         raise InputError(
             f"the loop is unstable, spectral radius {loop.spectral_radius:.6g}: it has no margins."
         )
@@ -120,7 +120,7 @@ def _disk_margin(L: Matrices, scalar: BrokenLoop | None) -> DiskMargin:
     radius = float("nan")
     if scalar is not None and peak > 0:
         value = scalar.response(omega)[0]
-        S_minus_T = (1 - value) / (1 + value)
+        S_minus_T = (1 - value) / (1 + value) if np.isfinite(value) else -1.0  # at a pole of L
         # 1 + f L = 0 with f = (1 + d/2)/(1 - d/2) means d = 2/(S - T)
         if abs(S_minus_T - 1) > 1e-100:  # else L is too small for any factor to matter
             factor = (S_minus_T + 1) / (S_minus_T - 1)

@@ -13,7 +13,11 @@ from rcac_numeric.lyapunov import stein_solution
 from rcac_numeric.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.plants import Plant
 from rcac_numeric.state_space_compensators import StateSpace, state_space_of
-from rcac_numeric.validation import Array
+from rcac_numeric.validation import Array, instance_of
+
+# For each state, how near to the circle a computed pole may be one on it: (q^2 - 0.56 q + 1) has
+# poles of modulus 1, and eigenvalues of modulus 1 - 1e-16.
+ROUNDING = 4 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +27,8 @@ class H2Cost:
     Attributes
     ----------
     value : float
-        J of (A.3); infinite where the loop is not asymptotically stable.
+        J of (A.3); infinite where the loop is not asymptotically stable, or rounding cannot tell:
+        a radius within a few roundings of 1.
     shares : mapping from names of noises to floats
         Each noise's own part of `value`, the others being off.
     terms : mapping from names to floats
@@ -32,7 +37,8 @@ class H2Cost:
     spectral_radius : float
         Of the closed loop.
     discrepancy : float
-        Relative difference between `value` from the covariance (4.23) and from the dual equation.
+        Difference between `value`, from the dual equation, and the sum of the terms, from the
+        covariance (4.23), over the sum of their sizes.
     """
 
     value: float
@@ -91,6 +97,7 @@ def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = 
     >>> float(h2_cost(standard_plant("1/(q - 1)"), none))
     inf
     """
+    instance_of(plant, "plant", Plant)
     parts = state_space_of(compensator, plant.l_u, plant.l_y)
     inputs = noise_inputs(plant, noise)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is looked for
@@ -102,7 +109,7 @@ def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
     if not (np.isfinite(A).all() and np.isfinite(B).all()):
         raise InputError("the closed loop has entries beyond float64; rescale the signals.")
     radius = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
-    if not radius < 1:
+    if not radius < 1 - ROUNDING * len(A):
         return _infinite(inputs, radius)
     covariance = stein_solution(A, B @ B.T)
     u_x, u_w = plant.E_2 @ K_x, plant.E_2 @ K_w
@@ -115,14 +122,16 @@ def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
     Z = E_x + u_x
     each = np.sum(B * (stein_solution(A.T, Z.T @ Z) @ B), axis=0)
     each = each + np.sum((E_w + u_w) ** 2, axis=0)
-    value, dual = sum(terms.values()), float(each.sum())
-    if not (np.isfinite(value) and np.isfinite(dual)):
+    # The shares are sums of squares; the terms may cancel and leave less than nothing.
+    each = np.maximum(each, 0.0)
+    value, total = float(each.sum()), sum(terms.values())
+    if not (np.isfinite(value) and np.isfinite(total)):
         return _infinite(inputs, radius)  # beyond float64
     shares = dict.fromkeys(inputs.names, 0.0)
     for name, share in zip(inputs.names, each, strict=True):
         shares[name] += float(share)
-    size = max(abs(value), abs(dual))
-    return H2Cost(value, shares, terms, radius, abs(value - dual) / size if size else 0.0)
+    size = sum(map(abs, terms.values()))
+    return H2Cost(value, shares, terms, radius, abs(value - total) / size if size else 0.0)
 
 
 def loop_matrices(

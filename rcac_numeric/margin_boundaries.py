@@ -16,6 +16,8 @@ BESIDE = 1e-3
 FAR = 1e6
 # Gains beyond this, or below its inverse, count as infinite, or as 0.
 MOST_GAIN = 1e100
+# Open-loop poles this close are taken as one multiple pole.
+CLUSTER = 1e-4
 # Whole steps of delay that are tried where no crossover can tell.
 MOST_STEPS = 500
 
@@ -67,7 +69,12 @@ def gain_boundary(loop: BrokenLoop, crossovers: Array, *, up: bool) -> Boundary:
     values = loop.response(crossovers).real
     with np.errstate(over="ignore"):  # beyond float64 is no boundary
         inverses = -1.0 / values
-    gains = [(float(v), float(w)) for v, w in zip(inverses, crossovers, strict=True)]
+    at_a_pole = _at_open_poles(loop, crossovers)  # the crossing is at the gain 0, not above it
+    gains = [
+        (float(v), float(w))
+        for v, w, hidden in zip(inverses, crossovers, at_a_pole, strict=True)
+        if not hidden
+    ]
     low, high = (1.0, MOST_GAIN) if up else (1 / MOST_GAIN, 1.0)
     pairs = sorted(((k, w) for k, w in gains if low < k < high), reverse=not up)
     direct = loop.D[0, 0]
@@ -88,9 +95,29 @@ def gain_boundary(loop: BrokenLoop, crossovers: Array, *, up: bool) -> Boundary:
             return found
         previous = k  # a crossing that rounding made up
     end = previous * FAR if up else 0.0
-    if loop.radius(end) > 1:
+    if loop.radius(end) > 1 if up else np.abs(_open_poles(loop)[0]).max(initial=0.0) > 1 + 1e-10:
         return _bisected(loop, previous, end)
     return nowhere(np.inf if up else 0.0)
+
+
+def _open_poles(loop: BrokenLoop) -> tuple[ComplexArray, Array]:
+    """The open-loop poles, multiple ones at the mean of their cluster, and how well each is known.
+
+    Rounding moves each of d equal poles by the d-th root of itself, their mean by itself only.
+    """
+    poles = loop.open_poles
+    close = np.abs(poles[:, None] - poles) < CLUSTER
+    means = np.array([poles[row].mean() for row in close], poles.dtype)
+    multiplicity = np.maximum(close.sum(axis=1), 1)
+    return means, 1e-12 + 10 * np.finfo(float).eps ** (1 / multiplicity) * (multiplicity > 1)
+
+
+def _at_open_poles(loop: BrokenLoop, omega: Array) -> Array:
+    """Which points of the circle rounding cannot tell from an open-loop pole on it."""
+    means, known = _open_poles(loop)
+    on_it = np.abs(np.abs(means) - 1) < 1e-10
+    distances = np.abs(np.exp(1j * omega)[:, None] - means[on_it])
+    return np.asarray(np.any(distances <= known[on_it], axis=1))
 
 
 def _bisected(loop: BrokenLoop, inside: float, outside: float) -> Boundary:

@@ -120,7 +120,7 @@ def stability_margins(
 ) -> Margins:
     """The margins of a loop with a fixed or frozen controller, opened at one scalar signal.
 
-    Crossovers are roots of polynomials, not points of a grid, and every margin is to the nearest
+    Crossovers are roots, never points of a grid, and every margin is to the nearest
     boundary of stability in its direction, also for conditionally stable loops: whether a
     crossing ends stability is decided by the poles of the perturbed loop, which are kept.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.plants import Plant
-from rcac_numeric.validation import Array, number
+from rcac_numeric.validation import Array, instance_of, number
 from rcac_numeric.weights import constant_weight, square_root_columns
 
 if TYPE_CHECKING:
@@ -80,6 +80,8 @@ def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseIn
         root = square_root_columns(
             constant_weight(intensity, f"the intensity of {name}", len(where), definite=False)
         )
+        if root.shape[1] == 0:  # no noise has a share too
+            root = np.zeros((len(where), 1))
         placed = np.zeros((plant.l_w, root.shape[1]))
         placed[where] = root
         columns.append(placed)
@@ -128,8 +130,12 @@ def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) ->
     >>> with_bias(standard_plant("1/(q - 0.5)"), "w", pole=0.99, mean_square=4.0).blocks
     {'w': 1, 'w_bias': 1}
     """
-    if channel not in plant.channels:
+    if channel not in instance_of(plant, "plant", Plant).channels:
         raise InputError(f"w has no channel {channel!r}; it has {', '.join(plant.channels)}.")
+    if f"{channel}_bias" in plant.blocks:
+        raise InputError(
+            f"{channel} has a bias already, the block {channel}_bias; add one to another channel."
+        )
     pole, power = number(pole, "pole"), number(mean_square, "mean_square")
     if not -1 < pole < 1:
         raise InputError(

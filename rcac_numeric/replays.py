@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.compensators import Compensator
 from rcac_numeric.controller_logs import ControllerLog
 from rcac_numeric.structures import Structure
 from rcac_numeric.validation import Array
@@ -34,6 +35,8 @@ class Replay:
         Largest abs(u - Phi theta) from `start` on, relative to the largest abs(Phi) abs(theta)
         there: the terms that u is the sum of, which may be much larger than u.
     worst_step : int
+    of : {"theta", "the compensator"}
+        What u was computed from.
     """
 
     u: Array
@@ -41,6 +44,7 @@ class Replay:
     shift: int
     worst: float
     worst_step: int
+    of: str = "theta"
 
     @property
     def agrees(self) -> bool:
@@ -51,8 +55,8 @@ class Replay:
         rows = "" if not self.shift else "; row k of theta is what step k left for step k + 1"
         verdict = "is" if self.agrees else "is NOT"
         return (
-            f"u {verdict} the output of theta: worst relative difference {self.worst:.2g} at step "
-            f"{self.worst_step}, compared from step {self.start} on{rows}"
+            f"u {verdict} the output of {self.of}: worst relative difference {self.worst:.2g} at "
+            f"step {self.worst_step}, compared from step {self.start} on{rows}"
         )
 
 
@@ -117,6 +121,30 @@ def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) 
     return min(found, key=lambda each: (each.worst, each.shift))
 
 
+def replay_compensator(log: ControllerLog, compensator: Compensator) -> Replay:
+    """The same for a compensator that did not change, over the last tenth of the log.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Compensator, ControllerLog
+    >>> from rcac_numeric.replays import replay_compensator
+    >>> log = ControllerLog(u=[0, 1.0, 0.5], y=[2.0, 0, 0])
+    >>> replay_compensator(log, Compensator(P=[[[0.5]]], Q=[[[0.0]], [[0.5]]])).agrees
+    True
+    """
+    inputs = (
+        log.y if log.r is None or compensator.l_y == log.y.shape[1] else np.hstack([log.y, log.r])
+    )
+    made, terms = np.zeros_like(log.u), np.zeros_like(log.u)
+    for signal, coefficients, first in ((log.u, compensator.P, 1), (inputs, compensator.Q, 0)):
+        for lag, matrix in enumerate(coefficients, first):
+            past = signal[: max(log.steps - lag, 0)]
+            made[lag:] += past @ matrix.T
+            terms[lag:] += np.abs(past) @ np.abs(matrix).T
+    start = max(len(compensator.P), log.steps - max(log.steps // 10, 1))
+    return replace(_held(log, made, terms, start, 0), of="the compensator")
+
+
 def require_fit(log: ControllerLog, structure: Structure) -> None:
     """Refuse a log whose widths or coefficients are not those of the structure."""
     words = f"this {structure.name} structure with n_c = {structure.n_c}"
@@ -131,9 +159,12 @@ def require_fit(log: ControllerLog, structure: Structure) -> None:
             )
     size = log.theta.shape[-1]
     if size != structure.l_theta:
+        hint = "Check n_c, k_c and the kind of structure."
+        if size == log.steps and structure.l_theta == 1:
+            hint = f"One coefficient over time has the shape ({log.steps}, 1)."
         raise InputError(
             f"{log.source}: theta has {size} coefficients; {words}, l_u = {structure.l_u}, l_y = "
-            f"{structure.l_y} has {structure.l_theta}. Check n_c, k_c and the kind of structure."
+            f"{structure.l_y} has {structure.l_theta}. {hint}"
         )
 
 

@@ -97,10 +97,11 @@ def stabilising_solution(
     """As `solve_dare`, with (R_1, R_12, R_2), their factor (E_1, E_2) and the words for errors."""
     if not A.size:
         raise InputError("A is 0 x 0: a plant without states leaves nothing to estimate or move.")
-    require_stabilisable(A, B, role)
-    if factor is not None:
-        require_rank(A, B, *factor, role)
-    best = _best(A, B, weights)
+    with np.errstate(all="ignore"):  # what leaves float64 ends in a bad residual
+        require_stabilisable(A, B, role)
+        if factor is not None:
+            require_rank(A, B, *factor, role)
+        best = _best(A, B, weights)
     if best is None or not best.margin > 0 or not best.residual < LARGEST_RESIDUAL:
         if factor is not None:  # look all around the circle for the reason
             around = np.exp(1j * np.linspace(0, np.pi, 64))

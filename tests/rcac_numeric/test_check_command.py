@@ -53,7 +53,7 @@ def test_the_worked_example(tmp_path):
     picture = tmp_path / "check.png"
     result = run(OCTAVE, "--plant", CASE, "--plot", picture)
     assert result.exit_code == 0, result.output
-    for words in ("has converged", "rejects constant signals", "gain up", "high-authority LQG"):
+    for words in ("has converged", "rejects constant signals", "gain up", "LQG: 2.36"):
         assert words in result.output
     assert picture.read_bytes().startswith(b"\x89PNG")
 
@@ -72,11 +72,11 @@ def test_json_stays_strict_where_numbers_are_infinite(tmp_path):
     answer = strict(run(OCTAVE, "--n-c", 4, "--plant", "1/(q - 3)", "--target", "1/q",
                         "--json").output)  # fmt: skip
     assert answer["h2"]["cost"] is None and not answer["loop"]["is_stable"]
-    np.savez(tmp_path / "still.npz", u=np.ones(9), y=np.ones(9), D_c=[1, 0], N_c=[0.1])
+    np.savez(tmp_path / "still.npz", u=np.full(9, 0.1), y=np.ones(9), D_c=[1, 0], N_c=[0.1])
     still = strict(run(tmp_path / "still.npz", "--plant", "1/(q - 0.5)", "--json").output)
     lag = still["margins"]["u"]["phase_lag"]
     assert lag["value"] is None and not lag["is_reached"]
-    assert still["replay"] is None and still["unsaid"]["replay"] == "no theta was logged"
+    assert still["replay"]["agrees"] and still["unsaid"]["convergence"] == "no theta was logged"
 
 
 @pytest.mark.parametrize("kind", ["csv", "mat", "npz", "renamed csv", "rows"])
@@ -120,6 +120,71 @@ def test_a_plant_by_its_matrices_inside_the_log_or_in_a_file(tmp_path, signals):
     assert run(OCTAVE, "--plant", OCTAVE).exit_code == 2
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: "\ufeff" + text,
+        lambda text: text.replace("\n", "\r\n"),
+        lambda text: text.replace(",", ";"),
+        lambda text: text.replace(",", "\t"),
+        lambda text: "\n" + text.replace("\n", "\n\n", 3),
+        lambda text: text.replace("theta1", '"theta1"').replace("\n1.0,", '\n"1.0",'),
+    ],
+    ids=["byte order mark", "CRLF", "semicolons", "tabs", "blank lines", "quotes"],
+)
+def test_dialects_of_csv(tmp_path, change):
+    plain, other = tmp_path / "plain.csv", tmp_path / "other.csv"
+    text = "u,y,theta1,theta2\n" + "1.0,2.0,-0.5,0.25\n" * 9
+    plain.write_text(text, encoding="utf-8", newline="")
+    other.write_text(change(text), encoding="utf-8", newline="")
+    wanted, found = read_log(plain), read_log(other)
+    for name in ("u", "y", "theta"):
+        assert (getattr(wanted, name) == getattr(found, name)).all()
+    assert found.theta.shape == (9, 2)
+
+
+def test_variables_that_the_check_does_not_need_do_not_matter(tmp_path):
+    np.savez(tmp_path / "log.npz", u=np.ones(9), y=np.ones(9), theta=0.5, poles=1j * np.ones(3),
+             note=np.array("hot day"))  # fmt: skip
+    log = read_log(tmp_path / "log.npz")
+    assert log.theta.tolist() == [0.5]
+    with pytest.raises(CompensatorError, match="complex"):
+        read_log(tmp_path / "log.npz", {"y": "poles"})
+
+
+def test_the_noise_of_the_cost_is_that_of_the_option(tmp_path, signals):
+    def h2(*options):
+        return strict(run(OCTAVE, "--plant", CASE, "--json", *options).output)["h2"]
+
+    one, two = h2(), h2("--noise", "w = 2.25")
+    assert two["by_noise"].keys() == {"w"}
+    for key in ("cost", "lqg"):
+        assert np.isclose(two[key], 2.25 * one[key], rtol=1e-9)
+    np.savez(tmp_path / "log.npz", **{name: signals[name] for name in ("u", "y", "theta")})
+    servo = ("--n-c", 4, "--plant", "1/(q - 0.5)", "--problem", "servo")
+    answer = strict(run(tmp_path / "log.npz", *servo, "--noise", "v=0.25,d=1", "--json").output)
+    assert answer["h2"]["by_noise"].keys() == {"v", "d"}
+
+
+@pytest.mark.parametrize(
+    ("noise", "words"),
+    [
+        ("w", "--noise has the entry 'w'; write for instance d=1,v=0.25"),
+        ("w=", "--noise has the entry 'w='"),
+        ("w=loud", "'loud' is no number"),
+        ("w=1_0", "'1_0' is no number"),
+        ("w=1,w=2", "twice"),
+        ("v=1", "w has no block or channel 'v'; it has w"),
+        ("w=-1", "positive semidefinite"),
+        ("w=nan", "finite"),
+        ("w=1e999", "finite"),
+    ],
+)
+def test_noise_that_is_none(noise, words):
+    result = run(OCTAVE, "--plant", CASE, "--noise", noise)
+    assert result.exit_code == 2 and words in result.output, result.output
+
+
 def test_a_log_that_contradicts_itself_ends_with_status_1(tmp_path, signals):
     other = {**signals, "u": 1.1 * signals["u"] + 1}
     np.savez(tmp_path / "log.npz", **other)
@@ -151,13 +216,19 @@ BAD = [
     ("log.mat", lambda path: path.write_bytes(b"no log at all" * 40),
      "not a .mat file that can be read"),
     ("log.npz", lambda path: path.write_bytes(b"no archive"), "not an .npz"),
+    ("log.csv", as_text("u;y\n0,5;1\n"), "column u: '0,5' is not a number. Write decimals with a"),
+    ("log.csv", as_text("u,y\n1_0,2\n"), "column u: '1_0' is not a number"),
+    ("log.csv", as_text("u,y\n0,5,1,5\n"), "line 2: 4 entries where 2"),
+    ("log.npz", lambda path: np.savez(path, u=np.ones(9), y=np.ones(9), theta=np.ones(9)),
+     "has 9 coefficients"),
     ("log.txt", as_text("u,y\n1,2\n"), "use .csv, .mat, .npz"),
     ("log.mat", lambda path: scipy.io.savemat(path, {"input": np.ones((9, 1))}), "has no 'u'"),
     ("log.mat", lambda path: scipy.io.savemat(path, {"u": np.ones((1, 9)), "y": np.ones((1, 9))}),
      "u has shape \\(1, 9\\).*transposed"),
     ("log.mat", lambda path: scipy.io.savemat(path, {"u": np.ones((9, 1)), "y": np.ones((8, 1))}),
      "y has 8 steps where u has 9"),
-    ("log.mat", lambda path: scipy.io.savemat(path, {"u": 1j * np.ones((9, 1))}), "complex"),
+    ("log.mat", lambda path: scipy.io.savemat(path, {"u": 1j * np.ones(9), "y": np.ones(9)}),
+     "u must be an array of real numbers.*complex"),
     ("log.npz", lambda path: np.savez(path, u=np.array([None, 1], dtype=object)), "not an .npz"),
 ]  # fmt: skip
 

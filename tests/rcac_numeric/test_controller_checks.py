@@ -30,6 +30,7 @@ from rcac_numeric import (
     step,
     white_noise,
 )
+from rcac_numeric.replays import replay_compensator
 from tests.rcac_numeric.strategies import controllers, plants, seeds
 
 OCTAVE = "examples/octave/rcac_loop.mat"
@@ -231,3 +232,32 @@ def test_refusals(arguments, words):
     given = {"u": np.ones(30), "y": np.ones(30), "theta": np.ones(4), "structure": iir(n_c=2)}
     with pytest.raises(InputError, match=words):
         check_controller(**{**given, **arguments})
+
+
+def test_noise_needs_a_plant_and_a_silent_channel_has_a_share():
+    plant = servo_plant("1/(q - 0.5)")
+    run = logged(plant, iir(n_c=2), [step(), step(0), step(0)], steps=500)
+    with pytest.raises(InputError, match="they need the plant"):
+        check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), noise={"d": 1.0})
+    check = check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), plant=plant,
+                             noise={"d": 0.0, "v": 1.0})  # fmt: skip
+    assert check.costs.reached.shares["d"] == 0.0
+    assert check.costs.reached.value == check.costs.reached.shares["v"]
+
+
+@given(seeds, st.integers(1, 3), st.integers(1, 3), st.integers(0, 3))
+def test_a_fixed_compensator_is_replayed(seed, l_u, l_y, n_c):
+    """u of (2.28), summed term by term, is the compensator's; with one wrong coefficient not."""
+    rng = np.random.default_rng(seed)
+    P = rng.uniform(-0.3, 0.3, (n_c, l_u, l_u)) / max(n_c, 1)
+    Q = rng.uniform(0.5, 1.0, (n_c + 1, l_u, l_y))
+    y, u = rng.standard_normal((50, l_y)), np.zeros((50, l_u))
+    for k in range(50):
+        for i in range(min(n_c, k)):
+            u[k] += P[i] @ u[k - 1 - i]
+        for i in range(min(n_c, k) + 1):
+            u[k] += Q[i] @ y[k - i]
+    log = ControllerLog(u=u, y=y)
+    assert replay_compensator(log, Compensator(P, Q)).worst < 1e-12
+    Q[-1, 0, 0] += 0.1
+    assert not replay_compensator(log, Compensator(P, Q)).agrees

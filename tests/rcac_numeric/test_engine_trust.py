@@ -9,7 +9,6 @@ from scipy import signal
 from rcac_numeric import (
     Controller,
     ControllerSettings,
-    Plant,
     TargetModel,
     exogenous,
     iir,
@@ -19,25 +18,12 @@ from rcac_numeric import (
     standard_plant,
 )
 
-# (4.25)-(4.28)
-EXAMPLE_4_1 = Plant(
-    A=[
-        [0.855, 1, 0, 0, 0],
-        [-0.1715, 0.855, -0.4266, -0.3607, 0.4952],
-        [0, 0, 0.5, -0.5072, 0.6964],
-        [0, 0, 0, 0.6716, 1],
-        [0, 0, 0, -0.4514, 0.6716],
-    ],
-    B=[[0], [0], [0], [0], [1]],
-    D_1=[[-0.6269], [0.3985], [-0.3306], [0.4415], [0.3794]],
-    C=[[0.7298, -0.3954, -0.3605, 0.4003, 0.1447]],
-    E_1=[[0.1717, 0.3351, -0.5294, -0.4476, 0.6145]],
-)
+from .dissertation_plants import PLANT_4_1
 
 
 def split(row, inputs):
     """Leading coefficient, relative degree, zeros inside and outside the unit circle."""
-    numerator = signal.ss2tf(EXAMPLE_4_1.A, inputs, row, np.zeros((1, 1)))[0][0]
+    numerator = signal.ss2tf(PLANT_4_1.A, inputs, row, np.zeros((1, 1)))[0][0]
     degree = int(np.flatnonzero(np.abs(numerator) > 1e-9)[0])
     zeros = np.roots(numerator[degree:])
     return numerator[degree], degree, zeros[np.abs(zeros) < 1], zeros[np.abs(zeros) > 1]
@@ -45,11 +31,11 @@ def split(row, inputs):
 
 def targets_of_4_1():
     """High authority (4.24), with d_yw in its power of q and monic reflections; FIR (2.50)."""
-    H, d_zu, _, outside = split(EXAMPLE_4_1.E_1, EXAMPLE_4_1.B)
-    _, d_yw, inside_yw, outside_yw = split(EXAMPLE_4_1.C, EXAMPLE_4_1.D_1)
+    H, d_zu, _, outside = split(PLANT_4_1.E_1, PLANT_4_1.B)
+    _, d_yw, inside_yw, outside_yw = split(PLANT_4_1.C, PLANT_4_1.D_1)
     top = H * np.real(np.poly(outside))
     bottom = np.real(np.poly([*(1 / outside), *inside_yw, *(1 / outside_yw)]))
-    power = EXAMPLE_4_1.n - d_zu - d_yw
+    power = PLANT_4_1.n - d_zu - d_yw
     padded = np.concatenate([top, np.zeros(power)])  # descending powers of q
     high = TargetModel(np.concatenate([np.zeros(len(bottom) - len(padded)), padded]), bottom)
     return high, TargetModel(np.concatenate([np.zeros(d_zu), top]))
@@ -61,7 +47,7 @@ def example(name, k_w):
         high, fir = targets_of_4_1()
         structure, target = (iir(5), high) if name == "4.1, n_c = 5" else (iir(20), fir)
         w = 0.1 * np.random.default_rng(0).standard_normal((200, 1))
-        return EXAMPLE_4_1, ControllerSettings(
+        return PLANT_4_1, ControllerSettings(
             structure=structure, target=target, R_theta=1.0, k_w=k_w
         ), w  # fmt: skip
     run = load_example(name).main_run

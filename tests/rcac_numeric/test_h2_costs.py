@@ -210,3 +210,38 @@ def test_nearly_parallel_outputs_and_hidden_modes():
     constant = compensator_from_state_space(A, np.ones((3, 1)), np.zeros((2, 3)), [[1.0], [2.0]])
     assert constant.Q[0].tolist() == [[1.0], [2.0]] and not constant.P.any()
     assert state_space_of(constant, 2, 1)[3].tolist() == [[1.0], [2.0]]
+
+
+def test_a_loop_whose_poles_rounding_cannot_tell_from_the_circle_costs_infinitely_much():
+    """(q^2 - 0.56 q + 1): modulus 1, of which the eigenvalues keep 1 - 1e-16."""
+    none = Compensator(P=[[[0.0]]], Q=[[[0.0]], [[0.0]]])
+    plant = standard_plant("1/((q**2 - 0.56*q + 1)*(q - 0.3)*(q + 0.7))")
+    assert np.isinf(float(h2_cost(plant, none)))
+    near = standard_plant("1/(q - 0.99999999)")
+    assert float(h2_cost(near, none)) == pytest.approx(1 / (1 - 0.99999999**2), rel=1e-7)
+
+
+def test_a_cost_of_nothing_is_not_negative():
+    """Where u cancels all of z the terms of the cost cancel; shares are sums of squares."""
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        plant = Plant(
+            A=[[-0.25]], B=rng.standard_normal((1, 2)), D_1=rng.standard_normal((1, 2)),
+            C=rng.standard_normal((2, 1)), D_2=rng.standard_normal((2, 2)),
+            E_1=rng.standard_normal((2, 1)), E_2=rng.standard_normal((2, 2)),
+            E_0=rng.standard_normal((2, 2)),
+        )  # fmt: skip
+        # u = -E_2^{-1}(E_1 x + E_0 w), with x and w from y and the past: z = 0
+        K, W = -np.linalg.solve(plant.E_2, plant.E_1), -np.linalg.solve(plant.E_2, plant.E_0)
+        to_w = np.linalg.inv(plant.D_2)  # w = D_2^{-1}(y - C x)
+        D_c = W @ to_w
+        C_c = K - D_c @ plant.C
+        A_c = plant.A - plant.D_1 @ to_w @ plant.C + plant.B @ C_c
+        cost = h2_cost(plant, (A_c, plant.D_1 @ to_w + plant.B @ D_c, C_c, D_c))
+        size = sum(map(abs, cost.terms.values()))
+        assert cost.value >= 0 and (np.isinf(cost.value) or cost.value <= 1e-13 * size)
+
+
+def test_what_is_no_plant_is_refused():
+    with pytest.raises(InputError, match="not a Plant"):
+        h2_cost("1/q", Compensator(P=[[[0.0]]], Q=[[[0.0]], [[0.0]]]))

@@ -6,29 +6,16 @@ import pytest
 import compensator_theory
 from compensator_theory import InputError, NoSolutionError, UnitCircleError
 from rcac_numeric import (
-    Plant,
     high_authority_target,
     modelling_information,
     servo_plant,
     standard_plant,
 )
 
+from .dissertation_plants import PLANT_4_1
+
 OMEGA = np.linspace(0.1, 3.0, 9)
 Q = np.exp(1j * OMEGA)
-
-EXAMPLE_4_1 = Plant(
-    A=[
-        [0.855, 1, 0, 0, 0],
-        [-0.1715, 0.855, -0.4266, -0.3607, 0.4952],
-        [0, 0, 0.5, -0.5072, 0.6964],
-        [0, 0, 0, 0.6716, 1],
-        [0, 0, 0, -0.4514, 0.6716],
-    ],
-    B=[[0], [0], [0], [0], [1]],
-    D_1=[[-0.6269], [0.3985], [-0.3306], [0.4415], [0.3794]],
-    C=[[0.7298, -0.3954, -0.3605, 0.4003, 0.1447]],
-    E_1=[[0.1717, 0.3351, -0.5294, -0.4476, 0.6145]],
-)
 
 
 def numerator(plant, channel):
@@ -38,7 +25,7 @@ def numerator(plant, channel):
 
 def test_example_4_1_is_the_corrected_formula():
     """G_f = H q^(n-d_zu-d_yw) prod(q-z) / [prod(q-1/z) N_yw,s prod(q-1/zeta)], by NumPy's roots."""
-    N_zu, N_yw = numerator(EXAMPLE_4_1, "zu"), numerator(EXAMPLE_4_1, "yw")
+    N_zu, N_yw = numerator(PLANT_4_1, "zu"), numerator(PLANT_4_1, "yw")
     z, zeta = np.roots(N_zu), np.roots(N_yw)
     z, inside, zeta = z[abs(z) > 1], zeta[abs(zeta) < 1], zeta[abs(zeta) > 1]
     assert len(z) > 0, "the example is NMP"
@@ -51,18 +38,18 @@ def test_example_4_1_is_the_corrected_formula():
     expected = (
         N_zu[0] * Q ** float(5 - d_zu - d_yw) * at(z) / (at(1 / z) * at(inside) * at(1 / zeta))
     )
-    target = high_authority_target(EXAMPLE_4_1)
+    target = high_authority_target(PLANT_4_1)
     assert target.frequency_response(OMEGA)[:, 0, 0] == pytest.approx(expected, rel=1e-9)
-    assert target.relative_degree == d_zu == modelling_information(EXAMPLE_4_1).d_zu
+    assert target.relative_degree == d_zu == modelling_information(PLANT_4_1).d_zu
     assert target.numerator[d_zu].item() == pytest.approx(N_zu[0])
 
 
 def test_its_poles_are_those_of_the_riccati_pencil():
     """D_HA by another way: the LQG poles of the exact half, where E_2 = D_2 = 0."""
-    closed_loop = compensator_theory.lqg_poles(EXAMPLE_4_1.problem).enclosure.coefficients
+    closed_loop = compensator_theory.lqg_poles(PLANT_4_1.problem).enclosure.coefficients
     D_HA = np.polyval([float(ball.centre) for ball in closed_loop], Q)
-    expected = np.polyval(numerator(EXAMPLE_4_1, "zu"), Q) * Q**5 / D_HA
-    response = high_authority_target(EXAMPLE_4_1).frequency_response(OMEGA)[:, 0, 0]
+    expected = np.polyval(numerator(PLANT_4_1, "zu"), Q) * Q**5 / D_HA
+    response = high_authority_target(PLANT_4_1).frequency_response(OMEGA)[:, 0, 0]
     assert response == pytest.approx(expected, rel=1e-9)
 
 

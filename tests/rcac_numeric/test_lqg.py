@@ -95,7 +95,10 @@ def test_cost_spectrum_and_exact_poles_of_any_plant(plant, form):
     # what the conditions of the two equations allow, and no less than a few hundred roundings
     condition = max(design.regulator.condition, design.estimator.condition)
     accuracy = max(1e-10, 1e-14 * condition)
-    assert design.cost.value == pytest.approx(design.cost_from_riccati, rel=100 * accuracy)
+    # every term of the predictor form's cost is positive; the filter form's may cancel to nothing
+    size = lqg(plant).cost_from_riccati
+    assert design.cost.value >= 0
+    assert abs(design.cost.value - design.cost_from_riccati) < 100 * accuracy * size
     assert design.agreement.reason == ""
     assert design.agreement.coefficient_distance < accuracy
     from rcac_numeric.h2_costs import loop_matrices
@@ -160,11 +163,10 @@ def test_by_hand():
 
 
 def test_a_plant_with_many_signals_and_an_unstable_controller():
-    """Two inputs, and a plant that only an unstable controller stabilises."""
+    """Example 6.1's, and one with two inputs and unstable modes on both sides of zero."""
     design = lqg(PLANT_6_1)
     assert np.abs(np.linalg.eigvals(design.state_space[0]) - 1.0025).min() < 1e-4
     assert design.spectral_radius > 1 and design.loop.is_stable
-    # example 4.8's plant is strongly unstable: poles and zero of G alternate outside
     rng = np.random.default_rng(2)
     plant = Plant(
         A=np.diag([2.0, 0.5, -1.5]), B=rng.standard_normal((3, 2)),

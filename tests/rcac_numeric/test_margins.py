@@ -276,11 +276,12 @@ def test_crossovers_are_all_there_and_all_true(seed):
         assert ((phases >= omega[i] - 1e-9) & (phases <= omega[i + 1] + 1e-9)).any()
 
 
-def assert_crossovers_match_a_grid(loop):
+def assert_crossovers_match_a_grid(loop, L_at):
+    """A grid of values of L that polynomials gave, not the matrices of the loop."""
     gains, phases = gain_crossovers(loop), phase_crossovers(loop)
     omega = np.linspace(1e-3, np.pi - 1e-3, 40001)
-    L = loop.response(omega)
-    assert np.allclose(np.abs(loop.response(gains)), 1, rtol=1e-7)
+    L = L_at(np.exp(1j * omega))
+    assert np.allclose(np.abs(L_at(np.exp(1j * gains))), 1, rtol=1e-7)
     for i in np.flatnonzero(np.diff(np.sign(np.abs(L) - 1))):
         assert ((gains >= omega[i] - 1e-9) & (gains <= omega[i + 1] + 1e-9)).any()
     for i in np.flatnonzero((np.diff(np.sign(L.imag)) != 0) & (L.real[1:] < 0) & (L.real[:-1] < 0)):
@@ -296,19 +297,75 @@ def test_crossovers_of_a_loop_with_50_lags(seed):
     loop = ClosedLoop(plant, Compensator(np.zeros((50, 1, 1)), Q[:, None, None]))
     opened = broken_loop(loop)
     assert len(gain_crossovers(opened)) > 3
-    assert_crossovers_match_a_grid(opened)
+    assert_crossovers_match_a_grid(
+        opened,
+        lambda z: -np.polyval(Q, z) / z**50 * (z - 1.1) / ((z - 0.9) * (z - 0.95)),
+    )
 
 
 def test_internal_models_on_the_circle_do_not_hide_crossovers():
     """A double integrator and an undamped pair: L has poles on the circle itself."""
     poles = np.concatenate([[1.0, 1.0], np.exp([0.5j, -0.5j])])
     zeros = np.concatenate([[0.95, 0.9], 0.95 * np.exp([0.5j, -0.5j])])
-    L = tf(0.5 * np.poly(zeros).real, np.poly(poles).real)
-    assert_crossovers_match_a_grid(broken_loop(L, feedback=-1))
+    N, D = 0.5 * np.poly(zeros).real, np.poly(poles).real
+    L = tf(N, D)
+    assert_crossovers_match_a_grid(
+        broken_loop(L, feedback=-1), lambda z: np.polyval(N, z) / np.polyval(D, z)
+    )
     margins = stability_margins(L, feedback=-1)
-    assert (
-        margins.is_stable and margins.gain_up.radius_after > 1
-    ) or not margins.gain_up.is_reached
+    assert margins.is_stable and margins.gain_up.value == np.inf
+    assert [round(float(radius(L, k)), 6) < 1 for k in (1.0, 10.0, 1e3)] == [True, True, True]
+
+
+@pytest.mark.parametrize("h", [0.1, 1e-2, 1e-3, 1e-4])
+@pytest.mark.parametrize("order", [2, 3, 4, 5])
+def test_a_loop_that_is_sampled_fast_has_the_margins_of_the_continuous_one(h, order):
+    """k / (s + 1)^order, sampled with a hold: to first order a delay of half a period.
+
+    All poles are within h of 1, where cos omega keeps no digit of the crossovers.
+    """
+    k = 1.5
+    omega = np.sqrt(k ** (2 / order) - 1)  # abs(k / (1 + j omega)^order) = 1
+    lag = np.pi - order * np.arctan(omega)
+    L = control.c2d(control.ss(control.tf([k], np.poly([-1.0] * order))), h, "zoh")
+    margins = stability_margins(L, feedback=-1)
+    assert np.isclose(margins.phase_lag.omega, omega * h, rtol=0.02 + h)
+    assert np.isclose(np.radians(margins.phase_lag.value), lag - omega * h / 2, rtol=h)
+    assert np.isclose(margins.delay_time, lag / omega - h / 2, rtol=h)
+    if order > 2:
+        assert np.isclose(margins.gain_up.value, 1 / np.cos(np.pi / order) ** order / k, rtol=5 * h)
+    assert margins.worst_gap < 1e-6 and abs(margins.disk.radius_at - 1) < 1e-6
+
+
+@pytest.mark.parametrize("g", [1e-1, 1e-3, 1e-6, 1e-9])
+def test_a_slow_integrator_has_a_crossover_and_at_both_ends_of_the_circle(g):
+    for pole, sign in ((1, 1.0), (-1, -1.0)):
+        margins = stability_margins(tf([sign * g], [1, -pole]), feedback=-1)
+        slow = 2 * np.arcsin(g / 2)  # abs(q - pole) = g
+        assert np.isclose(margins.phase_lag.omega, slow if pole == 1 else np.pi - slow)
+        assert np.isclose(margins.phase.value, 90 - np.degrees(slow) / 2)
+        assert margins.gain_down.value == 0 and margins.gain_down.radius_at != 1
+
+
+@settings(max_examples=100)
+@given(seeds)
+def test_no_gain_below_one_is_lost_to_poles_on_the_circle(seed):
+    """Integrators, double ones and undamped pairs: rounding puts them inside or outside."""
+    rng = np.random.default_rng(seed)
+    pair = np.exp([1j, -1j] * rng.uniform(0.1, 3.0, 1))
+    on = [[1.0], [1.0, 1.0], [-1.0], pair, [1.0, *pair]][rng.integers(5)]
+    poles = np.concatenate([on, rng.uniform(-0.9, 0.9, rng.integers(0, 3))])
+    D = np.poly(poles).real
+    N = np.poly(rng.uniform(-0.95, 0.95, len(poles))).real - D
+    margins = stability_margins(tf(N, D), feedback=-1)
+    assume(margins.is_stable)
+    down = margins.gain_down
+    assert down.value == 0 or down.value > 1e-9
+    for gain in np.geomspace(max(down.value * 1.001, 1e-4), 1, 30):
+        assert radius(tf(N, D), gain) < 1 + 1e-12
+    if down.is_reached:
+        assert radius(tf(N, D), down.value * 0.999) > 1
+    assert abs(margins.disk.radius_at - 1) < 1e-6 and margins.worst_gap < 1e-6
 
 
 @pytest.mark.parametrize("seed", range(3))
