@@ -47,6 +47,20 @@ have one_common_root : common_roots a b = 1%N.
   by rewrite (eqp_size (_ : gcdp a b %= a)) ?deg_a // /eqp dvdp_gcdl dvdp_gcd dvdpp dvdp_mulr.
 by move: formula; rewrite one_common_root; have := rank_leq_row (M_1 1 2 a b); lia.
 Qed.
+
+(* Refuted: "the number of common roots" as the number of different ones. a = b = (s + 1)^2 have
+   one, and k + l - rank is 2. *)
+Theorem theorem_A1_counts_multiplicity :
+  let a : {poly R} := ('X + 1) ^+ 2 in
+  (2 + 2 - \rank (M_1 2 2 a a))%N = 2%N /\ (forall x, root a x <-> x = -1).
+Proof.
+move=> a; have deg_a : degree_is a 2.
+  by rewrite /a -polyC1 -[X in 'X + X]opprK -polyCN size_exp_XsubC.
+have [formula _] := theorem_A1 deg_a (eq_leq deg_a); split.
+  by rewrite -formula gcdpp deg_a.
+move=> x; rewrite /a expr2 rootM orbb rootE !hornerE addr_eq0.
+by split=> /eqP.
+Qed.
 End Resultants.
 
 Section Riccati.
@@ -84,8 +98,8 @@ Proof. by move=> nz_z; field; rewrite nz_z. Qed.
 
 (* Refuted: (A.15) "mspec(A + B C_c) = mzeros(z^d_zu N_zu,s(z) N_zu,u(1/z))" where G_zu has NMP
    zeros. G_zu = (z - 2) / z^2, n = 2, d_zu = 1, N_zu,s = 1, N_zu,u = z - 2, R_2 = 0: P >= 0 solves
-   (A.7), C_c = K of (A.6) gives the eigenvalues 0 and 1/2, and the printed function is 1 - 2z, whose
-   only zero is 1/2. The exponent must be d_zu + deg N_zu,u, here 2. *)
+   (A.7), C_c = K of (A.6) gives the eigenvalues 0 and 1/2, and the printed function is 1 - 2z,
+   whose only zero is 1/2. The exponent must be d_zu + deg N_zu,u, here 2. *)
 Theorem A_15_exponent :
   let A : 'M[R]_2 := matrix_2 0 1 0 0 in let B := column_2 0 1 in let E_1 := row_2 (- 2%:R) 1 in
   let P : 'M[R]_2 := matrix_2 4%:R (- 2%:R) (- 2%:R) 4%:R in let K := row_2 0 2%:R^-1 in

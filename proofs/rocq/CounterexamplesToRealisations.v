@@ -53,24 +53,32 @@ move=> eigen nz; rewrite -char_poly_tr; apply: (@left_eigenvalue _ xi^T).
 by apply: contra nz => /eqP zero; rewrite -(trmxK xi) zero trmx0.
 Qed.
 
-(* An unobservable mode of the compensator is one of the observer, an uncontrollable mode is one of
-   the regulator: a mode that is both is at least a double pole of the closed loop. *)
+(* An unobservable mode of the compensator is one of the observer. *)
+Theorem unobservable_mode_is_the_observers T K F lambda (xi : 'cV[R]_n) : form T K F ->
+  A_c *m xi = lambda *: xi -> C_c *m xi = 0 -> xi != 0 ->
+  root (char_poly (A - F *m C)) lambda.
+Proof.
+case=> unit_T outputs inputs similar A_xi C_xi nz_xi.
+have [z Ez] : exists z, T *m z = xi by exists (invmx T *m xi); rewrite mulKVmx.
+have Kz : K *m z = 0 by rewrite -outputs -mulmxA Ez.
+apply: (@right_eigenvalue _ z); last first.
+  by apply: contra nz_xi => /eqP zero; rewrite -Ez zero mulmx0.
+apply: (can_inj (mulKmx unit_T)); rewrite -scalemxAr Ez -A_xi -Ez [RHS]mulmxA similar -mulmxA.
+congr (_ *m _); rewrite /observer_matrix addrAC [RHS]mulmxDl.
+by rewrite -[B *m K *m z]mulmxA Kz mulmx0 addr0.
+Qed.
+
+(* An uncontrollable mode is one of the regulator: a mode that is both unobservable and
+   uncontrollable is at least a double pole of the closed loop. *)
 Theorem hidden_mode_is_double_pole T K F lambda (xi : 'cV[R]_n) (eta : 'rV[R]_n) : form T K F ->
   A_c *m xi = lambda *: xi -> C_c *m xi = 0 -> xi != 0 ->
   eta *m A_c = lambda *: eta -> eta *m B_c = 0 -> eta != 0 ->
   [/\ root (char_poly (A - F *m C)) lambda, root (char_poly (A + B *m K)) lambda
     & ('X - lambda%:P) ^+ 2 %| char_poly (closed_loop A B C A_c B_c C_c)].
 Proof.
-move=> formed; have [unit_T outputs inputs similar] := formed.
-move=> A_xi C_xi nz_xi eta_A eta_B nz_eta.
-have observer : root (char_poly (A - F *m C)) lambda.
-  have [z Ez] : exists z, T *m z = xi by exists (invmx T *m xi); rewrite mulKVmx.
-  have Kz : K *m z = 0 by rewrite -outputs -mulmxA Ez.
-  apply: (@right_eigenvalue _ z); last first.
-    by apply: contra nz_xi => /eqP zero; rewrite -Ez zero mulmx0.
-  apply: (can_inj (mulKmx unit_T)); rewrite -scalemxAr Ez -A_xi -Ez [RHS]mulmxA similar -mulmxA.
-  congr (_ *m _); rewrite /observer_matrix addrAC [RHS]mulmxDl.
-  by rewrite -[B *m K *m z]mulmxA Kz mulmx0 addr0.
+move=> formed A_xi C_xi nz_xi eta_A eta_B nz_eta.
+have observer := unobservable_mode_is_the_observers formed A_xi C_xi nz_xi.
+have [unit_T outputs inputs similar] := formed.
 have regulator : root (char_poly (A + B *m K)) lambda.
   have etaF : eta *m T *m F = 0 by rewrite -mulmxA inputs.
   apply: (@left_eigenvalue _ (eta *m T)); last first.
