@@ -1,7 +1,7 @@
 (* Appendices A and B: wordings that are false. Resultants.v and ReturnDifference.v have the true
    statements. *)
 From mathcomp Require Import all_ssreflect all_algebra zify ring.
-From Compensators Require Import Vocabulary Matrices Coprimeness Resultants SmallSystems.
+From Compensators Require Import Vocabulary Coprimeness Resultants SmallSystems.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory Num.Theory.
 Local Open Scope ring_scope.
@@ -84,8 +84,8 @@ Proof. by move=> nz_z; field; rewrite nz_z. Qed.
 
 (* Refuted: (A.15) "mspec(A + B C_c) = mzeros(z^d_zu N_zu,s(z) N_zu,u(1/z))" where G_zu has NMP
    zeros. G_zu = (z - 2) / z^2, n = 2, d_zu = 1, N_zu,s = 1, N_zu,u = z - 2, R_2 = 0: P >= 0 solves
-   (A.7), C_c = K of (A.6) gives the eigenvalues 0 and 1/2, and the printed function is 1 - 2z, whose
-   only zero is 1/2. The exponent must be d_zu + deg N_zu,u, here 2. *)
+   (A.7), C_c = K of (A.6) gives the eigenvalues 0 and 1/2, but the printed function is 1 - 2z, with
+   the one zero 1/2. The exponent must be d_zu + deg N_zu,u, here 2. *)
 Theorem A_15_exponent :
   let A : 'M[R]_2 := matrix_2 0 1 0 0 in let B := column_2 0 1 in let E_1 := row_2 (- 2%:R) 1 in
   let P : 'M[R]_2 := matrix_2 4%:R (- 2%:R) (- 2%:R) 4%:R in let K := row_2 0 2%:R^-1 in
