@@ -1,6 +1,6 @@
 (* Every strictly proper transfer function has a realisation: controllable canonical form. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
-From Compensators Require Import Vocabulary Matrices PolePlacement ClosedLoop Coprimeness.
+From mathcomp Require Import all_ssreflect all_algebra.
+From Compensators Require Import Vocabulary PolePlacement Coprimeness.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory.
 Local Open Scope ring_scope.

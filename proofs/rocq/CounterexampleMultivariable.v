@@ -1,6 +1,6 @@
 (* More than one signal: "every full-order compensator is observer-based for even n" is false, even
    for minimal compensators over the reals. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
+From mathcomp Require Import all_ssreflect all_algebra ring.
 From Compensators Require Import Vocabulary Matrices SmallSystems.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory Num.Theory.

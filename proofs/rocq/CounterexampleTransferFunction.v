@@ -1,9 +1,8 @@
 (* Theorem 1 read as a statement about transfer functions: one transfer function, two answers.
    theorem_1_transfer_functions of ObserverBasedPairs.v is the true statement. *)
 From mathcomp Require Import all_ssreflect all_algebra zify ring.
-From mathcomp Require Import all_real_closed.
-From Compensators Require Import Vocabulary Matrices PolePlacement ClosedLoop Coprimeness.
-From Compensators Require Import ObserverBasedPairs CanonicalForm SmallSystems.
+From Compensators Require Import Vocabulary PolePlacement Coprimeness.
+From Compensators Require Import ObserverBasedPairs CanonicalForm.
 From Compensators Require Import CounterexamplesToTheorem1.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory Num.Theory.

@@ -1,7 +1,7 @@
 (* "In some basis" without minimality: full-order compensators of an even order that no basis makes
    observer-based. Forms.v has the true statement, for minimal compensators. *)
-From mathcomp Require Import all_ssreflect all_algebra zify ring.
-From Compensators Require Import Vocabulary Matrices PolePlacement ClosedLoop Coprimeness Forms.
+From mathcomp Require Import all_ssreflect all_algebra ring.
+From Compensators Require Import Vocabulary Matrices ClosedLoop Coprimeness Forms.
 From Compensators Require Import SmallSystems.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory Num.Theory.

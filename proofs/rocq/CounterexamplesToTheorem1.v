@@ -1,8 +1,7 @@
 (* Chapter 7, polynomials: wordings of Propositions 1 and 2 and of Theorem 1 that are false, each
    with the example that refutes it. ObserverBasedPairs.v has the true statements. *)
 From mathcomp Require Import all_ssreflect all_algebra zify ring.
-From mathcomp Require Import all_real_closed.
-From Compensators Require Import Vocabulary Matrices PolePlacement ClosedLoop Coprimeness.
+From Compensators Require Import Vocabulary PolePlacement ClosedLoop Coprimeness.
 From Compensators Require Import Diophantine ObserverBasedPairs CanonicalForm SmallSystems.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import GRing.Theory Num.Theory.
