@@ -1,11 +1,4 @@
-"""The derivation (4.1)-(4.18) of the intercalated transfer function, each step recomputed.
-
-``python -m proofs.intercalation`` prints the steps and exits with 1 if one of them fails.
-"""
-
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass
+"""The derivation (4.1)-(4.18) of the intercalated transfer function, each step recomputed."""
 
 import sympy
 from sympy import Expr, IndexedBase, Matrix, Sum, Symbol, expand, kronecker_product, symbols
@@ -27,40 +20,12 @@ G_c = D_c**-1 * N_c
 LOOP = G_yu * G_c
 
 
-@dataclass(frozen=True)
-class Step:
-    """One equation of the derivation and whether recomputing it confirmed it.
-
-    Attributes
-    ----------
-    equation : str
-        Number in the dissertation.
-    statement : str
-        What was checked.
-    holds : bool
-        The outcome.
-
-    Examples
-    --------
-    >>> from proofs.intercalation import Step
-    >>> print(Step("(4.6)", "the residual in terms of the perturbation", True))
-    holds   (4.6)          the residual in terms of the perturbation
-    """
-
-    equation: str
-    statement: str
-    holds: bool
-
-    def __str__(self) -> str:
-        return f"{'holds' if self.holds else 'FAILS':7} {self.equation:14} {self.statement}"
-
-
 def with_inverse(expression: Expr) -> Expr:
     r"""Simplify with :math:`S = (I - G_{yu}G_c)^{-1}`, that is, :math:`S G_{yu}G_c = S - I`.
 
     Examples
     --------
-    >>> from proofs.intercalation import LOOP, S, with_inverse
+    >>> from proofs.symbolic.intercalation import LOOP, S, with_inverse
     >>> with_inverse(S * (1 - LOOP)), with_inverse((1 - LOOP) * S)
     (1, 1)
     """
@@ -72,19 +37,19 @@ def with_inverse(expression: Expr) -> Expr:
 
 
 def retrospective_performance() -> bool:
-    """Check (4.1) against (2.36), where filter and controller act on the recorded data."""
+    """(2.36) is (4.1): the filter acts on u - Phi theta as a whole."""
     return bool(expand(z + G_f * Phi * theta - G_f * u - (z - G_f * (u - Phi * theta))) == 0)
 
 
 def residual_of_the_fit() -> bool:
-    """Check (4.2)-(4.6)."""
+    """(4.2)-(4.6): at theta* the residual is z - G_f u~."""
     residual = z - G_f * (u - Phi * theta)
     renamed = residual.subs(Phi * theta, u_star).subs(u, u_star + u_tilde)
     return bool(expand(renamed - (z - G_f * u_tilde)) == 0)
 
 
 def regressor_layout() -> bool:
-    """Check that Phi theta of (2.30), (2.31) is the controller (2.28), l_u = l_y = n_c = 2.
+    """(2.28)-(2.31): Phi theta lists exactly the terms of the controller, l_u = l_y = n_c = 2.
 
     It is if theta stacks the columns of [P_1 ... Q_n_c] itself; the transpose that (2.31) prints
     under vec would permute theta for l_u > 1.
@@ -103,7 +68,7 @@ def regressor_layout() -> bool:
 
 
 def controller_with_perturbation() -> bool:
-    """Check (4.7) with n_c symbolic (scalar signals)."""
+    """(4.7): u = u* + u~ splits the past controls, for every n_c (scalar signals)."""
     k, k_c, i = symbols("k k_c i", integer=True)
     P, Q, v, v_star, v_tilde, m = map(IndexedBase, ("P", "Q", "u", "us", "ut", "y"))
     through_y = Sum(Q[i] * m[k - i], (i, k_c, n_c))
@@ -119,7 +84,7 @@ def controller_with_perturbation() -> bool:
 
 
 def controller_in_the_shift() -> bool:
-    """Check (4.8)-(4.11): multiply (4.7) by q**n_c, where q**n_c I - D_c collects the P_i."""
+    """(4.8)-(4.11): u* solves its own difference equation; q^n_c I - D_c collects the P_i."""
     collected_P = q**n_c - D_c  # (4.9)
     times_q = q**n_c * u_star - (collected_P * (u_star + u_tilde) + N_c * y)  # (4.7), vanishes
     solved = D_c**-1 * ((q**n_c - D_c) * u_tilde + N_c * y)  # (4.8)
@@ -127,7 +92,7 @@ def controller_in_the_shift() -> bool:
 
 
 def substituted_controller() -> bool:
-    """Check the bracket of (4.12), (4.13): the control is D_c^-1 (q**n_c u~ + N_c y)."""
+    """(4.12), (4.13): the control is D_c^-1 (q^n_c u~ + N_c y)."""
     bracket = D_c**-1 * ((q**n_c - D_c) * u_tilde + N_c * y) + u_tilde
     return bool(expand(bracket - D_c**-1 * (q**n_c * u_tilde + N_c * y)) == 0)
 
@@ -137,14 +102,14 @@ def _solved_for_y() -> Expr:
 
 
 def measurement_with_loop_closed() -> bool:
-    """Check that solving (4.13) for y gives S (G_yw w + q**n_c G_yu D_c^-1 u~)."""
+    """(4.13) solved for y: y = S (G_yw w + q^n_c G_yu D_c^-1 u~)."""
     solved = _solved_for_y()
     right_side = G_yw * w + G_yu * D_c**-1 * (q**n_c * u_tilde + N_c * solved)
     return bool(with_inverse(solved - right_side) == 0)
 
 
 def performance_with_loop_closed() -> bool:
-    """Check (4.14) with (4.15) and (4.16)."""
+    """(4.14)-(4.16): z is the sum of two closed-loop responses."""
     performance = G_zw * w + G_zu * D_c**-1 * (q**n_c * u_tilde + N_c * _solved_for_y())
     from_w = G_zw + G_zu * G_c * S * G_yw
     from_u_tilde = q**n_c * G_zu * (D_c**-1 + G_c * S * G_yu * D_c**-1)
@@ -152,7 +117,7 @@ def performance_with_loop_closed() -> bool:
 
 
 def compact_form() -> bool:
-    """Check that the bracket of (4.16) is the inverse of D_c - N_c G_yu, from both sides."""
+    """(4.16): the bracket is the inverse of D_c - N_c G_yu, from both sides."""
     bracket, inverse = D_c**-1 + G_c * S * G_yu * D_c**-1, D_c - N_c * G_yu
     left = with_inverse(bracket * inverse)
     right = with_inverse(D_c**-1 * inverse * bracket * D_c)
@@ -160,7 +125,7 @@ def compact_form() -> bool:
 
 
 def scalar_form() -> bool:
-    """Check (4.16) = (4.17) = (4.18) with polynomials as letters and n_c symbolic."""
+    """(4.16), (4.17) and (4.18) agree for scalar signals, for every n_c."""
     D, d, c, N_zu, N_yu = symbols("D D_c N_c N_zu N_yu")
     from_matrices = (
         q**n_c * (N_zu / D) * (1 / d + (c / d) / (1 - (N_yu / D) * (c / d)) * (N_yu / D) / d)
@@ -175,7 +140,7 @@ def scalar_form() -> bool:
 
 
 def external_perturbation() -> bool:
-    """Check (4.19): a perturbation added after the controller sees D_c in place of q**n_c."""
+    """(4.19): a perturbation added after the controller sees D_c in place of q^n_c."""
     D, d, c, N_zu, N_yu, control = symbols("D D_c N_c N_zu N_yu u")
     perturbation = Symbol("u_bar")
     loop = sympy.Eq(control, (c / d) * (N_yu / D) * control + perturbation)
@@ -184,7 +149,7 @@ def external_perturbation() -> bool:
 
 
 def hidden_factor() -> bool:
-    """Check that D divides the numerator of (2.11), for a plant of order 2 with 16 letters."""
+    """(2.11): D divides the numerator, so that the loop has n + n_c poles; n = 2, 16 letters."""
     plant = _generic_plant(has_direct_terms=True)
     minor = plant.numerator("zu") * plant.numerator("yw") - plant.numerator("zw") * (
         plant.numerator("yu")
@@ -193,7 +158,7 @@ def hidden_factor() -> bool:
 
 
 def generic_plant() -> bool:
-    """Check (4.18) against the closed loop's own state space, every entry a letter."""
+    """(4.18) is the response of the closed loop's own state space; n = 2, every entry a letter."""
     plant = _generic_plant(has_direct_terms=False)
     P, Q = symbols("P_1 Q_1")
     memory = Matrix([[P, Q]])  # acts on u(k-1), y(k-1)
@@ -219,53 +184,3 @@ def _generic_plant(has_direct_terms: bool) -> StandardProblem:
         Matrix([symbol]) if has_direct_terms else None for symbol in symbols("f:4")
     )
     return StandardProblem(A, B, C.T, D_1, D_0, D_2, E_1.T, E_2, E_0)
-
-
-CHECKS: tuple[tuple[str, str, Callable[[], bool]], ...] = (
-    ("(2.28)-(2.31)", "Phi theta lists exactly the terms of the controller", regressor_layout),
-    ("(2.11)", "D divides the numerator, so the loop has n + n_c poles", hidden_factor),
-    ("(4.1)", "the filter acts on u - Phi theta as a whole", retrospective_performance),
-    ("(4.2)-(4.6)", "at theta* the residual is z - G_f u~", residual_of_the_fit),
-    ("(4.7)", "u = u* + u~ splits the past controls, any n_c", controller_with_perturbation),
-    ("(4.8)-(4.11)", "u* solves its own difference equation", controller_in_the_shift),
-    ("(4.12), (4.13)", "the control is D_c^-1 (q^n_c u~ + N_c y)", substituted_controller),
-    ("(4.13)", "y with the loop closed, any sizes", measurement_with_loop_closed),
-    ("(4.14)-(4.16)", "z is the sum of two closed-loop responses", performance_with_loop_closed),
-    ("(4.16)", "the bracket is (D_c - N_c G_yu)^-1, any sizes", compact_form),
-    ("(4.17), (4.18)", "the scalar forms agree, any n_c", scalar_form),
-    ("(4.18)", "it is the state-space response of a generic loop", generic_plant),
-    ("(4.19)", "outside the controller D_c replaces q^n_c", external_perturbation),
-)
-
-
-def steps() -> tuple[Step, ...]:
-    """Recompute every step of the derivation.
-
-    Examples
-    --------
-    >>> from proofs.intercalation import steps
-    >>> all(step.holds for step in steps())
-    True
-    """
-    return tuple(Step(equation, statement, check()) for equation, statement, check in CHECKS)
-
-
-def main() -> int:
-    """Print the steps; return 1 if one fails, else 0.
-
-    Examples
-    --------
-    >>> from proofs.intercalation import main
-    >>> main()  # doctest: +ELLIPSIS
-    holds   (2.28)-(2.31)  Phi theta lists exactly the terms of the controller
-    ...
-    0
-    """
-    outcome = steps()
-    for step in outcome:
-        print(step)
-    return 0 if all(step.holds for step in outcome) else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,0 +1,91 @@
+"""Observer-based forms of realisations: as many as divisors, and which ones hidden modes allow."""
+
+from hypothesis import assume
+from sympy import Matrix, Poly
+
+from compensator_theory import (
+    closed_loop_matrix,
+    count_observer_forms,
+    observer_forms,
+    youla_forms,
+)
+from compensator_theory.exact_linear_algebra import characteristic_polynomial
+from compensator_theory.observer_form import ObserverForm
+from compensator_theory.primary_components import derogatory_factor
+from compensator_theory.real_factors import count_partitions
+
+from ..checks import for_all
+from .loops import Loop, hidden_loops, minimal_loops
+
+
+def is_form(form: ObserverForm) -> bool:
+    """Whether T, K and F satisfy (7.13), and A + BK has the polynomial of the subspace."""
+    plant, compensator, T = form.plant, form.compensator, Matrix(form.T)
+    K, F = Matrix(compensator.C) * T, T.inv() * Matrix(compensator.B)
+    A, B, C = (Matrix(M) for M in (plant.A, plant.B, plant.C))
+    return bool(
+        Matrix(compensator.A) * T == T * (A + B * K - F * C)
+        and characteristic_polynomial(A + B * K, plant.variable) == form.regulator
+        and characteristic_polynomial(A - F * C, plant.variable) == form.observer
+    )
+
+
+@for_all(loop=minimal_loops())
+def subspaces_are_forms(loop: Loop) -> bool:
+    """Every n-dimensional real invariant subspace of the loop of a minimal plant and a minimal
+    compensator of order n gives a form: its T is invertible and (7.13) holds.
+    """
+    found = observer_forms(*loop)
+    return bool(
+        found.is_complete
+        and not (found.rejections or found.families or found.undecided)
+        and all(is_form(form) for form in found.forms)
+    )
+
+
+@for_all(loop=minimal_loops())
+def as_many_as_divisors(loop: Loop) -> bool:
+    """There are as many forms as real monic divisors of degree n of the closed-loop polynomial,
+    counted by the generating function, and their regulator polynomials differ.
+    """
+    found = observer_forms(*loop)
+    regulators = {form.regulator for form in found.forms}
+    count = count_observer_forms(found.characteristic_polynomial, loop[0].n)
+    return len(found.forms) == len(regulators) == count
+
+
+@for_all(loop=hidden_loops())
+def hidden_mode_rule(loop: Loop) -> bool:
+    """With a nonderogatory closed loop a factorisation p_R p_O gives a form if and only if no
+    unobservable mode of the compensator is a root of p_R and no uncontrollable one a root of p_O.
+    """
+    plant, compensator = loop
+    found = observer_forms(plant, compensator)
+    whole = found.characteristic_polynomial
+    assume(derogatory_factor(closed_loop_matrix(plant, compensator), whole) is None)
+
+    def allowed(p_R: Poly) -> bool:
+        hidden = (
+            p_R.gcd(compensator.unobservable_modes),
+            whole.quo(p_R).gcd(compensator.uncontrollable_modes),
+        )
+        return all(common.degree() == 0 for common in hidden)
+
+    return all(allowed(form.regulator) and is_form(form) for form in found.forms) and not any(
+        allowed(p_R) for p_R, _ in found.rejections
+    )
+
+
+@for_all(loop=minimal_loops(excess=1, max_order=2))
+def chains_are_youla_forms(loop: Loop) -> bool:
+    """For n_c = n + 1 the chains ker p_R < ker p_R p_Q, with degrees n and n_c, are the observers
+    with a Youla parameter: every factorisation p_R p_Q p_O gives one.
+    """
+    plant, compensator = loop
+    whole = characteristic_polynomial(closed_loop_matrix(plant, compensator), plant.variable)
+    found = youla_forms(plant, compensator)
+    n, n_c = plant.n, compensator.n
+    return len(found) == count_partitions(whole, (n, n_c - n, n)) and all(
+        form.is_verified and form.regulator * form.parameter * form.observer == whole
+        for form in found
+    )

@@ -1,0 +1,75 @@
+"""Recursive least squares against the minimiser of the whole cost, in rational arithmetic."""
+
+from hypothesis import strategies as st
+from sympy import Matrix, Rational, eye, ones, zeros
+
+from compensator_theory.strategies import matrices, rationals
+
+from ..checks import for_all
+
+forgetting_factors = st.sampled_from([Rational(1), Rational(1, 2), Rational(9, 10)])
+Step = tuple[Matrix, Matrix, Rational]  # Phi_f, z - u_f, R_u
+
+
+@st.composite
+def steps(draw: st.DrawFn, l_z: int = 2, l_theta: int = 3) -> list[Step]:
+    """Draw up to three steps of data with R_u(i) >= 0."""
+    step = st.tuples(
+        matrices(l_z, l_theta), matrices(l_z, 1), rationals(4, 2).map(abs)
+    )  # fmt: skip
+    return [(Matrix(a), Matrix(b), r) for a, b, r in draw(st.lists(step, min_size=1, max_size=3))]
+
+
+def recursive(data: list[Step], P: Matrix, theta: Matrix, forgetting: Rational) -> Matrix:
+    """Run (2.42)-(2.44) with R_z = I from P(1) = P and theta(1) = theta."""
+    for Phi, e, r in data:
+        weight = eye(Phi.rows) / (1 + r)  # (R_z + R_u)^-1
+        gain = P * Phi.T * (forgetting * weight + Phi * P * Phi.T).inv()
+        theta = theta - gain * (Phi * theta + weight * e)
+        P = (P - gain * Phi * P) / forgetting
+    return theta
+
+
+def batch(data: list[Step], R_theta: Matrix, theta: Matrix, forgetting: Rational) -> Matrix:
+    """Minimise (2.41) by its normal equations."""
+    k = len(data)
+    hessian, right = forgetting**k * R_theta, forgetting**k * R_theta * theta
+    for i, (Phi, e, r) in enumerate(data, start=1):
+        hessian += forgetting ** (k - i) * (1 + r) * Phi.T * Phi
+        right -= forgetting ** (k - i) * Phi.T * e
+    return hessian.LUsolve(right)
+
+
+@for_all(data=steps(), start=matrices(3, 1), forgetting=forgetting_factors)
+def recursion_is_batch(data: list[Step], start: Matrix, forgetting: Rational) -> bool:
+    """(2.42)-(2.44) from P(1) = R_theta^-1 and theta(1) = theta(0) give the minimiser of (2.41) at
+    every k >= 1.
+    """
+    R_theta = Matrix(3, 3, lambda i, j: 1 + (i == j))
+    found = recursive(data, R_theta.inv(), Matrix(start), forgetting)
+    return bool(found == batch(data, R_theta, Matrix(start), forgetting))
+
+
+@for_all(data=steps(l_z=1), beta=st.sampled_from([Rational(1, 3), Rational(5)]),
+         forgetting=forgetting_factors)  # fmt: skip
+def subsystem_recursion(data: list[Step], beta: Rational, forgetting: Rational) -> bool:
+    """(8.62), (8.63) with phi(k - d - 1) in every place minimise (8.61), P(0) = beta I, with u*(i -
+    d) and phi(i - d - 1) in the sum.
+    """
+    P, theta = beta * eye(3), zeros(3, 1)
+    for row, target, _ in data:
+        phi = row.T
+        P = (P - P * phi * phi.T * P / (forgetting + (phi.T * P * phi)[0])) / forgetting
+        theta = theta + P * phi * (target - phi.T * theta)
+    rows = [(row, -target, Rational(0)) for row, target, _ in data]
+    return bool(theta == batch(rows, eye(3) / beta, zeros(3, 1), forgetting))
+
+
+@for_all(data=steps(), forgetting=forgetting_factors)
+def unique_minimiser(data: list[Step], forgetting: Rational) -> bool:
+    """The minimiser of (2.41) is unique: its Hessian is positive definite for R_theta > 0."""
+    k = len(data)
+    hessian = forgetting**k * (eye(3) + ones(3, 3))
+    for i, (Phi, _, r) in enumerate(data, start=1):
+        hessian += forgetting ** (k - i) * (1 + r) * Phi.T * Phi
+    return all(hessian[:size, :size].det() > 0 for size in (1, 2, 3))

@@ -1,0 +1,48 @@
+"""Controllability, coprimeness and the gains of single-input, single-output realisations."""
+
+from hypothesis import strategies as st
+from sympy import Matrix, Symbol
+
+from compensator_theory import observer_gain, polynomial_from_roots, regulator_gain
+from compensator_theory.exact_linear_algebra import characteristic_polynomial, rank
+from compensator_theory.strategies import matrices, minimal_plants, spectra
+
+from ..checks import for_all
+
+s = Symbol("s")
+
+
+@for_all(plant=minimal_plants(max_order=4), data=st.data())
+def gains_place(plant: tuple[Matrix, Matrix, Matrix], data: st.DataObject) -> bool:
+    """For every spectrum of n roots there are K and F with det(sI - A - BK) and det(sI - A + FC) as
+    asked for, and the map from K to det(sI - A - BK) is affine and injective.
+    """
+    A, B, C = (Matrix(M) for M in plant)
+    wanted = polynomial_from_roots(data.draw(spectra(A.rows)), "s")
+    K, F = (Matrix(found(A, M, wanted)) for found, M in ((regulator_gain, B), (observer_gain, C)))
+    # column i: how the coefficients move with K_i
+    origin = characteristic_polynomial(A, s)
+    moves = []
+    for i in range(A.rows):
+        unit = Matrix(1, A.rows, lambda _, j, i=i: int(i == j))
+        moved = (characteristic_polynomial(A + B * unit, s) - origin).all_coeffs()
+        moves.append([0] * (A.rows - len(moved)) + moved)
+    return bool(
+        characteristic_polynomial(A + B * K, s) == wanted
+        and characteristic_polynomial(A - F * C, s) == wanted
+        and rank(Matrix(moves)) == A.rows
+    )
+
+
+@for_all(A=matrices(3, 3), B=matrices(3, 1), C=matrices(1, 3), hidden=st.integers(0, 2))
+def minimal_is_coprime(A: Matrix, B: Matrix, C: Matrix, hidden: int) -> bool:
+    """Both Kalman ranks are n if and only if det(sI - A) and C adj(sI - A) B are coprime."""
+    A, B, C = (Matrix(M) for M in (A, B, C))
+    A[hidden:, :hidden] = Matrix.zeros(3 - hidden, hidden)  # modes that B may miss
+    if hidden:
+        B[hidden:, 0] = Matrix.zeros(3 - hidden, 1)
+    reached = rank(Matrix.hstack(B, A * B, A * A * B))
+    seen = rank(Matrix.vstack(C, C * A, C * A * A))
+    D = characteristic_polynomial(A, s)
+    N = D - characteristic_polynomial(A + B * C, s)
+    return bool((reached == seen == 3) == (D.gcd(N).degree() == 0))

@@ -1,0 +1,90 @@
+"""High-authority LQG and the Riccati equation, solved exactly where the zeros are rational."""
+
+from hypothesis import strategies as st
+from sympy import Matrix, Poly, Rational, Symbol, prod
+
+from compensator_theory import polynomial, solve_riccati
+from compensator_theory.exact_linear_algebra import characteristic_polynomial
+from compensator_theory.generators.plants import disguised, unimodular_matrices
+from compensator_theory.polynomials import canonical
+from compensator_theory.state_space import controllable_canonical_form
+from compensator_theory.strategies import (
+    matrices,
+    nonzero_rationals,
+    polynomials,
+    standard_problems,
+)
+from compensator_theory.transfer_functions import TransferFunction
+
+from ..checks import for_all
+
+q = Symbol("q")
+Case = tuple[tuple[Matrix, Matrix, Matrix], list[Rational], Rational, int]
+
+
+@st.composite
+def plants_with_rational_zeros(draw: st.DrawFn) -> Case:
+    """Draw a controllable (A, B, E_1), its zeros, none on the unit circle, H and d."""
+    D = draw(polynomials("q", 1, 4, is_monic=True))
+    n = int(D.degree())
+    off_circle = nonzero_rationals().filter(lambda x: abs(x) != 1)
+    found = draw(st.lists(st.one_of(off_circle, st.just(Rational(0))), max_size=n - 1))
+    H = draw(nonzero_rationals())
+    N = polynomial(H * prod(q - zero for zero in found), "q")
+    A, B, E_1, _ = controllable_canonical_form(TransferFunction(N, D))
+    return disguised(A, B, E_1, draw(unimodular_matrices(n))), found, H, n - len(found)
+
+
+@for_all(case=plants_with_rational_zeros())
+def high_authority_poles(case: Case) -> bool:
+    """For R_2 = 0 the poles of A + BC_c are d times 0, the zeros of N_zu inside the unit circle and
+    the reciprocals of those outside; B'PB = H_d^2 times the squares of those outside.
+    """
+    (A, B, E_1), found, H, d = case
+    outside = [zero for zero in found if abs(zero) > 1]
+    reflected = [1 / zero if abs(zero) > 1 else zero for zero in found]
+    chi = canonical(Poly(q**d * prod(q - zero for zero in reflected), q))
+    solution = solve_riccati(A, B, E_1)
+    P, K = Matrix(solution.P), Matrix(solution.K)
+    W = (B.T * P * B)[0]
+    return bool(
+        characteristic_polynomial(A + B * K, q) == chi
+        and H**2 * prod(zero**2 for zero in outside) == W
+        and W * K == -B.T * P * A
+        and P == A.T * P * A + E_1.T * E_1 - K.T * W * K
+        and P == P.T
+    )
+
+
+@for_all(plant=standard_problems(max_order=3, has_direct_term=True), gains=st.data())
+def separation(plant: object, gains: st.DataObject) -> bool:
+    """(A.11): det(qI - A~) is the product for any number of signals, with D_0, for any gains."""
+    A, B, C, D_0 = (Matrix(getattr(plant, name)) for name in ("A", "B", "C", "D_0"))
+    C_c = Matrix(gains.draw(matrices(B.cols, A.rows)))
+    B_c = Matrix(gains.draw(matrices(A.rows, C.rows)))
+    A_c = A + B * C_c - B_c * C - B_c * D_0 * C_c
+    upper = Matrix.hstack(A, B * C_c)
+    loop = Matrix.vstack(upper, Matrix.hstack(B_c * C, A_c + B_c * D_0 * C_c))
+    product = characteristic_polynomial(A + B * C_c, q) * characteristic_polynomial(A - B_c * C, q)
+    return bool(characteristic_polynomial(loop, q) == product)
+
+
+@for_all(A=matrices(3, 3), B=matrices(3, 2), E=matrices(2, 3), start=matrices(3, 3))
+def forward_propagation(A: Matrix, B: Matrix, E: Matrix, start: Matrix) -> bool:
+    """One step of (8.96) from P >= 0 with R_1 = E'E, R_2 = 1 gives P+ >= 0, and x'P+x is at most
+    x'(A'PA + R_1)x.
+    """
+    A, B, E, start = (Matrix(M) for M in (A, B, E, start))
+    P = start.T * start
+    free = A.T * P * A + E.T * E
+    W = Matrix.eye(2) + B.T * P * B
+    step = free - A.T * P * B * W.inv() * B.T * P * A
+    return _is_semidefinite(step) and _is_semidefinite(free - step)
+
+
+def _is_semidefinite(M: Matrix) -> bool:
+    """By the signs of the characteristic polynomial's coefficients: all roots are real."""
+    if M != M.T:
+        return False
+    descending = characteristic_polynomial(M, q).all_coeffs()
+    return all((-1) ** i * coefficient >= 0 for i, coefficient in enumerate(descending))

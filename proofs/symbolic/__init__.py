@@ -1,0 +1,1 @@
+"""Identities of letters: matrices of any size, or polynomials with generic coefficients."""
