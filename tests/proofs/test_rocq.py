@@ -85,6 +85,43 @@ def test_the_report_fails_for_anything_assumed():
     assert report({"A.x": "rests on axioms: y"}, [])[1] is False
 
 
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("Axiom a : False.", "Axiom"),
+        ("Local Axiom a : False.", "Local Axiom"),
+        ("#[local] Parameter a : False.", "#[local] Parameter"),
+        ("Unset Guard Checking.", "Unset Guard Checking"),
+        ("Unset  Universe\nChecking.", "Unset  Universe\nChecking"),
+        ("#[bypass_check(guard)] Fixpoint f (n : nat) : False := f n.", "bypass_check"),
+    ],
+)
+def test_every_way_to_assume_is_found(tmp_path, line, word):
+    (tmp_path / "A.v").write_text(f"(* Axiom *)\n{line}\n")
+    assert assumed(tmp_path) == (f"A.v: {word}",)
+
+
+@pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
+def test_an_older_compilation_answers_for_nothing(tmp_path):
+    for name in ("Makefile", "_CoqProject"):
+        shutil.copy(SOURCES / name, tmp_path)
+    (tmp_path / "Base.v").write_text("Theorem base : 1 = 1. Proof. reflexivity. Qed.")
+    (tmp_path / "User.v").write_text(
+        "From Compensators Require Import Base.\nTheorem user : 1 = 1. Proof. exact base. Qed."
+    )
+    (tmp_path / "Alone.v").write_text("Theorem alone : 2 = 2. Proof. reflexivity. Qed.")
+    names = ["Base.base", "User.user", "Alone.alone"]
+    assert compile_formal_part(names, tmp_path).holds
+    (tmp_path / "Base.v").write_text("Theorem base : 1 = 2. Proof. reflexivity. Qed.")
+    found = compile_formal_part(names, tmp_path)
+    assert found.status == "failed"
+    assert found.answers == {
+        "Base.base": "Base.v does not compile",
+        "User.user": "User.v does not compile",
+        "Alone.alone": "",
+    }
+
+
 @pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
 def test_coq_is_asked(folder):
     names = ["Proved.one_is_one", "Assumed.rests_on_it", "Assumed.nothing", "Absent.x"]
