@@ -145,5 +145,21 @@ def test_the_smallest_refutation_is_shown_and_errors_confirm_nothing(monkeypatch
     assert run_symbolic(Symbolic("separation.similarity")).status == "fails"
     monkeypatch.setattr(theorem_1, "multiplicity", lambda: 1 / 0)
     assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
+    monkeypatch.setattr(theorem_1, "multiplicity", lambda: iter([("1 = 1", "yes")]))
+    assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
     monkeypatch.setattr(theorem_1, "multiplicity", lambda: iter(()))
     assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
+
+
+@pytest.mark.parametrize("answer", [None, "yes", 1, (x for x in "yes")], ids=repr)
+def test_only_true_confirms(monkeypatch, answer):
+    monkeypatch.setattr(separation, "similarity", lambda: answer)
+    assert run_symbolic(Symbolic("separation.similarity")).status == "fails"
+
+    @for_all(x=st.integers())
+    def vague(x):
+        """A predicate without an answer."""
+        return answer
+
+    monkeypatch.setattr(polynomials, "lemma_1", vague)
+    assert run_property(Property("polynomials.lemma_1", 5)).status == "fails"
