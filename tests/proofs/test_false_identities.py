@@ -5,6 +5,7 @@ import inspect
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import find, settings
 from hypothesis import strategies as st
 
 from compensator_theory import sylvester_m, sylvester_m1, sylvester_m2
@@ -149,6 +150,19 @@ def test_the_smallest_refutation_is_shown_and_errors_confirm_nothing(monkeypatch
     assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
     monkeypatch.setattr(theorem_1, "multiplicity", lambda: iter(()))
     assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
+
+
+def test_lemma_1_meets_pairs_that_satisfy_its_equation():
+    case = polynomials.unequal_degrees().flatmap(
+        lambda d: st.tuples(st.just(d), polynomials.pairs(d))
+    )
+
+    def satisfied(drawn):
+        (p, q), (a, b) = drawn
+        return (b * q + a * p).is_zero and not b.is_zero
+
+    (p, q), (a, b) = find(case, satisfied, settings=settings(database=None))
+    assert a.degree() > b.degree()  # what the lemma excludes
 
 
 @pytest.mark.parametrize("answer", [None, "yes", 1, (x for x in "yes")], ids=repr)
