@@ -17,6 +17,7 @@ IN_SECTIONS = """
 Section Outer.
 Variable n : nat.
 Hypothesis positive : 0 < n.
+Context (small : n < 9).
 Section Closed.
 Hypothesis elsewhere : 1 < n.
 End Closed.
@@ -50,8 +51,11 @@ def test_theorems_are_found_in_the_files(folder):
     assert stated("Proved.one_is_one", folder) == "Theorem one_is_one : 1 = 1."
     (folder / "Sections.v").write_text(IN_SECTIONS)
     assert stated("Sections.there_is_a_predecessor", folder).splitlines() == [
-        "Hypothesis positive : 0 < n.", "Theorem there_is_a_predecessor : exists m,", "  n = S m.",
-    ]  # fmt: skip
+        "Hypothesis positive : 0 < n.",
+        "Context (small : n < 9).",
+        "Theorem there_is_a_predecessor : exists m,",
+        "  n = S m.",
+    ]
     assert assumed(folder) == ("Assumed.v: Admitted",)
     assert without_comments("(* a (* b *) c *)x(**)") == "x"
 
