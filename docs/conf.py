@@ -6,6 +6,7 @@ myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 source_suffix = {".md": "markdown"}
 exclude_patterns = ["_build"]
+smartquotes_action = "De"  # dashes and dots; a quote after a letter is a transpose
 html_theme = "furo"
 html_title = "compensator-theory"
 autodoc_member_order = "bysource"

@@ -56,7 +56,7 @@ class ForAll:
         @given(**self.strategies)
         def search(**drawn: Any) -> None:
             nonlocal seen, false
-            if not self.predicate(**drawn):
+            if not _is_true(self.predicate(**drawn)):
                 false = "false for " + ", ".join(f"{k} = {v}" for k, v in drawn.items())
                 raise AssertionError
             seen += 1
@@ -146,7 +146,7 @@ def run_symbolic(evidence: Symbolic, *, quick: bool = False) -> Outcome:
     sizes = evidence.sizes[:-1] if quick and len(evidence.sizes) > 1 else evidence.sizes
     evidence = replace(evidence, sizes=sizes)
     try:
-        false = [size for size in sizes if not check(size)] if sizes else not check()
+        false = [n for n in sizes if not _is_true(check(n))] if sizes else not _is_true(check())
     except Exception as error:  # a check that cannot be computed confirms nothing
         return _raised("symbolic", evidence.check, check, error)
     detail = "" if not false else f"false for sizes {false}" if sizes else "the sides differ"
@@ -186,7 +186,7 @@ def run_counterexample(evidence: Counterexample) -> Outcome:
     """
     check: Callable[[], Iterator[tuple[str, bool]]] = resolve("counterexamples", evidence.check)
     try:
-        facts = tuple(Fact(statement, bool(holds)) for statement, holds in check())
+        facts = tuple(Fact(statement, _is_true(holds)) for statement, holds in check())
     except Exception as error:
         return _raised("counterexample", evidence.check, check, error)
     false = [fact.statement for fact in facts if not fact.holds]
@@ -195,6 +195,13 @@ def run_counterexample(evidence: Counterexample) -> Outcome:
     detail = "; ".join(f"not so: {statement}" for statement in false)
     name, wording = evidence.check, evidence.refutes
     return Outcome("counterexample", name, wording, status, words, detail, facts)
+
+
+def _is_true(answer: object) -> bool:
+    """Take True only for true: a generator, an expression or a text is no answer."""
+    if answer is None or isinstance(answer, bool):
+        return answer is True
+    raise TypeError(f"the check gave {answer!r}, neither True nor False")
 
 
 def _raised(kind: Any, name: str, check: Callable[..., Any], error: Exception) -> Outcome:

@@ -86,11 +86,15 @@ class Counterexample:
         ``module.function`` of :mod:`proofs.counterexamples`.
     formal : str or None
         ``File.theorem`` of the formal refutation.
+    in_text : bool
+        Whether the text says so, or can be read so; if not, it is a hypothesis that the text states
+        too, or shows to be needed, and the case tells why.
     """
 
     refutes: str
     check: str
     formal: str | None = None
+    in_text: bool = True
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,12 @@ def ledger() -> tuple[Entry, ...]:
     """
     found: list[Entry] = []
     for path in sorted(STATEMENTS.glob("*.toml"), key=lambda p: (p.stem < "chapter", p.stem)):
-        with path.open("rb") as file:
-            data = tomllib.load(file)
+        try:
+            data = tomllib.loads(path.read_text(encoding="utf-8"))
+        except tomllib.TOMLDecodeError as error:
+            raise _input_error(f"{path.name} is not TOML: {error}") from error
+        if not {"chapter", "entry"} <= set(data):
+            raise _input_error(f"{path.name} needs the keys chapter and entry")
         found += [_entry(data["chapter"], table, path.name) for table in data["entry"]]
     return tuple(found)
 
@@ -48,10 +52,8 @@ def select(names: Iterable[str]) -> tuple[Entry, ...]:
     wanted = {name.lower() for name in names}
     known = {key.lower() for entry in ledger() for key in (entry.name, entry.chapter)}
     if not wanted <= known:
-        from compensator_theory.errors import InputError
-
         chapters = sorted({entry.chapter for entry in ledger()})
-        raise InputError(
+        raise _input_error(
             f"the ledger has no entry or chapter {', '.join(sorted(wanted - known))}; chapters are "
             f"{', '.join(chapters)}, and --list shows the names"
         )
@@ -74,29 +76,45 @@ def theorems(entries: Iterable[Entry]) -> tuple[str, ...]:
 
 def _entry(chapter: str, table: dict[str, Any], where: str) -> Entry:
     allowed = {"name", "hypotheses", "difference", "relied_on_by", *_WORDS, *_EVIDENCE}
-    if not allowed >= set(table) or "name" not in table:
-        from compensator_theory.errors import InputError
-
-        raise InputError(
-            f"{where}: the entry {table.get('name', '(without a name)')} has the unknown keys "
-            f"{sorted(set(table) - allowed)}; known are {sorted(allowed)}"
+    needed = allowed - {"difference", *_EVIDENCE}
+    named = f"{where}: the entry {table.get('name', '(without a name)')}"
+    if not allowed >= set(table) or not needed <= set(table):
+        raise _input_error(
+            f"{named} has the unknown keys {sorted(set(table) - allowed)} and lacks "
+            f"{sorted(needed - set(table))}; known are {sorted(allowed)}"
         )
-    words = {key: _flowed(table[key]) for key in _WORDS}
+    words: dict[str, Any] = {key: _flowed(table[key]) for key in _WORDS}
+    try:
+        evidence = _evidence(table)
+    except TypeError as error:  # a key that the evidence does not have, or one that it lacks
+        raise _input_error(f"{named}: {error}") from error
     return Entry(
         name=table["name"],
         chapter=chapter,
         hypotheses=tuple(map(_flowed, table["hypotheses"])),
         difference=_flowed(table.get("difference", "")),
         relied_on_by=tuple(table["relied_on_by"]),
-        formal=tuple(Formal(**t) for t in table.get("formal", ())),
-        symbolic=tuple(
-            Symbolic(**(t | {"sizes": tuple(t.get("sizes", ()))}))
-            for t in table.get("symbolic", ())
-        ),
-        properties=tuple(Property(**t) for t in table.get("property", ())),
-        counterexamples=tuple(Counterexample(**t) for t in table.get("counterexample", ())),
         **words,
+        **evidence,
     )
+
+
+def _evidence(table: dict[str, Any]) -> dict[str, Any]:
+    """Read the evidence that an entry names."""
+    symbolic = (t | {"sizes": tuple(t.get("sizes", ()))} for t in table.get("symbolic", ()))
+    return {
+        "formal": tuple(Formal(**t) for t in table.get("formal", ())),
+        "symbolic": tuple(Symbolic(**t) for t in symbolic),
+        "properties": tuple(Property(**t) for t in table.get("property", ())),
+        "counterexamples": tuple(Counterexample(**t) for t in table.get("counterexample", ())),
+    }
+
+
+def _input_error(words: str) -> Exception:
+    # imported here, so that asking Coq needs the standard library only
+    from compensator_theory.errors import InputError
+
+    return InputError(words)
 
 
 def _flowed(text: str) -> str:

@@ -59,7 +59,7 @@ def _entry(entry: Entry) -> Iterator[str]:
     yield f"`{entry.name}`, {escaped(entry.source)}"
     yield ""
     if entry.hypotheses:
-        yield f"If {escaped('; '.join(entry.hypotheses))}, then:"
+        yield f"Hypotheses: {escaped('; '.join(entry.hypotheses))}. Then:"
         yield ""
     yield f"> {escaped(entry.conclusion)}"
     yield ""
@@ -82,7 +82,8 @@ def _entry(entry: Entry) -> Iterator[str]:
         )
     for case in entry.counterexamples:
         words = statement_of(resolve("counterexamples", case.check))
-        yield f'- false: "{escaped(case.refutes)}" (`{case.check}`). {escaped(words)}'
+        label = "false" if case.in_text else "false, and not said by the text"
+        yield f'- {label}: "{escaped(case.refutes)}" (`{case.check}`). {escaped(words)}'
         if case.formal is not None:
             yield f"  In Coq: `{case.formal}`{'' if stated(case.formal) else ', not there yet'}."
     yield ""

@@ -124,5 +124,6 @@ def _words(outcome: Outcome) -> tuple[Text, Text, Text]:
         f"{outcome.name}{statement}",
         (f" ({outcome.scope})" if outcome.scope else "", "dim"),
         (f" [{outcome.detail}]" if outcome.detail else "", colour),
+        overflow="fold",  # a name that is cut cannot be looked up
     )
     return Text(outcome.status, colour), Text(_KINDS[outcome.kind]), text

@@ -70,11 +70,21 @@ def compile_formal_part(theorems: Iterable[str], folder: Path = SOURCES) -> Comp
     run = subprocess.run(
         ["make", "-k", "all"], cwd=folder, capture_output=True, text=True, check=False
     )
+    if run.returncode:
+        _remove_outdated(folder)  # an older .vo would answer for a file that no longer compiles
     answers = ask_coq(theorems, folder)
     if run.returncode:
         errors = [line for line in run.stderr.splitlines() if "Error" in line or "File" in line]
         return Compilation("failed", "does not compile: " + " ".join(errors[:4]), answers)
     return Compilation("compiled", "the formal part compiles", answers)
+
+
+def _remove_outdated(folder: Path) -> None:
+    """Remove each .vo whose file, or one that it needs, has changed since."""
+    for compiled in folder.glob("*.vo"):
+        question = ["make", "-q", "-f", "CoqMakefile", compiled.name]
+        if subprocess.run(question, cwd=folder, capture_output=True, check=False).returncode:
+            compiled.unlink()
 
 
 def formal_outcome(

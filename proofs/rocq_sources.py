@@ -5,9 +5,12 @@ from pathlib import Path
 
 SOURCES = Path(__file__).parent / "rocq"
 _STATED = re.compile(r"^\s*(?:Theorem|Lemma|Corollary|Proposition|Fact|Example)\s+(\w+)", re.M)
-_SECTIONS = re.compile(r"^\s*(?:Section|End|Hypothes[ei]s)\b.*?\.(?=\s)", re.M | re.S)
+_SECTIONS = re.compile(r"^\s*(?:Section|End|Hypothes[ei]s|Context)\b.*?\.(?=\s)", re.M | re.S)
 _ASSUMED = re.compile(
-    r"\b(?:Admitted|admit|Admit Obligations)\b|^\s*(?:Axioms?|Parameters?|Conjecture)\b", re.M
+    r"\b(?:Admitted|admit|Admit Obligations)\b"
+    r"|^\s*(?:#\[[^\]]*\]\s*)?(?:(?:Local|Global)\s+)?(?:Axioms?|Parameters?|Conjectures?)\b"
+    r"|\bUnset\s+(?:Guard|Positivity|Universe)\s+Checking\b|\bbypass_check\b",
+    re.M,
 )
 
 

@@ -74,17 +74,27 @@ def semidefinite_without_stability() -> Facts:
 
 
 def zero_on_the_circle() -> Facts:
-    """Poles 1/2, 3/10 and the zero 1, R_2 = 0: i) and ii) hold, and no solution is stabilising."""
+    """Poles 1/2, 3/10 and the zero 1, R_2 = 0: i) and ii) hold, and no solution is stabilising, for
+    W chi(1)^2 = N_zu(1)^2 by the spectral factorisation.
+    """
     plant = standard_problem("(q - 1)/((q - 1/2)*(q - 3/10))")
     eigenvalues = {Rational(1, 2), Rational(3, 10)}
     D = plant.denominator
     yield "A has no eigenvalue on the unit circle", all(D.eval(x) == 0 for x in eigenvalues)
+    yield "N_zu is 0 at 1", plant.numerator("zu").eval(1) == 0
+    A, B, E_1 = (Matrix(M) for M in (plant.A, plant.B, plant.E_1))
+    P = E_1.T * E_1
+    K = -(B.T * P * A) / (B.T * P * B)[0]
+    residual = A.T * P * A + E_1.T * E_1 + A.T * P * B * K - P
+    yield "P = E_1'E_1 is a positive-semidefinite solution", residual == zeros(2, 2)
+    chi = characteristic_polynomial(A + B * K, q)
+    yield "its closed loop has the poles 0 and 1", chi == polynomial("q*(q - 1)")
     try:
         solve_riccati(plant.A, plant.B, plant.E_1)
         refused = False
     except UnitCircleError:
         refused = True
-    yield "the closed loop would have the pole 1", refused
+    yield "solve_riccati refuses it", refused
 
 
 def printed_target() -> Facts:

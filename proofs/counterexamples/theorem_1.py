@@ -132,9 +132,17 @@ def suboptimality() -> Facts:
     not observer-based, and its transfer function is the optimum of an LQG problem.
     """
     plant, g = "1/(s**3 + 3*s**2 + 8*s + 6)", "(s**2 + 4*s + 5)"
+    regulator, observer = [-2, -1 + I, -1 - I], [-3, -1 + 2 * I, -1 - 2 * I]
+    design = observer_based_compensator(plant, regulator, observer).transfer_function.reduced()
+    found = (-design.numerator, design.denominator)  # negative feedback
     pair = (f"4*{g}", f"(s + 1)*{g}")
     decided = pair_is_observer_based(plant, pair, feedback=-1)
     yield "the pair is not observer-based", decided.answer is False
+    yield (
+        "K and F with stable A + BK and A - FC, optimal for |u - Kx|^2 with the noises Fw and w, "
+        "give 4/(s + 1)",
+        found == (polynomial("4", "s"), polynomial("s + 1")),
+    )
     yield "it is not suboptimal", is_lqg_suboptimal(plant, pair, feedback=-1).answer is False
 
 

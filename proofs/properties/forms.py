@@ -71,8 +71,11 @@ def hidden_mode_rule(loop: Loop) -> bool:
         )
         return all(common.degree() == 0 for common in hidden)
 
-    return all(allowed(form.regulator) and is_form(form) for form in found.forms) and not any(
-        allowed(p_R) for p_R, _ in found.rejections
+    every_share = len(found.forms) + len(found.rejections) == count_observer_forms(whole, plant.n)
+    return (
+        every_share
+        and all(allowed(form.regulator) and is_form(form) for form in found.forms)
+        and not any(allowed(p_R) for p_R, _ in found.rejections)
     )
 
 

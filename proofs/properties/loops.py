@@ -2,7 +2,7 @@
 
 from hypothesis import assume
 from hypothesis import strategies as st
-from sympy import Matrix, diag
+from sympy import Matrix, diag, zeros
 
 from compensator_theory import Realisation, place_poles, polynomial_from_roots, realisation
 from compensator_theory.generators.plants import unimodular_matrices
@@ -39,9 +39,11 @@ def minimal_loops(draw: st.DrawFn, excess: int = 0, max_order: int = 3) -> Loop:
 
 @st.composite
 def hidden_loops(draw: st.DrawFn, max_order: int = 3) -> Loop:
-    """Draw a minimal SISO plant and a compensator of its order, diagonal, with hidden modes.
+    """Draw a minimal SISO plant and a compensator of its order n with hidden modes.
 
-    Each mode is reached and seen, not reached, not seen, or neither.
+    The closed-loop spectrum is drawn, so that every real factor of its polynomial is rational: the
+    plant places it around the minimal part of the compensator, of order r <= n. The other n - r
+    modes are not reached, not seen, or neither.
 
     Examples
     --------
@@ -53,12 +55,24 @@ def hidden_loops(draw: st.DrawFn, max_order: int = 3) -> Loop:
     >>> check()
     """
     n = draw(st.integers(1, max_order))
-    D = polynomial_from_roots(draw(spectra(n)), "s")
-    N = draw(polynomials("s", 0, n - 1))
-    assume(D.gcd(N).degree() == 0)
-    reached = draw(st.lists(st.booleans(), min_size=n, max_size=n))
-    seen = draw(st.lists(st.booleans(), min_size=n, max_size=n))
-    modes = draw(st.lists(st.integers(-9, 9), min_size=n, max_size=n, unique=True))
-    B_c = Matrix([int(here) for here in reached])
-    C_c = Matrix([[draw(st.integers(1, 3)) * here for here in seen]])
-    return realisation(TransferFunction(N, D)), Realisation(diag(*modes), B_c, C_c)
+    r = draw(st.integers(0, n))
+    if r:
+        D_c = draw(polynomials("s", r, r, is_monic=True))
+        given = TransferFunction(draw(polynomials("s", 0, r - 1)), D_c)
+        assume(given.is_coprime)
+        wanted = polynomial_from_roots(draw(spectra(n + r)), "s")
+        plant = place_poles(given, wanted, feedback=+1).compensator
+        minimal = realisation(given)
+        blocks = [Matrix(M) for M in (minimal.A, minimal.B, minimal.C)]
+    else:
+        D = polynomial_from_roots(draw(spectra(n)), "s")
+        plant = TransferFunction(draw(polynomials("s", 0, n - 1)), D)
+        blocks = [zeros(0, 0), zeros(0, 1), zeros(1, 0)]
+    assume(plant.is_coprime)
+    modes = draw(st.lists(st.integers(-9, 9), min_size=n - r, max_size=n - r, unique=True))
+    hidden = [draw(st.sampled_from([(0, 0), (0, 1), (1, 0)])) for _ in modes]
+    A_c = diag(blocks[0], *modes)
+    B_c = blocks[1].col_join(Matrix(n - r, 1, [reached for reached, _ in hidden]))
+    C_c = blocks[2].row_join(Matrix(1, n - r, [seen for _, seen in hidden]))
+    compensator = Realisation(A_c, B_c, C_c)
+    return realisation(plant), compensator.in_basis(draw(unimodular_matrices(n)))

@@ -20,13 +20,27 @@ def unequal_degrees(draw: st.DrawFn) -> tuple[Poly, Poly]:
     return draw(polynomials(max_degree=int(q.degree()) - 1)), q
 
 
-@for_all(a=with_zero, b=with_zero, degrees=unequal_degrees())
-def lemma_1(a: Poly, b: Poly, degrees: tuple[Poly, Poly]) -> bool:
-    """For deg a <= deg b, deg p < deg q and p not 0, bq + ap = 0 only if a = b = 0."""
+@st.composite
+def pairs(draw: st.DrawFn, degrees: tuple[Poly, Poly]) -> tuple[Poly, Poly]:
+    """Draw (a, b), every other time with bq + ap = 0: a multiple of (q, -p) without its gcd."""
+    if draw(st.booleans()):
+        return draw(with_zero), draw(with_zero)
     p, q = degrees
-    a, b = (a, b) if a.degree() <= b.degree() else (b, a)
+    common, factor = p.gcd(q), draw(with_zero)
+    return factor * q.quo(common), -factor * p.quo(common)
+
+
+@for_all(degrees=unequal_degrees(), data=st.data())
+def lemma_1(degrees: tuple[Poly, Poly], data: st.DataObject) -> bool:
+    """For deg a <= deg b, deg p < deg q and p not 0, bq + ap = 0 only if a = b = 0; half of the
+    pairs (a, b) satisfy the equation.
+    """
+    p, q = degrees
+    a, b = data.draw(pairs(degrees))
     vanishes = (b * q + a * p).is_zero
-    return bool(vanishes == (a.is_zero and b.is_zero))
+    if a.is_zero and b.is_zero:
+        return bool(vanishes)
+    return not (vanishes and a.degree() <= b.degree())
 
 
 @for_all(

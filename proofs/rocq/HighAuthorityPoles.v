@@ -201,7 +201,8 @@ move=> x nz_x; rewrite -N_zu; have x_x : x * x^-1 = 1 by rewrite mulfV.
 exact: (spectral_factorisation symmetric gain riccati x_x).
 Qed.
 
-(* (A.16), by duality: A - B_c C is the transpose of a regulator for (A', C', D_1'). *)
+(* (A.16) corrected, with N_yw = C adj(zI - A) D_1 + D_2 det(zI - A). Q is the stabilising solution
+   of (A.8), B_c its gain: A - B_c C is the transpose of a regulator for (A', C', D_1'). *)
 Theorem poles_of_high_authority_observer (R : rcfType) n (A Q : 'M[R]_n) (C : 'rV[R]_n)
     (D_1 B_c : 'cV[R]_n) (D_2 H : R) k l d (N_s N_u : {poly R}) :
   let W := D_2 ^+ 2 + (C *m Q *m C^T) 0 0 in
@@ -209,7 +210,7 @@ Theorem poles_of_high_authority_observer (R : rcfType) n (A Q : 'M[R]_n) (C : 'r
   Q^T = Q -> W *: B_c = D_2 *: D_1 + A *m Q *m C^T ->
   Q = A *m Q *m A^T + D_1 *m D_1^T - W *: (B_c *m B_c^T) ->
   inside chi ->
-  full_numerator A^T C^T D_1^T D_2 = H *: (N_s * N_u) -> H != 0 -> n = (d + (k + l))%N ->
+  full_numerator A D_1 C D_2 = H *: (N_s * N_u) -> H != 0 -> n = (d + (k + l))%N ->
   N_s \is monic -> degree_is N_s k -> inside N_s ->
   N_u \is monic -> degree_is N_u l -> outside N_u ->
   N_u.[0] *: chi = 'X^d * (N_s * reversed l N_u) /\ W = (H * N_u.[0]) ^+ 2.
@@ -217,9 +218,11 @@ Proof.
 move=> W chi symmetric gain riccati in_chi N_yw nz_H n_split monic_s deg_s in_s monic_u deg_u out_u.
 have Echi : chi = char_poly (A^T + C^T *m (- B_c^T)).
   by rewrite /chi -char_poly_tr [(A - _)^T]linearB /= trmx_mul mulmxN.
+have N_dual : full_numerator A^T C^T D_1^T D_2 = H *: (N_s * N_u).
+  by rewrite /full_numerator numerator_tr char_poly_tr.
 have EW : W = D_2 ^+ 2 + ((C^T)^T *m Q *m C^T) 0 0 by rewrite trmxK.
 rewrite Echi EW in in_chi *.
-apply: (poles_of_high_authority_lqg symmetric _ _ in_chi N_yw nz_H n_split); rewrite ?trmxK -?EW //.
+apply: (poles_of_high_authority_lqg symmetric _ _ in_chi N_dual nz_H n_split); rewrite ?trmxK -?EW //.
   rewrite scalerN -linearZ /= gain linearD linearZ /= !trmx_mul trmxK symmetric.
   by rewrite mulmxA.
 by rewrite {1}riccati [(- B_c^T)^T]linearN /= trmxK mulNmx mulmxN opprK.

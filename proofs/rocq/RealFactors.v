@@ -128,7 +128,20 @@ exists (q * ('X - x%:P)), (t * ('X - y%:P)); split.
 - exact: share_factors Es Et.
 Qed.
 
-(* With any number of real roots that is enough: see TransferFunctions.v. *)
 Lemma odd_degree_has_root p : ~~ odd (size p) -> exists x, root p x.
 Proof. by move=> even_size; have [x] := odd_poly_root even_size; exists x. Qed.
+
+(* A polynomial of even degree has two real roots as soon as it has one. *)
+Theorem one_root_is_enough n p : degree_is p (n + n) -> two_roots p <-> exists x, root p x.
+Proof.
+move=> deg_p; split=> [[x [y [q ->]]]|[x /factor_theorem[q Ep]]].
+  by exists x; rewrite !rootM root_XsubC eqxx orbT.
+have nz_p : p != 0 by rewrite -size_poly_gt0 deg_p.
+have nz_q : q != 0 by apply: contraNneq nz_p => q0; rewrite Ep q0 mul0r.
+have even_q : ~~ odd (size q).
+  have size_p : size p = (size q).+1 by rewrite Ep size_Mmonic ?monicXsubC // size_XsubC addn2.
+  by move: deg_p; rewrite size_p => -[->]; rewrite addnn odd_double.
+have [y /factor_theorem[r Eq]] := odd_degree_has_root even_q.
+by exists y, x, r; rewrite Ep Eq mulrA.
+Qed.
 End RealFactors.

@@ -1,4 +1,5 @@
-(* The words of the field, as definitions. Every theorem of this folder is stated in them.
+(* The words of the field, as definitions, in which the theorems of this folder are stated; words
+   that only one file needs are defined there.
 
    R is a field, n >= 1 the order of the plant. Signals are scalar where B is a column and C a row.
    The plant is x' = A x + B u, y = C x, the compensator x_c' = A_c x_c + B_c y, u = C_c x_c:

@@ -56,6 +56,12 @@ def test_what_fails_is_named_and_the_exit_status_says_so(monkeypatch):
     assert record["holds"] is False and record["entries"][0]["holds"] is False
 
 
+def test_names_are_whole_on_a_narrow_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "50")
+    printed = "".join(run("hidden-mode-rule", "--quick").stdout.split())
+    assert "CounterexamplesToRealisations.hidden_mode_is_double_pole" in printed
+
+
 def test_unknown_names_are_refused():
     found = run("lemma-7")
     assert found.exit_code == 2 and "no entry or chapter lemma-7" in found.stderr

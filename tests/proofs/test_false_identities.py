@@ -5,6 +5,7 @@ import inspect
 from types import SimpleNamespace
 
 import pytest
+from hypothesis import find, settings
 from hypothesis import strategies as st
 
 from compensator_theory import sylvester_m, sylvester_m1, sylvester_m2
@@ -145,5 +146,34 @@ def test_the_smallest_refutation_is_shown_and_errors_confirm_nothing(monkeypatch
     assert run_symbolic(Symbolic("separation.similarity")).status == "fails"
     monkeypatch.setattr(theorem_1, "multiplicity", lambda: 1 / 0)
     assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
+    monkeypatch.setattr(theorem_1, "multiplicity", lambda: iter([("1 = 1", "yes")]))
+    assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
     monkeypatch.setattr(theorem_1, "multiplicity", lambda: iter(()))
     assert run_counterexample(Counterexample("", "theorem_1.multiplicity")).status == "fails"
+
+
+def test_lemma_1_meets_pairs_that_satisfy_its_equation():
+    case = polynomials.unequal_degrees().flatmap(
+        lambda d: st.tuples(st.just(d), polynomials.pairs(d))
+    )
+
+    def satisfied(drawn):
+        (p, q), (a, b) = drawn
+        return (b * q + a * p).is_zero and not b.is_zero
+
+    _, (a, b) = find(case, satisfied, settings=settings(database=None))
+    assert a.degree() > b.degree()  # what the lemma excludes
+
+
+@pytest.mark.parametrize("answer", [None, "yes", 1, (x for x in "yes")], ids=repr)
+def test_only_true_confirms(monkeypatch, answer):
+    monkeypatch.setattr(separation, "similarity", lambda: answer)
+    assert run_symbolic(Symbolic("separation.similarity")).status == "fails"
+
+    @for_all(x=st.integers())
+    def vague(x):
+        """A predicate without an answer."""
+        return answer
+
+    monkeypatch.setattr(polynomials, "lemma_1", vague)
+    assert run_property(Property("polynomials.lemma_1", 5)).status == "fails"

@@ -122,6 +122,32 @@ def test_a_misspelt_key_is_named():
         ledger_module._entry("7", table, "chapter_7.toml")
 
 
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("chapter = ", "wrong.toml is not TOML"),
+        ('chapter = "7"', "wrong.toml needs the keys chapter and entry"),
+        ('chapter = "7"\n[[entry]]\nname = "x"', r"entry x .* lacks .*'conclusion'"),
+        ('chapter = "7"\n[[entry]]\ntitle = "x"', r"without a name.* lacks .*'name'"),
+        ("WHOLE\nformal = [{ theorm = 'A.b' }]", "entry x.*theorm"),
+        ("WHOLE\nsymbolic = [{ sizes = [1] }]", "entry x.*check"),
+    ],
+)
+def test_a_broken_file_is_named(monkeypatch, tmp_path, text, words):
+    whole = 'chapter = "7"\n[[entry]]\nname = "x"\ntitle = ""\nsource = ""\nconclusion = ""\n'
+    whole += 'text = ""\nhypotheses = []\nrelied_on_by = []'
+    (tmp_path / "wrong.toml").write_text(text.replace("WHOLE", whole))
+    monkeypatch.setattr(ledger_module, "STATEMENTS", tmp_path)
+    with pytest.raises(InputError, match=words):
+        ledger_module.ledger.__wrapped__()
+
+
+def test_what_the_text_does_not_say_is_not_held_against_it():
+    text = page(select(["theorem-a1"]))
+    assert 'false, and not said by the text: "a\\_k and b\\_l may both be 0"' in text
+    assert '- false: "l \\<= k is necessary"' in text
+
+
 def test_a_check_that_does_not_exist_is_named():
     for check in ("separation.nothing", "nowhere.similarity"):
         with pytest.raises(InputError, match=check):

@@ -17,6 +17,7 @@ IN_SECTIONS = """
 Section Outer.
 Variable n : nat.
 Hypothesis positive : 0 < n.
+Context (small : n < 9).
 Section Closed.
 Hypothesis elsewhere : 1 < n.
 End Closed.
@@ -50,8 +51,11 @@ def test_theorems_are_found_in_the_files(folder):
     assert stated("Proved.one_is_one", folder) == "Theorem one_is_one : 1 = 1."
     (folder / "Sections.v").write_text(IN_SECTIONS)
     assert stated("Sections.there_is_a_predecessor", folder).splitlines() == [
-        "Hypothesis positive : 0 < n.", "Theorem there_is_a_predecessor : exists m,", "  n = S m.",
-    ]  # fmt: skip
+        "Hypothesis positive : 0 < n.",
+        "Context (small : n < 9).",
+        "Theorem there_is_a_predecessor : exists m,",
+        "  n = S m.",
+    ]
     assert assumed(folder) == ("Assumed.v: Admitted",)
     assert without_comments("(* a (* b *) c *)x(**)") == "x"
 
@@ -83,6 +87,43 @@ def test_the_report_fails_for_anything_assumed():
     assert report({"A.x": ""}, [])[1] is True
     assert report({"A.x": ""}, ["A.v: Admitted"])[1] is False
     assert report({"A.x": "rests on axioms: y"}, [])[1] is False
+
+
+@pytest.mark.parametrize(
+    ("line", "word"),
+    [
+        ("Axiom a : False.", "Axiom"),
+        ("Local Axiom a : False.", "Local Axiom"),
+        ("#[local] Parameter a : False.", "#[local] Parameter"),
+        ("Unset Guard Checking.", "Unset Guard Checking"),
+        ("Unset  Universe\nChecking.", "Unset  Universe\nChecking"),
+        ("#[bypass_check(guard)] Fixpoint f (n : nat) : False := f n.", "bypass_check"),
+    ],
+)
+def test_every_way_to_assume_is_found(tmp_path, line, word):
+    (tmp_path / "A.v").write_text(f"(* Axiom *)\n{line}\n")
+    assert assumed(tmp_path) == (f"A.v: {word}",)
+
+
+@pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
+def test_an_older_compilation_answers_for_nothing(tmp_path):
+    for name in ("Makefile", "_CoqProject"):
+        shutil.copy(SOURCES / name, tmp_path)
+    (tmp_path / "Base.v").write_text("Theorem base : 1 = 1. Proof. reflexivity. Qed.")
+    (tmp_path / "User.v").write_text(
+        "From Compensators Require Import Base.\nTheorem user : 1 = 1. Proof. exact base. Qed."
+    )
+    (tmp_path / "Alone.v").write_text("Theorem alone : 2 = 2. Proof. reflexivity. Qed.")
+    names = ["Base.base", "User.user", "Alone.alone"]
+    assert compile_formal_part(names, tmp_path).holds
+    (tmp_path / "Base.v").write_text("Theorem base : 1 = 2. Proof. reflexivity. Qed.")
+    found = compile_formal_part(names, tmp_path)
+    assert found.status == "failed"
+    assert found.answers == {
+        "Base.base": "Base.v does not compile",
+        "User.user": "User.v does not compile",
+        "Alone.alone": "",
+    }
 
 
 @pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
