@@ -27,6 +27,7 @@ def page(entries: Iterable[Entry]) -> str:
     >>> print(page(select(["theorem-a2"])))  # doctest: +ELLIPSIS
     ## Appendix B: Sylvester resultants
     <BLANKLINE>
+    (theorem-a2)=
     ### Theorem A2
     ...
     """
@@ -54,6 +55,7 @@ def escaped(text: str) -> str:
 
 
 def _entry(entry: Entry) -> Iterator[str]:
+    yield f"({entry.name})="  # so that other pages can link to it
     yield f"### {escaped(entry.title)}"
     yield ""
     yield f"`{entry.name}`, {escaped(entry.source)}"
