@@ -117,7 +117,7 @@ have monic_degree m (g : {poly R}) : g \is monic -> degree_is g m -> (m + r = n)
   by move: deg_Nc; move: (size N_c); lia.
 split=> [[D_o [N_o [based fraction]]]|condition].
   have [r_lt|r_ge] := ltnP r n; [by left | right].
-  have {r_ge r_n} r_n : r = n by apply/eqP; rewrite eqn_leq r_n.
+  have {}r_n : r = n by apply/eqP; rewrite eqn_leq r_n.
   have [K [F [Do _]]] := based; have monic_Do : D_o \is monic by rewrite Do char_poly_monic.
   have [g [monic_g Eo En]] := same_fraction _ _ monic_Do fraction.
   have g1 : g = 1.
