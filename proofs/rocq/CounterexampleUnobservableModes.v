@@ -43,9 +43,9 @@ Section Counterexample.
 Variable R : rcfType.
 
 (* Refuted: "n is odd and A~ has at least two real eigenvalues, then the compensator is, in some
-   basis, observer-based". G = 1 / (s^3 + s^2 + 2s), and 2 g / ((s + 1) g) with g = (s + 3)(s + 4) in
-   controllable canonical form: the real poles -3 and -4 are unobservable, so both belong to the
-   observer, which needs a third real pole, and there is none. *)
+   basis, observer-based". G = 1 / (s^3 + s^2 + 2s), and 2 g / ((s + 1) g) with g = (s + 3)(s + 4)
+   in controllable canonical form: the real poles -3 and -4 are unobservable, so both belong to
+   the observer, which needs a third real pole, and there is none. *)
 Theorem real_roots_and_no_form (A : 'M[R]_3) (B : 'cV[R]_3) (C : 'rV[R]_3) :
   denominator A = @plant_D R -> numerator A B C = plant_N R ->
   let D_c := written_D_c (@real_factor R) in let N_c := written_N_c (@real_factor R) in

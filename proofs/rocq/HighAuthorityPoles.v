@@ -222,7 +222,8 @@ have N_dual : full_numerator A^T C^T D_1^T D_2 = H *: (N_s * N_u).
   by rewrite /full_numerator numerator_tr char_poly_tr.
 have EW : W = D_2 ^+ 2 + ((C^T)^T *m Q *m C^T) 0 0 by rewrite trmxK.
 rewrite Echi EW in in_chi *.
-apply: (poles_of_high_authority_lqg symmetric _ _ in_chi N_dual nz_H n_split); rewrite ?trmxK -?EW //.
+apply: (poles_of_high_authority_lqg symmetric _ _ in_chi N_dual nz_H n_split);
+  rewrite ?trmxK -?EW //.
   rewrite scalerN -linearZ /= gain linearD linearZ /= !trmx_mul trmxK symmetric.
   by rewrite mulmxA.
 by rewrite {1}riccati [(- B_c^T)^T]linearN /= trmxK mulNmx mulmxN opprK.
