@@ -176,8 +176,13 @@ def table(title, rows, sizes):
 def report(t):
     """The tables, and the project's bars with what was found."""
     rate, ud = t["dgemm"], lambda n: t["ud", n]
-    share = lambda what, n: 300 * n**2 / t[what, n] / rate  # noqa: E731
-    nanoseconds = lambda what: lambda n: 1e9 * t[what, n]  # noqa: E731
+
+    def share(what, n):
+        return 300 * n**2 / t[what, n] / rate
+
+    def nanoseconds(what):
+        return lambda n: 1e9 * t[what, n]
+
     print(f"dgemm, n = 1024: {rate / 1e9:.1f} GFLOP/s; instruction set: {_kernel.levels()[0]}")
     rows = [
         ("UD, ns", ".0f", nanoseconds("ud")),

@@ -22,6 +22,7 @@ def as_dict(check: ControllerCheck) -> dict[str, Any]:
         "source": check.log.source,
         "steps": check.log.steps,
         "replay": replay and {
+            "of": replay.of,
             "agrees": replay.agrees,
             "worst": finite_or_none(replay.worst),
             "worst_step": replay.worst_step,

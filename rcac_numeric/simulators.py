@@ -78,7 +78,9 @@ class Simulator:
             error = None
             if self._failures is not None:
                 error, self._failures.error = self._failures.error, None
-            why = "it returned a nonzero number" if error is None else f"{error}"
+            why = "it returned a nonzero number."
+            if error is not None:
+                why = f"{type(error).__name__}: {error}"
             raise FunctionFailedError(
                 f"the function {function} of the plant failed at step {self._k}: {why}"
             ) from error

@@ -61,6 +61,7 @@ def test_the_worked_example(tmp_path):
 def test_json_is_strict_and_complete():
     answer = strict(run(OCTAVE, "--plant", CASE, "--json", "--sample-time", "0.1").output)
     assert answer["replay"]["agrees"] and answer["loop"]["is_stable"]
+    assert answer["replay"]["of"] == "theta"
     assert answer["target"]["worst_pole_distance"] < 1e-5 and answer["match"]["worst"] < 1e-5
     assert answer["residual"]["identity_error"] < 1e-10 and answer["unsaid"] == {}
     delay = answer["margins"]["u"]["delay"]
@@ -76,6 +77,7 @@ def test_json_stays_strict_where_numbers_are_infinite(tmp_path):
     still = strict(run(tmp_path / "still.npz", "--plant", "1/(q - 0.5)", "--json").output)
     lag = still["margins"]["u"]["phase_lag"]
     assert lag["value"] is None and not lag["is_reached"]
+    assert still["replay"]["of"] == "the compensator"
     assert still["replay"]["agrees"] and still["unsaid"]["convergence"] == "no theta was logged"
 
 

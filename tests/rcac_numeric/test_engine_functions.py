@@ -119,6 +119,42 @@ def test_a_compiled_function_may_end_the_run(library):
     assert run.outcome == "plant failed" and run.steps == 9 and run.state is None
 
 
+def test_a_simulator_of_compiled_functions_names_the_failing_one(library):
+    stop = ctypes.c_int64(2)
+    data = ctypes.cast(ctypes.pointer(stop), ctypes.c_void_p)
+    body = FunctionPlant(
+        advance=LowLevelCallable(library.advance, data),
+        output=LowLevelCallable(library.output),
+        **SIZES,
+    ).simulator()
+    body.advance(0, 0)
+    body.advance(0, 0)
+    with pytest.raises(FunctionFailedError, match="advance of the plant failed at step 2: it ret"):
+        body.advance(0, 0)
+    assert body.k == 2 and np.array_equal(body.x, np.zeros(2))
+
+
+def test_a_simulator_of_functions_is_the_linear_plant_and_keeps_what_failed():
+    plant, body = as_functions(TWO_STATES), TWO_STATES.simulator(x_0=[1.0, -1.0])
+    same = plant.simulator(x_0=[1.0, -1.0])
+    for k in range(5):
+        for one, other in zip(body.output(k, 1), same.output(k, 1), strict=True):
+            assert one == pytest.approx(other, abs=1e-14)
+        body.advance(k, 1)
+        same.advance(k, 1)
+    assert same.k == 5 and same.x == pytest.approx(body.x, abs=1e-14)
+    broken = failing(3, ValueError("no sensor"), of="output").simulator()
+    for _ in range(3):
+        broken.output(0, 0)
+        broken.advance(0, 0)
+    for _ in range(2):  # it fails again where it has failed, and says why each time
+        with pytest.raises(
+            FunctionFailedError, match="output of the plant .* step 3: ValueError: no sensor"
+        ):
+            broken.output(0, 0)
+    assert repr(broken).startswith("Simulator(k=3")
+
+
 def failing(k_bad, answer, of="advance"):
     """TWO_STATES as functions of which one answers `answer` (or raises it) at step k_bad."""
 
