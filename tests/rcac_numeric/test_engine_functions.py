@@ -149,7 +149,7 @@ def test_a_simulator_of_functions_is_the_linear_plant_and_keeps_what_failed():
         broken.advance(0, 0)
     for _ in range(2):  # it fails again where it has failed, and says why each time
         with pytest.raises(
-            FunctionFailedError, match="output of the plant .* step 3: ValueError: no sensor"
+            FunctionFailedError, match=r"output of the plant .* step 3: ValueError: no sensor"
         ):
             broken.output(0, 0)
     assert repr(broken).startswith("Simulator(k=3")
