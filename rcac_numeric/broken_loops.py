@@ -135,12 +135,12 @@ def broken_loop(
         if feedback is not None:
             raise InputError("a ClosedLoop knows its sign of feedback; leave feedback out.")
         return _opened(loop, one_of(at, "at", ("u", "y")), channel)
+    A, B, C, D = _matrices(loop)
     if feedback not in (1, -1):
         raise InputError(
             f"feedback = {feedback!r}: a loop transfer function L does not say how it is closed; "
             "give -1 for 1 + L = 0 or +1 for 1 - L = 0."
         )
-    A, B, C, D = _matrices(loop)
     return BrokenLoop(A, B, -feedback * C, -feedback * D)
 
 

@@ -9,6 +9,33 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("compensator_theory", "rcac_numeric", "proofs")
+ANALYSIS = [
+    "closed_loop",
+    "comparison",
+    "residual_split",
+    "compensators",
+    "h2_costs",
+    "loop_costs",
+    "lyapunov",
+    "noise",
+    "riccati",
+    "riccati_obstacles",
+    "riccati_solutions",
+    "lqg_design",
+    "lqg_agreement",
+    "state_space_compensators",
+    "broken_loops",
+    "crossovers",
+    "margin_boundaries",
+    "margins",
+    "disk_margins",
+    "internal_models",
+    "replays",
+    "check_analyses",
+    "controller_checks",
+    "controller_logs",
+    "log_files",
+]
 MODULES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
 
 
@@ -34,12 +61,16 @@ def test_arrows_go_one_way(path):
         assert not any(module.split(".")[0] == "numpy" for module in found), "no floats in here"
     if package == "rcac_numeric":
         assert not any(module.startswith("proofs") for module in found)
-    analysis = ("closed_loop", "comparison", "residual_split", "compensators", "h2_costs")
-    if name in (*analysis, "lqg_design", "riccati"):
+    if name in ANALYSIS:
         assert "rcac_numeric.simulation" not in found, "analysis never imports simulation"
     if name not in ("cli", "__init__"):
         on_top = {"rcac_numeric.plots", "rcac_numeric.report", "rcac_numeric.cli"}
         assert not on_top & found, "nothing imports what sits on top"
+
+
+def test_the_list_of_analyses_names_files():
+    names = {path.stem for path in MODULES if path.parent.name == "rcac_numeric"}
+    assert names.issuperset(ANALYSIS)
 
 
 def public_names():
