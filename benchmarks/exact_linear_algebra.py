@@ -19,7 +19,7 @@ import time
 import sympy
 
 from compensator_theory import sylvester_m
-from compensator_theory.exact_linear_algebra import determinant, solve
+from compensator_theory.matrices.linear_algebra import determinant, solve
 
 SIZES = (50, 100)
 TRIED = (5, 10, 20, 30, 40, 50, 100)

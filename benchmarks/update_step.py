@@ -20,7 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from scipy.linalg.blas import dsymv, dsyr
 
-from rcac_numeric import _kernel
+from rcac_numeric.engine import _kernel
 
 SIZES = (10, 20, 40, 80, 160)
 LANE_SIZES = (10, 20, 40)

@@ -12,7 +12,7 @@ from compensator_theory import (
     solve_riccati,
     standard_problem,
 )
-from compensator_theory.exact_linear_algebra import characteristic_polynomial
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 
 Facts = Iterator[tuple[str, bool]]
 q = Symbol("q")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from sympy import Matrix
 
 from compensator_theory import polynomial, sylvester_m1, sylvester_m2
-from compensator_theory.exact_linear_algebra import determinant, rank
+from compensator_theory.matrices.linear_algebra import determinant, rank
 
 Facts = Iterator[tuple[str, bool]]
 

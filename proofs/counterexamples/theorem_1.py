@@ -15,7 +15,7 @@ from compensator_theory import (
     realisation,
     transfer_function_is_observer_based,
 )
-from compensator_theory.exact_linear_algebra import characteristic_polynomial
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 
 Facts = Iterator[tuple[str, bool]]
 s = Symbol("s")

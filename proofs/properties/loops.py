@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 from sympy import Matrix, diag, zeros
 
 from compensator_theory import Realisation, place_poles, polynomial_from_roots, realisation
-from compensator_theory.generators.plants import unimodular_matrices
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
-from compensator_theory.transfer_functions import TransferFunction
+from compensator_theory.strategies.plants import unimodular_matrices
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 Loop = tuple[Realisation, Realisation]
 

@@ -12,7 +12,7 @@ from compensator_theory import (
     sylvester_m,
     sylvester_m1,
 )
-from compensator_theory.exact_linear_algebra import determinant, solve_affine
+from compensator_theory.matrices.linear_algebra import determinant, solve_affine
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 
 from ..checks import for_all

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from sympy import Poly, Symbol
 
 from compensator_theory import sylvester_m1, sylvester_m2
-from compensator_theory.exact_linear_algebra import determinant, rank
+from compensator_theory.matrices.linear_algebra import determinant, rank
 from compensator_theory.strategies import polynomials, rationals
 
 from ..checks import for_all

@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from sympy import Matrix, Symbol
 
 from compensator_theory import observer_gain, polynomial_from_roots, regulator_gain
-from compensator_theory.exact_linear_algebra import characteristic_polynomial, rank
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
 from compensator_theory.strategies import matrices, minimal_plants, spectra
 
 from ..checks import for_all

@@ -4,17 +4,17 @@ from hypothesis import strategies as st
 from sympy import Matrix, Poly, Rational, Symbol, prod
 
 from compensator_theory import polynomial, solve_riccati
-from compensator_theory.exact_linear_algebra import characteristic_polynomial
-from compensator_theory.generators.plants import disguised, unimodular_matrices
-from compensator_theory.polynomials import canonical
-from compensator_theory.state_space import controllable_canonical_form
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials.poly import canonical
 from compensator_theory.strategies import (
     matrices,
     nonzero_rationals,
     polynomials,
     standard_problems,
 )
-from compensator_theory.transfer_functions import TransferFunction
+from compensator_theory.strategies.plants import disguised, unimodular_matrices
+from compensator_theory.systems.state_space import controllable_canonical_form
+from compensator_theory.systems.transfer_functions import TransferFunction
 
 from ..checks import for_all
 

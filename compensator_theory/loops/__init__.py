@@ -1,0 +1,1 @@
+"""A plant and a compensator joined: closed-loop polynomials, maps and matrices, intercalation."""

@@ -1,0 +1,200 @@
+"""A plant and a compensator joined: the equations of the loop, solved exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import sympy
+from sympy import ImmutableMatrix, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.polynomials.poly import from_expression, polynomial
+from compensator_theory.systems.standard_problems import StandardProblem
+from compensator_theory.systems.transfer_matrices import TransferMatrix
+
+
+@dataclass(frozen=True)
+class Loop:
+    r"""A plant and a compensator :math:`D_c u = N_c y`, ready to be solved for u.
+
+    .. math:: \Delta = D D_c - N_c N_{yu}, \qquad \det\Delta = D^{l_u-1}\,\det(qI - \tilde A)
+              \cdot\mathrm{const}
+
+    Attributes
+    ----------
+    problem : StandardProblem
+        The plant.
+    N_c, D_c : sympy.ImmutableMatrix
+        l_u x l_y and l_u x l_u, entries polynomial in the variable; D_c is monic.
+    n_c : int
+        Degree of D_c.
+
+    Notes
+    -----
+    The powers of D that the formulas of the dissertation leave in numerator and denominator are
+    divided out exactly: the loop has :math:`n + l_u n_c` poles.
+
+    Examples
+    --------
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.loops.loop import close_loop
+    >>> close_loop(standard_problem("1/(q - 2)"), "1", "q + 1").characteristic_polynomial()
+    Poly(q**2 - q - 3, q, domain='QQ')
+    """
+
+    problem: StandardProblem
+    N_c: ImmutableMatrix
+    D_c: ImmutableMatrix
+    n_c: int
+
+    def characteristic_polynomial(self) -> Poly:
+        r"""Return :math:`\det\Delta/D^{l_u-1}`, the closed-loop characteristic polynomial."""
+        return self._polynomial(self._delta[1], self.problem.l_u - 1)
+
+    def response(self, injected: ImmutableMatrix) -> TransferMatrix:
+        r"""Return the map to z from an input added as :math:`D_c u = N_c y + V\tilde u`.
+
+        .. math:: N_{zu}\,\mathrm{adj}(\Delta)\,V\,/\det\Delta
+        """
+        adjugate, _ = self._delta
+        N_zu, V = self._in_ring(self._numerators("zu"), injected)
+        return self._over_poles(N_zu * adjugate * V, self.problem.l_u - 1)
+
+    def numerators_from_w(self) -> tuple[tuple[Poly, ...], ...]:
+        """Return the numerators of the map from w to z over the characteristic polynomial."""
+        adjugate, determinant = self._delta
+        N_zu, N_c, N_yw, N_zw = self._in_ring(
+            self._numerators("zu"), self.N_c, self._numerators("yw"), self._numerators("zw")
+        )
+        return self._rows(N_zu * adjugate * N_c * N_yw + N_zw * determinant, self.problem.l_u)
+
+    def from_w(self) -> TransferMatrix:
+        """Return the map from w to z."""
+        return TransferMatrix(self.numerators_from_w(), self.characteristic_polynomial())
+
+    @cached_property
+    def _domain(self) -> Any:
+        """The ring that contains every polynomial of the loop."""
+        matrices = [self._numerators(channel) for channel in ("zw", "zu", "yw", "yu")]
+        entries = ImmutableMatrix(
+            [self._D, *self.N_c, *self.D_c, *(e for m in matrices for e in m)]
+        )
+        return DomainMatrix.from_Matrix(entries).domain
+
+    @cached_property
+    def _delta(self) -> tuple[DomainMatrix, Any]:
+        N_yu, N_c, D_c = self._in_ring(self._numerators("yu"), self.N_c, self.D_c)
+        adjugate, determinant = (D_c * self._domain.from_sympy(self._D) - N_c * N_yu).adj_det()
+        return adjugate, determinant
+
+    @property
+    def _D(self) -> sympy.Expr:
+        return self.problem.denominator.as_expr()
+
+    def _numerators(self, channel: str) -> ImmutableMatrix:
+        return self.problem.transfer_matrix(channel).numerator_matrix()
+
+    def _in_ring(self, *matrices: ImmutableMatrix) -> list[DomainMatrix]:
+        domain = self._domain
+        return [
+            DomainMatrix([list(map(domain.from_sympy, row)) for row in m.tolist()], m.shape, domain)
+            for m in matrices
+        ]
+
+    def _over_poles(self, product: DomainMatrix, power: int) -> TransferMatrix:
+        return TransferMatrix(self._rows(product, power), self.characteristic_polynomial())
+
+    def _rows(self, product: DomainMatrix, power: int) -> tuple[tuple[Poly, ...], ...]:
+        return tuple(tuple(self._polynomial(e, power) for e in row) for row in product.to_list())
+
+    def _polynomial(self, element: Any, power: int) -> Poly:
+        """Divide by that power of D, which leaves no remainder."""
+        domain = self._domain
+        quotient = domain.exquo(element, domain.from_sympy(self._D) ** power)
+        return from_expression(domain.to_sympy(quotient), self.problem.variable)
+
+
+def close_loop(problem: StandardProblem, N_c: Any, D_c: Any) -> Loop:
+    r"""Check a compensator against a plant and join the two.
+
+    Parameters
+    ----------
+    problem : StandardProblem
+        The plant.
+    N_c, D_c : polynomial or matrix
+        For scalar u and y anything :func:`polynomial` reads; else a SymPy matrix or nested lists of
+        such entries, l_u x l_y and l_u x l_u, with :math:`D_c = q^{n_c} I - \cdots`.
+
+    Raises
+    ------
+    InputError
+        If shapes do not fit or D_c is not monic.
+    ImproperError
+        If N_c has a higher degree than D_c, or :math:`\det(I - Q_0 D_0) = 0`, where
+        :math:`Q_0` and :math:`D_0` are the direct terms of compensator and plant.
+
+    Examples
+    --------
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.loops.loop import close_loop
+    >>> close_loop(standard_problem("1/(q - 2)"), "1", "q + 1").n_c
+    1
+    """
+    if not isinstance(problem, StandardProblem):
+        raise InputError(
+            f"{problem!r} is not a StandardProblem; make one with standard_problem or servo_problem"
+        )
+    q = problem.variable
+    numerator = _polynomial_rows(N_c, (problem.l_u, problem.l_y), q, "N_c")
+    denominator = _polynomial_rows(D_c, (problem.l_u, problem.l_u), q, "D_c")
+    n_c = max(int(entry.degree()) for row in denominator for entry in row if not entry.is_zero)
+    if _leading(denominator, n_c) != sympy.eye(problem.l_u):
+        raise InputError(
+            f"D_c must be monic: the coefficient of {q}**{n_c} is "
+            f"{_leading(denominator, n_c).tolist()} and not the identity; multiply N_c and D_c by "
+            "its inverse from the left"
+        )
+    if any(entry.degree() > n_c for row in numerator for entry in row):
+        raise ImproperError(
+            f"the compensator is improper: N_c has a higher degree than D_c, which has {n_c}"
+        )
+    direct = sympy.eye(problem.l_u) - _leading(numerator, n_c) * problem.D_0
+    if sympy.expand(direct.det()) == 0:
+        raise ImproperError(
+            "the loop is not well posed: det(I - Q_0 D_0) = 0 for the direct terms Q_0 of the "
+            "compensator and D_0 of the plant; use a strictly proper compensator"
+        )
+    return Loop(problem, _as_matrix(numerator), _as_matrix(denominator), n_c)
+
+
+def _polynomial_rows(
+    value: Any, shape: tuple[int, int], variable: Symbol, name: str
+) -> list[list[Poly]]:
+    nested = isinstance(value, Sequence) and not isinstance(value, str)
+    if isinstance(value, sympy.MatrixBase):
+        value, nested = value.tolist(), True
+    if not (
+        nested and all(isinstance(row, Sequence) and not isinstance(row, str) for row in value)
+    ):
+        value = [[value]]
+    rows = [[polynomial(entry, variable) for entry in row] for row in value]
+    if {len(row) for row in rows} != {shape[1]} or len(rows) != shape[0]:
+        raise InputError(
+            f"{name} has rows of lengths {[len(row) for row in rows]}; this plant needs a "
+            f"{shape[0]} x {shape[1]} matrix"
+        )
+    if name == "D_c" and all(entry.is_zero for row in rows for entry in row):
+        raise InputError("D_c is zero; a compensator needs a denominator")
+    return rows
+
+
+def _leading(rows: list[list[Poly]], degree: int) -> ImmutableMatrix:
+    return ImmutableMatrix([[e.coeff_monomial(e.gen**degree) for e in row] for row in rows])
+
+
+def _as_matrix(rows: list[list[Poly]]) -> ImmutableMatrix:
+    return ImmutableMatrix([[entry.as_expr() for entry in row] for row in rows])

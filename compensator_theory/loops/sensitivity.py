@@ -1,0 +1,150 @@
+"""The sensitivity function of a loop, and the compensator that it determines."""
+
+import sympy
+from sympy import Poly
+
+from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems.transfer_functions import TransferFunction
+
+
+def sensitivity_function(
+    plant: TransferFunctionLike, compensator: TransferFunctionLike, *, feedback: int
+) -> TransferFunction:
+    r"""Return the sensitivity function with the unreduced closed-loop polynomial below.
+
+    .. math:: S = \frac{1}{1 - f\,G\,G_c} = \frac{D D_c}{\tilde D}, \qquad
+              \tilde D = D D_c - f\,N N_c
+
+    Parameters
+    ----------
+    plant, compensator : transfer function
+        N/D and :math:`N_c/D_c` in one variable; anything :func:`transfer_function` reads, symbols
+        allowed.
+    feedback : {+1, -1}
+        The sign f; -1 is the one of (7.22).
+
+    Raises
+    ------
+    ImproperError
+        If :math:`\tilde D = 0` or its degree is below that of :math:`D D_c`: the loop is not well
+        posed.
+    InputError
+        If the variables differ or `feedback` is neither +1 nor -1.
+
+    Notes
+    -----
+    Source: (7.22), (7.23).
+
+    Examples
+    --------
+    >>> from compensator_theory import sensitivity_function
+    >>> print(sensitivity_function("1/(s - 1)", "3", feedback=-1))
+    (s - 1)/(s + 2)
+    """
+    require_sign(feedback)
+    G = transfer_function(plant)
+    G_c = _in_variable_of(G, compensator, "compensator")
+    around = canonical(G.denominator * G_c.denominator)
+    through = canonical(G.numerator * G_c.numerator)
+    closed = canonical(around - scaled(through, sympy.Integer(feedback)))
+    if closed.is_zero or closed.degree() < around.degree():
+        raise ImproperError(
+            f"the loop of {G} and {G_c} is not well posed: G G_c tends to {feedback} at infinity"
+        )
+    return TransferFunction(around, closed)
+
+
+def compensator_from_sensitivity(
+    plant: TransferFunctionLike, sensitivity: TransferFunctionLike, *, feedback: int
+) -> TransferFunction:
+    r"""Return the only transfer function that gives a loop this sensitivity function.
+
+    .. math:: G_c = f\,\frac{S - 1}{S\,G}
+
+    Parameters
+    ----------
+    plant, sensitivity : transfer function
+        In one variable, neither of them zero; anything :func:`transfer_function` reads.
+    feedback : {+1, -1}
+        The sign f; -1 is the one of (7.24).
+
+    Returns
+    -------
+    TransferFunction
+        Reduced: common factors of :math:`N_c` and :math:`D_c` do not show in S.
+
+    Raises
+    ------
+    ImproperError
+        If it would be improper: 1 - S must fall off at infinity as fast as G.
+    InputError
+        If S or the plant is zero, the variables differ, or `feedback` is neither +1 nor -1.
+
+    Notes
+    -----
+    Source: (7.24). The characteristic polynomial alone does not determine the compensator; S does.
+
+    Examples
+    --------
+    >>> from compensator_theory import compensator_from_sensitivity
+    >>> print(compensator_from_sensitivity("1/(s - 1)", "(s - 1)/(s + 2)", feedback=-1))
+    (3)/(1)
+    """
+    require_sign(feedback)
+    G = transfer_function(plant)
+    S = _in_variable_of(G, sensitivity, "sensitivity function")
+    for name, function in (("plant", G), ("sensitivity function", S)):
+        if function.numerator.is_zero:
+            raise InputError(f"the {name} is zero, which no compensator explains")
+    change = canonical(S.numerator - S.denominator)
+    G_c = TransferFunction(
+        scaled(canonical(change * G.denominator), sympy.Integer(feedback)),
+        canonical(S.numerator * G.numerator),
+    ).reduced()
+    if not G_c.is_proper:
+        raise ImproperError(
+            f"S = {S} asks for the improper compensator {G_c}: 1 - S has relative degree "
+            f"{_relative_degree(change, S)}, which must be at least that of the plant, "
+            f"{G.relative_degree}"
+        )
+    return G_c
+
+
+def require_sign(feedback: object) -> None:
+    """Refuse a sign of feedback other than +1 and -1.
+
+    Raises
+    ------
+    InputError
+        With what the two signs mean.
+
+    Examples
+    --------
+    >>> from compensator_theory.loops.sensitivity import require_sign
+    >>> require_sign(-1)
+    """
+    if isinstance(feedback, bool) or feedback not in (1, -1):
+        raise InputError(f"feedback = {feedback!r} must be +1 (u = G_c y) or -1 (u = -G_c y)")
+
+
+def _in_variable_of(
+    G: TransferFunction, other: TransferFunctionLike, name: str
+) -> TransferFunction:
+    """Read another transfer function; a constant takes the variable of the plant."""
+    try:
+        found = transfer_function(other)
+    except InputError:
+        return transfer_function(other, G.variable)
+    if found.variable == G.variable:
+        return found
+    if found.variable.name in ("s", "z", "q"):
+        raise InputError(
+            f"the {name} is in {found.variable} and the plant in {G.variable}; use one variable"
+        )
+    return transfer_function(other, G.variable)
+
+
+def _relative_degree(change: Poly, S: TransferFunction) -> int | str:
+    return "infinity" if change.is_zero else S.order - int(change.degree())

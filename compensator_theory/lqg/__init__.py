@@ -1,0 +1,1 @@
+"""High-authority LQG: exact gains, Riccati solutions, costs, poles and target model."""

@@ -1,0 +1,1 @@
+"""Exact linear algebra, Sylvester matrices and invariant subspaces."""

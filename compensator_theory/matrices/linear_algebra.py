@@ -1,0 +1,243 @@
+"""Exact linear algebra: python-flint for rational matrices, polynomial rings for symbolic ones."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import flint
+from sympy import Expr, ImmutableMatrix, Matrix, Poly, Rational, Symbol
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
+
+from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.polynomials.poly import canonical
+
+
+@dataclass(frozen=True)
+class AffineSolution:
+    """Every solution of a linear system: one of them plus the span of a basis.
+
+    Attributes
+    ----------
+    particular : sympy.ImmutableMatrix
+        Column; its free components are 0.
+    nullspace : tuple of sympy.ImmutableMatrix
+        Basis columns; empty if the solution is unique.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.linear_algebra import solve_affine
+    >>> solve_affine(Matrix([[1, 2]]), Matrix([3])).nullspace
+    (Matrix([
+    [-2],
+    [ 1]]),)
+    """
+
+    particular: ImmutableMatrix
+    nullspace: tuple[ImmutableMatrix, ...]
+
+
+def determinant(matrix: Matrix) -> Expr:
+    """Return the determinant, expanded.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices.linear_algebra import determinant
+    >>> determinant(Matrix([[a, 1], [1, a]]))
+    a**2 - 1
+    """
+    _require_square(matrix)
+    if _is_rational(matrix):
+        return _rational(_to_flint(matrix).det())
+    domain_matrix = DomainMatrix.from_Matrix(matrix)
+    constant_term = domain_matrix.charpoly()[-1]  # division-free
+    sign = -1 if matrix.rows % 2 else 1
+    return domain_matrix.domain.to_sympy(sign * constant_term)
+
+
+def rank(matrix: Matrix) -> int:
+    """Return the rank; with symbols, the rank for generic values of the symbols.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.linear_algebra import rank
+    >>> rank(Matrix([[1, 2], [2, 4]]))
+    1
+    """
+    if 0 in matrix.shape:
+        return 0
+    if _is_rational(matrix):
+        return int(_to_flint(matrix).rref()[1])
+    return len(DomainMatrix.from_Matrix(matrix).rref_den()[2])
+
+
+def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
+    r"""Return the monic characteristic polynomial :math:`\det(sI - A)`.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+    >>> characteristic_polynomial(Matrix([[0, 1], [-a, -3]]), s)
+    Poly(s**2 + 3*s + a, s, domain='QQ[a]')
+    """
+    _require_square(matrix)
+    if matrix.rows == 0:
+        return canonical(Poly(1, variable))
+    if _is_rational(matrix):
+        ascending = _to_flint(matrix).charpoly().coeffs()
+        return canonical(Poly([_rational(c) for c in reversed(ascending)], variable))
+    domain_matrix = DomainMatrix.from_Matrix(matrix)
+    domain = domain_matrix.domain
+    return canonical(Poly([domain.to_sympy(c) for c in domain_matrix.charpoly()], variable))
+
+
+def solve(matrix: Matrix, right_side: Matrix) -> ImmutableMatrix:
+    """Solve a square system with exactly one solution.
+
+    Parameters
+    ----------
+    matrix : sympy.Matrix
+        n x n; with symbols, nonsingular for generic values of them.
+    right_side : sympy.Matrix
+        n x m.
+
+    Raises
+    ------
+    NoSolutionError
+        If the matrix is singular.
+    InputError
+        If the shapes do not fit.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices.linear_algebra import solve
+    >>> solve(Matrix([[a, 1], [0, 2]]), Matrix([1, 2]))
+    Matrix([
+    [0],
+    [1]])
+    """
+    _require_square(matrix)
+    _require_rows(matrix, right_side)
+    singular = f"the {matrix.rows} x {matrix.cols} matrix is singular; use solve_affine"
+    if _is_rational(matrix) and _is_rational(right_side):
+        try:
+            return _from_flint(_to_flint(matrix).solve(_to_flint(right_side)))
+        except ZeroDivisionError as error:
+            raise NoSolutionError(singular) from error
+    left, right = _unified(matrix, right_side)
+    try:
+        numerator, denominator = left.solve_den(right)
+    except DMNonInvertibleMatrixError as error:
+        raise NoSolutionError(singular) from error
+    return _quotient(numerator, denominator)
+
+
+def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
+    """Solve a system of any shape: one solution and a basis of the homogeneous ones.
+
+    Parameters
+    ----------
+    matrix : sympy.Matrix
+        m x n; with symbols, for generic values of them.
+    right_side : sympy.Matrix
+        m x 1.
+
+    Raises
+    ------
+    NoSolutionError
+        If the equations contradict each other.
+    InputError
+        If the shapes do not fit.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.linear_algebra import solve_affine
+    >>> solve_affine(Matrix([[1, 0], [0, 2]]), Matrix([3, 1])).particular.T
+    Matrix([[3, 1/2]])
+    """
+    _require_rows(matrix, right_side)
+    if matrix.rows == matrix.cols:
+        try:
+            return AffineSolution(solve(matrix, right_side), ())
+        except NoSolutionError:
+            pass
+    columns = matrix.cols
+    reduced, pivots = _echelon(matrix.row_join(right_side))
+    if columns in pivots:
+        raise NoSolutionError(
+            f"the {matrix.rows} equations for {columns} unknowns contradict each other"
+        )
+    free = [column for column in range(columns) if column not in pivots]
+    particular = Matrix.zeros(columns, 1)
+    for row, pivot in enumerate(pivots):
+        particular[pivot] = reduced[row, columns]
+    basis = []
+    for column in free:
+        vector = Matrix.zeros(columns, 1)
+        vector[column] = 1
+        for row, pivot in enumerate(pivots):
+            vector[pivot] = -reduced[row, column]
+        basis.append(ImmutableMatrix(vector))
+    return AffineSolution(ImmutableMatrix(particular), tuple(basis))
+
+
+def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
+    if _is_rational(matrix):
+        reduced, found = _to_flint(matrix).rref()
+        result = _from_flint(reduced)
+        leading = (
+            next(c for c in range(result.cols) if result[row, c] != 0) for row in range(int(found))
+        )
+        return result, tuple(leading)
+    numerator, denominator, pivots = DomainMatrix.from_Matrix(matrix).rref_den()
+    return _quotient(numerator, denominator), tuple(pivots)
+
+
+def _quotient(numerator: DomainMatrix, denominator: Any) -> ImmutableMatrix:
+    field = numerator.domain.get_field()
+    inverse = 1 / field.convert_from(denominator, numerator.domain)
+    return ImmutableMatrix((numerator.convert_to(field) * inverse).to_Matrix())
+
+
+def _unified(*matrices: Matrix) -> list[DomainMatrix]:
+    converted = [DomainMatrix.from_Matrix(matrix) for matrix in matrices]
+    return list(converted[0].unify(*converted[1:], fmt="dense"))
+
+
+def _is_rational(matrix: Matrix) -> bool:
+    return all(entry.is_Rational for entry in matrix)
+
+
+def _to_flint(matrix: Matrix) -> Any:
+    entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
+    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
+
+
+def _from_flint(matrix: Any) -> ImmutableMatrix:
+    entries = [_rational(entry) for entry in matrix.entries()]
+    return ImmutableMatrix(matrix.nrows(), matrix.ncols(), entries)
+
+
+def _rational(value: Any) -> Rational:
+    return Rational(int(value.p), int(value.q))
+
+
+def _require_square(matrix: Matrix) -> None:
+    if matrix.rows != matrix.cols:
+        raise InputError(f"the matrix is {matrix.rows} x {matrix.cols}; it must be square")
+
+
+def _require_rows(matrix: Matrix, right_side: Matrix) -> None:
+    if matrix.rows != right_side.rows:
+        raise InputError(
+            f"the matrix has {matrix.rows} rows and the right side has {right_side.rows}; "
+            "they must agree"
+        )

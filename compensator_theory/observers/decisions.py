@@ -1,0 +1,80 @@
+"""The answer to "is it observer-based?", with its reason."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import sympy
+from sympy import Poly
+
+from compensator_theory.errors import InputError
+from compensator_theory.observers.form_lists import ObserverForms
+from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.roots.certified import Root, certified_roots
+
+NumberOfForms = int | Literal["a continuum"] | None
+"""How many forms there are; None if that is not known."""
+
+
+@dataclass(frozen=True)
+class ObserverDecision:
+    r"""Whether a compensator is observer-based, and why.
+
+    Attributes
+    ----------
+    question : str
+        What was asked: of a polynomial pair, a transfer function, a realisation, or about LQG.
+    answer : bool or None
+        None if it is undecided, for instance because it depends on the values of symbols.
+    reason : str
+        In words of this input.
+    number_of_forms : int, "a continuum" or None
+        Of observer-based forms; None if unknown.
+    characteristic_polynomial : sympy.Poly or None
+        Closed-loop polynomial on which the answer rests.
+    forms : ObserverForms or None
+        The forms that were enumerated, if the answer rests on them.
+
+    Notes
+    -----
+    A decision is true or false in an ``if``; an undecided one raises InputError there.
+    """
+
+    question: str
+    answer: bool | None
+    reason: str
+    number_of_forms: NumberOfForms = None
+    characteristic_polynomial: Poly | None = None
+    forms: ObserverForms | None = None
+
+    def __bool__(self) -> bool:
+        if self.answer is None:
+            raise InputError(f"{self.question} is undecided: {self.reason}; look at .answer")
+        return self.answer
+
+    @property
+    def roots(self) -> tuple[Root, ...]:
+        """Certified closed-loop roots with their multiplicities, the evidence for parity."""
+        if self.characteristic_polynomial is None:
+            return ()
+        return certified_roots(self.characteristic_polynomial)
+
+    @property
+    def verdict(self) -> str:
+        """The answer and its reason in one sentence."""
+        count = "" if self.number_of_forms is None else f" Forms: {self.number_of_forms}."
+        return f"{self.question} {self._word}: {self.reason}.{count}"
+
+    @property
+    def _word(self) -> str:
+        return {True: "yes", False: "no", None: "undecided"}[self.answer]
+
+    def __str__(self) -> str:
+        if self.characteristic_polynomial is None:
+            return self.verdict
+        return f"{self.verdict}\nClosed loop: {format_polynomial(self.characteristic_polynomial)}"
+
+    def _repr_latex_(self) -> str:
+        if self.characteristic_polynomial is None:
+            return rf"$\text{{{self.verdict}}}$"
+        loop = sympy.latex(self.characteristic_polynomial.as_expr())
+        return rf"$\displaystyle \text{{{self.question} {self._word}}}, \quad \tilde D = {loop}$"

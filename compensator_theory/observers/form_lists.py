@@ -1,0 +1,163 @@
+"""All observer-based forms of a realisation together, and the choice of one of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+from sympy import Expr, Poly
+
+from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.observers.form import ObserverForm
+from compensator_theory.polynomials.poly import format_polynomial, is_rational
+from compensator_theory.roots.certified import certified_roots
+from compensator_theory.roots.real_factors import count_observer_forms
+from compensator_theory.systems.realisations import Realisation
+from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
+
+
+@dataclass(frozen=True)
+class ObserverForms:
+    r"""The observer-based forms that :func:`observer_forms` found, and why there are no others.
+
+    Attributes
+    ----------
+    plant, compensator : Realisation
+        As given.
+    characteristic_polynomial : sympy.Poly
+        :math:`\tilde D = \det(sI - \tilde A)`.
+    forms : tuple of ObserverForm
+        One for each regulator polynomial that determines its subspace.
+    families : tuple of ObserverForm
+        With free parameters, where the closed loop has several Jordan blocks for one root: all
+        forms but a thin set of them. One without parameters represents a continuum of subspaces
+        that are not cyclic and have no parametrisation here.
+    rejections : tuple of (sympy.Poly, str)
+        Regulator polynomials that give no form, each with the reason.
+    undecided : tuple of sympy.Poly
+        Regulator polynomials with a continuum of subspaces of which none that was tried gives a
+        form.
+
+    Notes
+    -----
+    Source: (7.11)-(7.18); the subspaces are :math:`\ker p_R(\tilde A)`.
+    """
+
+    plant: Realisation
+    compensator: Realisation
+    characteristic_polynomial: Poly
+    forms: tuple[ObserverForm, ...]
+    families: tuple[ObserverForm, ...] = ()
+    rejections: tuple[tuple[Poly, str], ...] = ()
+    undecided: tuple[Poly, ...] = ()
+
+    @property
+    def has_continuum(self) -> bool:
+        """Whether there are infinitely many forms."""
+        return bool(self.families)
+
+    @property
+    def number_of_candidates(self) -> int | None:
+        """Number of real monic regulator polynomials of degree n; None if symbols decide."""
+        if not is_rational(self.characteristic_polynomial):
+            return None
+        return count_observer_forms(self.characteristic_polynomial, self.plant.n)
+
+    @property
+    def is_complete(self) -> bool | None:
+        """Whether every real regulator polynomial is rational and so was tested; None if unknown.
+
+        The forms of irrational regulator polynomials are found in float64, by
+        ``rcac_numeric.numeric_observer_forms``.
+        """
+        seen = {form.regulator for form in (*self.forms, *self.families)}
+        seen |= {polynomial for polynomial, _ in self.rejections} | set(self.undecided)
+        candidates = self.number_of_candidates
+        return None if candidates is None else len(seen) == candidates
+
+    def fastest_observer(self) -> ObserverForm:
+        """Return the form whose slowest observer root is fastest.
+
+        Slow is a large real part, and in the variables z and q a large modulus.
+
+        Raises
+        ------
+        NoSolutionError
+            If there is no form.
+        """
+        is_discrete = self.plant.variable.name in ("z", "q")
+        measure: Callable[[complex], float] = abs if is_discrete else lambda root: root.real
+
+        def slowest(form: ObserverForm) -> float:
+            return max((measure(root.value) for root in certified_roots(form.observer)), default=0)
+
+        return self._least(slowest)
+
+    def best_conditioned(self) -> ObserverForm:
+        """Return the form with the least :attr:`ObserverForm.squared_condition` of T.
+
+        Raises
+        ------
+        NoSolutionError
+            If there is no form.
+        """
+        return self._least(lambda form: form.squared_condition)
+
+    def closest_to(self, K: MatrixLike, F: MatrixLike) -> ObserverForm:
+        r"""Return the form that minimises :math:`\|K - K_0\|_F^2 + \|F - F_0\|_F^2`.
+
+        Parameters
+        ----------
+        K, F : matrix
+            The gains :math:`K_0` and :math:`F_0`, for instance those of an LQG design; in the
+            convention A + BK, A - FC.
+
+        Raises
+        ------
+        InputError
+            If the shapes do not fit or :math:`n_c \ne n`, so that there is no F.
+        NoSolutionError
+            If there is no form.
+        """
+        wanted = exact_matrix(K, "K"), exact_matrix(F, "F")
+        shapes = self.plant.B.T.shape, self.plant.C.T.shape
+        if self.plant.n != self.compensator.n or (wanted[0].shape, wanted[1].shape) != shapes:
+            raise InputError(
+                f"K and F are {wanted[0].shape} and {wanted[1].shape}; full-order forms of this "
+                f"plant have gains of shapes {shapes[0]} and {shapes[1]}"
+            )
+
+        def distance(form: ObserverForm) -> Expr:
+            off = [*(form.K - wanted[0]), *(form.F - wanted[1])]
+            return sympy.Add(*(entry**2 for entry in off))
+
+        return self._least(distance)
+
+    def _least(self, cost: Callable[[ObserverForm], Any]) -> ObserverForm:
+        if not self.forms:
+            raise NoSolutionError(
+                "there is no isolated form to choose from; "
+                + (
+                    "choose parameters of a family with families[0].at(...)"
+                    if self.families
+                    else "see rejections for the reasons"
+                )
+            )
+        return min(self.forms, key=cost)
+
+    def __str__(self) -> str:
+        lines = [f"closed loop {format_polynomial(self.characteristic_polynomial)}"]
+        lines += [f"{i}. {form}" for i, form in enumerate((*self.forms, *self.families), start=1)]
+        lines += [f"none for regulator {format_polynomial(p)}: {why}" for p, why in self.rejections]
+        lines += [
+            f"undecided for regulator {format_polynomial(p)}: a continuum of subspaces, and none "
+            "that was tried gives a form"
+            for p in self.undecided
+        ]
+        if self.is_complete is False:
+            lines.append("more candidates have irrational coefficients and were not tested")
+        return "\n".join(lines)
+
+    def _repr_latex_(self) -> str:
+        bodies = [form._repr_latex_().strip("$") for form in (*self.forms, *self.families)]
+        return r"$\begin{array}{l}" + r"\\ ".join(bodies) + r"\end{array}$"

@@ -1,0 +1,162 @@
+"""Regulator and observer gains that place the eigenvalues of A + BK and A - FC exactly."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import sympy
+from sympy import ImmutableMatrix, Poly, Symbol
+
+from compensator_theory.errors import (
+    InputError,
+    NoSolutionError,
+    NotControllableError,
+    NotObservableError,
+)
+from compensator_theory.matrices.linear_algebra import solve
+from compensator_theory.polynomials.from_roots import polynomial_or_roots
+from compensator_theory.polynomials.poly import PolynomialLike, as_symbol, format_polynomial, monic
+from compensator_theory.systems.controllability import (
+    controllability_matrix,
+    uncontrollable_polynomial,
+)
+from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
+
+
+def regulator_gain(
+    A: MatrixLike,
+    B: MatrixLike,
+    poles: PolynomialLike | Sequence[Any],
+    variable: str | Symbol = "s",
+) -> ImmutableMatrix:
+    r"""Return the one K that gives A + BK the eigenvalues asked for (Ackermann's formula).
+
+    .. math:: K = -\begin{bmatrix} 0 & \cdots & 0 & 1 \end{bmatrix}\,\mathcal C(A,B)^{-1} p_R(A)
+
+    Parameters
+    ----------
+    A, B : matrix
+        n x n and n x 1; symbols allowed, for generic values of them.
+    poles : polynomial or list of roots
+        :math:`p_R`, of degree n; a list holds its *roots*.
+    variable : str or Symbol
+        Variable of the polynomial.
+
+    Returns
+    -------
+    sympy.ImmutableMatrix
+        1 x n, with :math:`\det(sI - A - BK) = p_R`.
+
+    Raises
+    ------
+    NotControllableError
+        If (A, B) is not controllable; the message names the polynomial of the fixed modes.
+    InputError
+        If there are several inputs, or the number of poles is not n.
+
+    Notes
+    -----
+    Source: (7.25)-(7.27). Erratum: with :math:`S_C` as (7.26) defines it, (7.25) must read
+    :math:`A + BK = S_C^{-1}(A_C + B_C K_C)S_C` and :math:`K_C = K S_C^{-1}`.
+
+    Examples
+    --------
+    >>> from compensator_theory import regulator_gain
+    >>> regulator_gain([[-1, 4], [0, -3]], [[0], [1]], [-5, -4])  # Example 7.1
+    Matrix([[-3, -5]])
+    """
+    a, b, symbol = exact_matrix(A, "A"), exact_matrix(B, "B"), as_symbol(variable)
+    if b.cols != 1:
+        raise InputError(
+            f"B has {b.cols} columns; with several inputs many gains give the same eigenvalues. "
+            "Choose a direction v and place the poles of (A, Bv)"
+        )
+    goal = wanted_spectrum(poles, a.rows, symbol)
+    kalman = controllability_matrix(a, b)
+    try:
+        row = solve(kalman.T, sympy.eye(a.rows)[:, a.rows - 1]).T
+    except NoSolutionError as error:
+        fixed = format_polynomial(uncontrollable_polynomial(a, b, symbol))
+        raise NotControllableError(
+            f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
+            "modes from the plant, or change B"
+        ) from error
+    value = sympy.zeros(1, a.rows)
+    for coefficient in goal.all_coeffs():  # Horner, one row
+        value = (value * a + row * coefficient).applyfunc(sympy.cancel)
+    return ImmutableMatrix(-value)
+
+
+def observer_gain(
+    A: MatrixLike,
+    C: MatrixLike,
+    poles: PolynomialLike | Sequence[Any],
+    variable: str | Symbol = "s",
+) -> ImmutableMatrix:
+    r"""Return the one F that gives A - FC the eigenvalues asked for.
+
+    .. math:: F = p_O(A)\,\mathcal O(A,C)^{-1}\begin{bmatrix} 0 & \cdots & 0 & 1 \end{bmatrix}^T
+
+    Parameters
+    ----------
+    A, C : matrix
+        n x n and 1 x n; symbols allowed, for generic values of them.
+    poles : polynomial or list of roots
+        :math:`p_O`, of degree n; a list holds its *roots*.
+    variable : str or Symbol
+        Variable of the polynomial.
+
+    Returns
+    -------
+    sympy.ImmutableMatrix
+        n x 1, with :math:`\det(sI - A + FC) = p_O`.
+
+    Raises
+    ------
+    NotObservableError
+        If (A, C) is not observable; the message names the polynomial of the fixed modes.
+    InputError
+        If there are several outputs, or the number of poles is not n.
+
+    Notes
+    -----
+    Source: (7.28)-(7.30).
+
+    Examples
+    --------
+    >>> from compensator_theory import observer_gain
+    >>> observer_gain([[-1, 4], [0, -3]], [[1, 0]], [-2, -6]).T  # Example 7.1
+    Matrix([[4, -3/4]])
+    """
+    a, c = exact_matrix(A, "A"), exact_matrix(C, "C")
+    if c.rows != 1:
+        raise InputError(
+            f"C has {c.rows} rows; with several outputs many gains give the same eigenvalues. "
+            "Choose a combination w and place the poles of (A, wC)"
+        )
+    try:
+        return ImmutableMatrix(-regulator_gain(a.T, c.T, poles, variable).T)
+    except NotControllableError as error:
+        fixed = uncontrollable_polynomial(a.T, c.T, as_symbol(variable))
+        raise NotObservableError(
+            f"(A, C) is not observable: every A - FC keeps the roots of "
+            f"{format_polynomial(fixed)}. Remove these modes from the plant, or measure more"
+        ) from error
+
+
+def wanted_spectrum(poles: PolynomialLike | Sequence[Any], size: int, variable: Symbol) -> Poly:
+    """Read a monic polynomial of the given degree, from its roots or from itself.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.observers.gains import wanted_spectrum
+    >>> wanted_spectrum(["-1+1j", "-1-1j"], 2, s)
+    Poly(s**2 + 2*s + 2, s, domain='QQ')
+    """
+    goal = monic(polynomial_or_roots(poles, variable))
+    if goal.degree() != size:
+        raise InputError(
+            f"{format_polynomial(goal)} has degree {goal.degree()}, but {size} eigenvalues are to "
+            "be placed"
+        )
+    return goal

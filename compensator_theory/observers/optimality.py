@@ -1,0 +1,110 @@
+"""What the observer-based structure says about optimality, and what it does not."""
+
+from sympy import Poly
+
+from compensator_theory.errors import ImproperError
+from compensator_theory.observers.decisions import ObserverDecision
+from compensator_theory.observers.questions import (
+    closed_loop_of_pair,
+    pair_is_observer_based,
+    siso_loop,
+    transfer_function_is_observer_based,
+)
+from compensator_theory.polynomials.poly import format_polynomial, is_rational
+from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.systems.conversions import TransferFunctionLike
+from compensator_theory.systems.realisations import Realisation
+
+
+def is_lqg_suboptimal(
+    plant: TransferFunctionLike | Realisation,
+    compensator: TransferFunctionLike,
+    *,
+    feedback: int,
+) -> ObserverDecision:
+    r"""Decide whether a compensator is suboptimal for every LQG problem on the plant.
+
+    .. math:: J = \mathrm{E}\,|u - Kx|^2, \qquad \dot x = Ax + Bu + Fw, \quad y = Cx + w
+
+    is the problem for which an observer-based compensator with stable A + BK and A - FC is optimal,
+    with J = 0.
+
+    Parameters
+    ----------
+    plant : transfer function or Realisation
+        SISO of order n, without hidden modes.
+    compensator : transfer function
+        The pair :math:`(N_c, D_c)`; common factors are part of the loop, not of the cost.
+    feedback : {+1, -1}
+        The sign f in :math:`u = f G_c y`.
+
+    Returns
+    -------
+    ObserverDecision
+        Yes if the loop is unstable, or if :math:`G_c` in lowest terms is not observer-based. No if
+        it is observer-based and the loop is stable: the problem above has it as its optimum. None
+        if a root lies on the boundary of stability or symbols decide.
+
+    Raises
+    ------
+    NotCoprimeError, ImproperError, InputError
+        See :func:`pair_is_observer_based`.
+
+    Notes
+    -----
+    Erratum: Sections 7.1 and 7.6 conclude "suboptimal" from "not observer-based". That is true of
+    coprime :math:`(N_c, D_c)`. A pair with a common factor can fail to be observer-based while its
+    transfer function, on which alone the cost depends, is optimal. Stable means Hurwitz in the
+    variable s and Schur in z and q. LQG problems may have correlated noises and a cross weight, as
+    in (A.1)-(A.12), and :math:`R_2` and :math:`V_2` are positive definite, so that the optimal
+    transfer function is unique.
+
+    Examples
+    --------
+    >>> from compensator_theory import is_lqg_suboptimal
+    >>> plant, g = "1/(s**3 + 3*s**2 + 8*s + 6)", "(s**2 + 4*s + 5)"
+    >>> is_lqg_suboptimal(plant, (f"4*{g}", f"(s + 1)*{g}"), feedback=-1).answer
+    False
+    """
+    question = "Is it suboptimal for every LQG problem?"
+    G, G_c = siso_loop(plant, compensator, feedback)
+    Dtilde = closed_loop_of_pair(G, G_c.reduced(), feedback)
+    if Dtilde.degree() < G.order + G_c.reduced().order:
+        raise ImproperError(
+            f"the loop of {G} and {G_c} is not well posed: the direct terms cancel and the closed "
+            f"loop {format_polynomial(Dtilde)} has too few poles"
+        )
+    stable = _is_stable(Dtilde)
+    if stable is False:
+        return ObserverDecision(question, True, "the closed loop is unstable", None, Dtilde)
+    if not G_c.reduced().is_strictly_proper:
+        if G.variable.name == "s":
+            reason = "it is not strictly proper and passes white sensor noise on to u unfiltered"
+            return ObserverDecision(question, True, reason, 0, Dtilde)
+        reason = "it uses the current measurement, which LQG with one step of delay does not"
+        return ObserverDecision(question, None, reason, None, Dtilde)
+    structure = transfer_function_is_observer_based(G, G_c, feedback=feedback)
+    if structure.answer is False:
+        reason = f"in lowest terms it is not observer-based: {structure.reason}"
+        return ObserverDecision(question, True, reason, 0, Dtilde)
+    if structure.answer is None or stable is None:
+        unknown = structure.reason if stable else "the stability of the closed loop is not decided"
+        return ObserverDecision(question, None, unknown, None, Dtilde)
+    pair = pair_is_observer_based(G, G_c, feedback=feedback)
+    hidden = "" if pair.answer else " (the pair as it is written is not, but the cost ignores that)"
+    reason = (
+        f"its transfer function is observer-based{hidden} and the closed loop is stable, so that "
+        "it is optimal for the cost |u - Kx|^2 with process noise Fw and sensor noise w"
+    )
+    return ObserverDecision(question, False, reason, structure.number_of_forms, Dtilde)
+
+
+def _is_stable(poly: Poly) -> bool | None:
+    """Decide exactly; None on the boundary, with symbols and in other variables."""
+    counters = {"s": count_half_plane_roots}
+    counters |= dict.fromkeys(("z", "q"), count_unit_disk_roots)
+    if not is_rational(poly) or poly.gen.name not in counters:
+        return None
+    count = counters[poly.gen.name](poly)
+    return False if count.unstable else None if count.boundary else True

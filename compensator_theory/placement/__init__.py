@@ -1,0 +1,1 @@
+"""Every compensator that places given poles."""

@@ -1,0 +1,229 @@
+"""Every compensator of given order that places the closed-loop poles at given points."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import sympy
+from sympy import ImmutableMatrix, Poly
+
+from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
+from compensator_theory.loops.sensitivity import require_sign
+from compensator_theory.matrices.linear_algebra import AffineSolution, solve_affine
+from compensator_theory.matrices.sylvester import sylvester_m
+from compensator_theory.placement.solutions import PolePlacement
+from compensator_theory.polynomials.from_roots import polynomial_or_roots
+from compensator_theory.polynomials.poly import (
+    PolynomialLike,
+    canonical,
+    format_polynomial,
+    monic,
+    polynomial,
+    scaled,
+)
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
+
+
+def place_poles(
+    plant: TransferFunctionLike,
+    target: PolynomialLike | Sequence[Any],
+    n_c: int | None = None,
+    *,
+    feedback: int,
+    numerator_degree: int | None = None,
+    properness: str | None = None,
+) -> PolePlacement:
+    r"""Solve the pole placement equation exactly, for one compensator or for all of them.
+
+    .. math:: D D_c - f\, N N_c = \tilde D, \qquad \deg D_c = n_c, \quad \deg N_c \le \hat m_c
+
+    with :math:`f = +1` for positive feedback :math:`u = G_c y` and :math:`f = -1` for negative.
+
+    Parameters
+    ----------
+    plant : transfer function
+        :math:`N/D` of order n; anything :func:`transfer_function` reads; symbols allowed.
+    target : polynomial or list of roots
+        :math:`\tilde D` of degree :math:`n + n_c`, up to a factor. A list holds its *roots*.
+    n_c : int, optional
+        Order of the compensator; default deg(target) - n.
+    feedback : {+1, -1}
+        The sign f. Chapters 2 and 4 use +1, Section 7.3 and after -1.
+    numerator_degree : int, optional
+        :math:`\hat m_c \le n_c`, default min(n - 1, n_c).
+    properness : {"strictly proper", "exactly proper"}, optional
+        Ask for :math:`\deg N_c < n_c`, which lowers the default of `numerator_degree` to
+        min(n - 1, n_c - 1), or for :math:`\deg N_c = n_c`, which makes it n_c and, in a family,
+        chooses the member whose leading coefficient is 1.
+
+    Returns
+    -------
+    PolePlacement
+        Unique with the default if N and D are coprime and :math:`n_c \ge n - 1`. From
+        ``numerator_degree`` = n on a family whose numerator_degree - n + 1 parameters are the
+        coefficients of N_c above degree n - 1; zeros give the unique compensator back.
+
+    Raises
+    ------
+    NotCoprimeError
+        If N and D share a factor that the target lacks; the message names it.
+    ImproperError
+        If the plant is improper or numerator_degree > n_c.
+    NoSolutionError
+        If n_c or numerator_degree is below n - 1 and the target is out of reach. The message
+        gives the linear relation that every reachable target satisfies and this one does not.
+    InputError
+        If degrees do not fit or `feedback` is neither +1 nor -1.
+
+    Notes
+    -----
+    Source: (7.23), (7.32)-(7.38). Proposition 5 says this for :math:`n_c \in \{n-1, n\}`; existence
+    and uniqueness hold for every :math:`n_c \ge n-1` with :math:`\deg N_c \le n-1`, also for
+    exactly proper plants. For these, with :math:`\deg N_c = n_c` allowed, the leading coefficient
+    of the left side is :math:`\lambda = 1 - f N_n N_{c,n_c}`; the solution satisfies
+    :math:`D D_c - f N N_c = \lambda\tilde D`.
+
+    Examples
+    --------
+    >>> from compensator_theory import place_poles
+    >>> print(place_poles("4/((s + 1)*(s + 3))", [-6, -5, -4, -2], feedback=-1))  # Example 7.5
+    G_c = (33*s/4 + 93/4)/(s**2 + 13*s + 49)
+    unique: deg N_c <= 1, deg D_c = 2
+    D D_c + N N_c = s**4 + 17*s**3 + 104*s**2 + 268*s + 240
+    """
+    require_sign(feedback)
+    G = transfer_function(plant)
+    require_proper(G, "plant")
+    goal = _target(target, G)
+    n = G.order
+    n_c = goal.degree() - n if n_c is None else n_c
+    for name, value in (("n_c", n_c), ("numerator_degree", numerator_degree)):
+        if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
+            raise InputError(f"{name} = {value!r} must be an integer")
+    if n_c < 0 or goal.degree() != n + n_c:
+        raise InputError(
+            f"the target has degree {goal.degree()}, but a plant of order {n} with a compensator "
+            f"of order {max(n_c, 0)} has {n + max(n_c, 0)} closed-loop poles"
+        )
+    m_hat = _numerator_degree(n, n_c, numerator_degree, properness)
+    _check_degrees(G, n_c, m_hat)
+    _check_fixed_poles(G, goal)
+    solution = _solve(G, goal, n_c, m_hat, feedback)
+    placement = _placement(G, goal, n_c, feedback, solution)
+    return _exactly_proper(placement) if properness == "exactly proper" else placement
+
+
+def _target(target: Any, G: TransferFunction) -> Poly:
+    return monic(polynomial_or_roots(target, G.variable))
+
+
+def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | None) -> int:
+    if properness not in (None, "strictly proper", "exactly proper"):
+        raise InputError(
+            f"properness = {properness!r} must be 'strictly proper' or 'exactly proper'"
+        )
+    if asked is not None and (isinstance(asked, bool) or not isinstance(asked, int)):
+        raise InputError(f"numerator_degree = {asked!r} must be an integer")
+    if properness == "exactly proper":
+        if asked not in (None, n_c):
+            raise InputError(f"an exactly proper compensator has numerator_degree = n_c = {n_c}")
+        return n_c
+    limit = n_c - 1 if properness == "strictly proper" else n_c
+    if asked is not None and asked > limit and properness == "strictly proper":
+        raise InputError(f"a strictly proper compensator has numerator_degree <= {limit}")
+    return min(n - 1, limit) if asked is None else asked
+
+
+def _exactly_proper(placement: PolePlacement) -> PolePlacement:
+    """Return the placement with a member of degree n_c in front."""
+    order = int(placement.denominator.degree())
+    if placement.numerator.degree() == order:
+        return placement
+    if placement.is_unique:
+        raise NoSolutionError(
+            f"the only compensator that places these poles, {placement.compensator}, is not "
+            f"exactly proper. From n_c = {placement.plant.order} on there is a family with one"
+        )
+    last = [0] * (len(placement.homogeneous) - 1) + [1]  # the coefficient of s**n_c
+    member = placement.member(last)
+    return replace(placement, numerator=member.numerator, denominator=member.denominator)
+
+
+def _check_degrees(G: TransferFunction, n_c: int, m_hat: int) -> None:
+    if m_hat > n_c:
+        raise ImproperError(
+            f"numerator_degree = {m_hat} exceeds the order n_c = {n_c} and allows an improper "
+            f"compensator; choose numerator_degree <= {n_c} or a target of higher degree"
+        )
+    if m_hat < -1:
+        raise InputError(f"numerator_degree = {m_hat} must be at least 0 (or -1 for N_c = 0)")
+    if m_hat == n_c >= G.order and not G.is_strictly_proper:
+        raise InputError(
+            f"the plant {G} is exactly proper; with numerator_degree = n_c = {n_c} the leading "
+            "coefficient of the closed loop would depend on the free parameters. Choose "
+            f"numerator_degree <= {n_c - 1}"
+        )
+
+
+def _check_fixed_poles(G: TransferFunction, goal: Poly) -> None:
+    factor = G.common_factor()
+    if factor.degree() > 0 and not canonical(goal.rem(factor)).is_zero:
+        raise NotCoprimeError(
+            f"numerator and denominator of {G} share the factor {format_polynomial(factor)}; its "
+            "roots stay closed-loop poles whatever the compensator. Include them in the target "
+            "or reduce the plant with .reduced()"
+        )
+
+
+def _solve(G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int) -> AffineSolution:
+    M = sylvester_m(G.denominator, scaled(G.numerator, -feedback), n_c + 1, m_hat)
+    high_degrees_last = [*range(n_c + 1), *reversed(range(n_c + 1, M.cols))]  # so these are free
+    M = M.extract(list(range(M.rows)), high_degrees_last)
+    try:
+        return solve_affine(M, ImmutableMatrix(goal.all_coeffs()))
+    except NoSolutionError as error:
+        n = G.order
+        raise NoSolutionError(
+            f"no compensator with n_c = {n_c} and deg N_c <= {m_hat} places these poles: "
+            f"{_obstruction(M, goal)}. From n_c = {n - 1} and numerator_degree = {n - 1} on, every "
+            "target is reached"
+        ) from error
+
+
+def _obstruction(M: ImmutableMatrix, goal: Poly) -> str:
+    """Return the linear relation between target coefficients that proves there is no solution."""
+    descending = goal.all_coeffs()
+    for relation in solve_affine(M.T, ImmutableMatrix.zeros(M.cols, 1)).nullspace:
+        value = sympy.cancel(sum(y * c for y, c in zip(relation, descending, strict=True)))
+        if value != 0:
+            degree = len(descending) - 1
+            terms = sum(y * sympy.Symbol(f"t_{degree - i}") for i, y in enumerate(relation))
+            return (
+                f"with t_i the coefficient of {goal.gen}**i, every reachable target has "
+                f"{terms} = 0, but this one gives {value}"
+            )
+    return "the equations contradict each other"
+
+
+def _placement(
+    G: TransferFunction, goal: Poly, n_c: int, feedback: int, solution: AffineSolution
+) -> PolePlacement:
+    D_c, N_c = _pair(solution.particular, G, n_c)
+    if D_c.degree() < n_c:
+        raise ImproperError(
+            f"the only pair that places these poles is N_c = {format_polynomial(N_c)}, "
+            f"D_c = {format_polynomial(D_c)}, which is improper as a compensator of order {n_c}; "
+            "the loop would not be well posed. Change the target slightly or raise n_c"
+        )
+    leading = D_c.LC()
+    homogeneous = tuple(_pair(vector, G, n_c)[::-1] for vector in solution.nullspace)
+    return PolePlacement(
+        G, goal, feedback, scaled(N_c, 1 / leading), scaled(D_c, 1 / leading), homogeneous
+    )
+
+
+def _pair(vector: ImmutableMatrix, G: TransferFunction, n_c: int) -> tuple[Poly, Poly]:
+    coefficients = list(vector)
+    denominator, numerator = coefficients[: n_c + 1], coefficients[:n_c:-1]
+    return polynomial(denominator, G.variable), polynomial(numerator or [0], G.variable)

@@ -1,0 +1,144 @@
+"""Propositions 3 and 4 on the matrix of the pole placement equation, as checks."""
+
+from dataclasses import dataclass
+
+from sympy import ImmutableMatrix
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.sylvester import sylvester_m, sylvester_m1, sylvester_m2
+from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+
+
+@dataclass(frozen=True)
+class PropositionCheck:
+    """Both sides of an equivalence, evaluated for one case.
+
+    Attributes
+    ----------
+    statement : str
+        What is claimed.
+    left, right : bool
+        Its two sides.
+    printed_right : bool
+        The right side as the text prints it.
+
+    Examples
+    --------
+    >>> from compensator_theory import check_proposition_3
+    >>> print(check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=4, m_hat=1))
+    holds: M = M1(D, N) is True, m_hat = n - 1 is True
+    as printed (with n_c <= n): does not hold
+    """
+
+    statement: str
+    left: bool
+    right: bool
+    printed_right: bool
+
+    @property
+    def holds(self) -> bool:
+        """Whether the corrected equivalence is true of this case."""
+        return self.left == self.right
+
+    @property
+    def printed_holds(self) -> bool:
+        """Whether the equivalence as the text prints it is true of this case."""
+        return self.left == self.printed_right
+
+    def __str__(self) -> str:
+        equation, condition = self.statement.split(" iff ")
+        verdict = "holds" if self.holds else "does not hold"
+        lines = [f"{verdict}: {equation} is {self.left}, {condition} is {self.right}"]
+        if self.printed_right != self.right:
+            printed = "holds" if self.printed_holds else "does not hold"
+            lines.append(f"as printed (with n_c <= n): {printed}")
+        return "\n".join(lines)
+
+
+def check_proposition_3(
+    D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int
+) -> PropositionCheck:
+    r"""Check when the matrix of (7.38) is the Sylvester matrix of D and N.
+
+    .. math:: M = \mathcal M_1(D, N) \iff \hat m_c = n - 1
+
+    Parameters
+    ----------
+    D, N : polynomial
+        Of degrees n and :math:`m < n`.
+    n_c, m_hat : int
+        Order and formal numerator degree of the compensator, :math:`n_c \ge m`.
+
+    Raises
+    ------
+    InputError
+        If deg N >= deg D, or n_c < deg N, so that N has no formal degree n_c.
+
+    Notes
+    -----
+    Source: Proposition 3, N read with formal degree n_c. The text adds :math:`n_c \le n` to the
+    right side, because its :math:`\mathcal M_1` asks for :math:`l \le k`; the equality holds
+    without it.
+
+    Examples
+    --------
+    >>> from compensator_theory import check_proposition_3
+    >>> found = check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1)
+    >>> found.left, found.holds, found.printed_holds
+    (True, True, True)
+    """
+    n = _degrees(D, N, n_c)
+    left = _matrix(D, N, n_c, m_hat) == sylvester_m1(D, N, n, n_c)
+    right = m_hat == n - 1
+    return PropositionCheck("M = M1(D, N) iff m_hat = n - 1", left, right, right and n_c <= n)
+
+
+def check_proposition_4(
+    D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int
+) -> PropositionCheck:
+    r"""Check when the matrix of (7.38) is the 2n x 2n Sylvester matrix of D and N.
+
+    .. math:: M = \mathcal M_2(D, N) \iff \hat m_c = n - 1 \text{ and } n_c = n
+
+    Parameters
+    ----------
+    D, N, n_c, m_hat
+        As for :func:`check_proposition_3`.
+
+    Raises
+    ------
+    InputError
+        As for :func:`check_proposition_3`.
+
+    Notes
+    -----
+    Source: Proposition 4.
+
+    Examples
+    --------
+    >>> from compensator_theory import check_proposition_4
+    >>> print(check_proposition_4("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1))
+    holds: M = M2(D, N) is True, m_hat = n - 1 and n_c = n is True
+    """
+    n = _degrees(D, N, n_c)
+    left = _matrix(D, N, n_c, m_hat) == sylvester_m2(D, N)
+    right = m_hat == n - 1 and n_c == n
+    return PropositionCheck("M = M2(D, N) iff m_hat = n - 1 and n_c = n", left, right, right)
+
+
+def _degrees(D: PolynomialLike, N: PolynomialLike, n_c: int) -> int:
+    d = polynomial(D)
+    n, m = int(d.degree()), int(max(polynomial(N, d.gen).degree(), 0))
+    if m >= n:
+        raise InputError(f"deg N = {m} must be below deg D = {n}, as for a strictly proper plant")
+    if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < max(m, 0):
+        raise InputError(f"n_c = {n_c!r} must be an integer of at least deg N = {m}")
+    return n
+
+
+def _matrix(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> ImmutableMatrix | None:
+    """Return M, or None where a numerator of degree m_hat does not fit the equation."""
+    try:
+        return sylvester_m(D, N, n_c, m_hat)
+    except InputError:
+        return None

@@ -1,0 +1,161 @@
+"""What rounding the coefficients of a compensator to float64 does to the closed-loop poles."""
+
+from dataclasses import dataclass
+
+from sympy import Poly, Rational, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.poly import canonical, is_rational, scaled
+from compensator_theory.roots.certified import Root, certified_roots
+from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
+from compensator_theory.systems.transfer_functions import TransferFunction
+
+DISCRETE = ("z", "q")
+DANGEROUS_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class RoundingEffect:
+    """Closed-loop poles before and after the coefficients were rounded once.
+
+    Attributes
+    ----------
+    target, rounded : sympy.Poly
+        Closed-loop polynomial of the exact and of the rounded compensator, both exact.
+    displacement : float
+        Largest distance from a rounded pole to the nearest exact one.
+    share : float
+        The same relative to the distance of that exact pole from the stability boundary.
+    was_stable, is_stable : bool
+        Before and after: every pole in the open left half plane (s) or unit disk (z, q).
+
+    Examples
+    --------
+    >>> from compensator_theory import place_poles
+    >>> from compensator_theory.placement.rounding_effects import rounding_effect
+    >>> placed = place_poles("1/(s - 1)", ["-1/3"], feedback=-1)
+    >>> effect = rounding_effect(placed.plant, placed.compensator, feedback=-1)
+    >>> effect.is_dangerous, effect.displacement < 1e-15
+    (False, True)
+    """
+
+    target: Poly
+    rounded: Poly
+    displacement: float
+    share: float
+    was_stable: bool
+    is_stable: bool
+
+    @property
+    def is_dangerous(self) -> bool:
+        """Whether stability is lost, or a pole moves by a tenth of its distance to the boundary."""
+        return (self.was_stable and not self.is_stable) or self.share > DANGEROUS_SHARE
+
+    def __str__(self) -> str:
+        lost = ": the loop becomes UNSTABLE" if self.was_stable and not self.is_stable else ""
+        return (
+            f"rounding moves a closed-loop pole by {self.displacement:.2g}, that is "
+            f"{self.share:.2g} of its distance to the stability boundary{lost}"
+        )
+
+
+def rounding_effect(
+    plant: TransferFunction, compensator: TransferFunction, *, feedback: int
+) -> RoundingEffect:
+    r"""Round a compensator once and follow the closed-loop poles exactly.
+
+    .. math:: \tilde D = D D_c - f N N_c, \qquad
+              \tilde D_{64} = D\,\mathrm{fl}(D_c) - f N\,\mathrm{fl}(N_c)
+
+    Parameters
+    ----------
+    plant, compensator : TransferFunction
+        Rational, in s (continuous time) or z or q (discrete time). The plant is not rounded.
+    feedback : {+1, -1}
+        The sign f.
+
+    Returns
+    -------
+    RoundingEffect
+        The rounded coefficients are rational numbers, so that the poles are certified.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is symbolic or overflows float64.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.placement.rounding_effects import rounding_effect
+    >>> print(rounding_effect(transfer_function("1/(s + 1)"), transfer_function("2", "s"),
+    ...                       feedback=-1))
+    rounding moves a closed-loop pole by 0, that is 0 of its distance to the stability boundary
+    """
+    rounded = TransferFunction(
+        rounded_polynomial(compensator.numerator), rounded_polynomial(compensator.denominator)
+    )
+    exact, moved = (
+        canonical(
+            plant.denominator * G_c.denominator
+            - scaled(plant.numerator * G_c.numerator, Rational(feedback))
+        )
+        for G_c in (compensator, rounded)
+    )
+    roots = certified_roots(exact), certified_roots(moved)
+    displacement, share = _largest_move(*roots, plant.variable)
+    return RoundingEffect(exact, moved, displacement, share, is_stable(exact), is_stable(moved))
+
+
+def rounded_polynomial(poly: Poly) -> Poly:
+    """Round every coefficient to float64 and return the exact polynomial that results.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is symbolic or overflows.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.placement.rounding_effects import rounded_polynomial
+    >>> rounded_polynomial(polynomial("s + 1/4")) == polynomial("s + 1/4")
+    True
+    """
+    if not is_rational(poly):
+        raise InputError(f"{poly.as_expr()} has symbols in it; substitute numbers before rounding")
+    try:
+        coefficients = [int(c.p) / int(c.q) for c in poly.all_coeffs()]
+    except OverflowError as error:
+        raise InputError(f"a coefficient of {poly.as_expr()} overflows float64") from error
+    return canonical(Poly([exact_number(c, binary=True) for c in coefficients], poly.gen))
+
+
+def is_stable(poly: Poly) -> bool:
+    """Tell whether a closed-loop polynomial is Schur in z or q, Hurwitz in any other variable.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.placement.rounding_effects import is_stable
+    >>> is_stable(polynomial("s + 2")), is_stable(polynomial("z + 2"))
+    (True, False)
+    """
+    locate = locate_unit_disk_roots if poly.gen.name in DISCRETE else locate_half_plane_roots
+    return bool(locate(poly).stable == poly.degree())
+
+
+def _largest_move(
+    before: tuple[Root, ...], after: tuple[Root, ...], variable: Symbol
+) -> tuple[float, float]:
+    displacement = share = 0.0
+    for root in after:
+        nearest = min(before, key=lambda old: abs(old.value - root.value))
+        distance = max(0.0, abs(nearest.value - root.value) - nearest.radius - root.radius)
+        value, is_discrete = nearest.value, variable.name in DISCRETE
+        room = abs(1 - abs(value)) if is_discrete else abs(value.real)
+        displacement = max(displacement, distance)
+        if room > 0:
+            share = max(share, distance / room)
+    return displacement, share

@@ -1,0 +1,172 @@
+"""The answer to a pole placement problem, with its evidence."""
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import sympy
+from sympy import Expr, Poly
+
+from compensator_theory.errors import InputError, RoundingWarning
+from compensator_theory.loops.sensitivity import sensitivity_function
+from compensator_theory.placement.rounding_effects import rounding_effect
+from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.poly import canonical, format_polynomial, scaled
+from compensator_theory.systems.transfer_functions import TransferFunction
+
+
+@dataclass(frozen=True)
+class PolePlacement:
+    r"""Every compensator that :func:`place_poles` found.
+
+    .. math:: D (D_c + \textstyle\sum_i \alpha_i\,\delta D_i)
+              - f N (N_c + \sum_i \alpha_i\,\delta N_i) = \lambda\tilde D
+
+    Attributes
+    ----------
+    plant : TransferFunction
+        N/D of order n, as given.
+    target : sympy.Poly
+        :math:`\tilde D`, monic.
+    feedback : int
+        The sign f, +1 or -1.
+    numerator, denominator : sympy.Poly
+        :math:`N_c` and the monic :math:`D_c` of one solution.
+    homogeneous : tuple of pairs of sympy.Poly
+        :math:`(\delta N_i, \delta D_i)`; empty if the solution is unique.
+
+    Notes
+    -----
+    Source: (7.23), (7.34)-(7.36), Proposition 5.
+
+    Examples
+    --------
+    >>> from compensator_theory import place_poles
+    >>> family = place_poles("1/(s - 1)", [-1, -2], feedback=-1, numerator_degree=1)
+    >>> family.is_unique, family.residual.is_zero
+    (False, True)
+    >>> print(family.member([1]))  # 1 is the coefficient of s in N_c
+    (s + 5)/(s + 3)
+    """
+
+    plant: TransferFunction
+    target: Poly
+    feedback: int
+    numerator: Poly
+    denominator: Poly
+    homogeneous: tuple[tuple[Poly, Poly], ...] = ()
+
+    @property
+    def is_unique(self) -> bool:
+        """Whether there is no other compensator within the degrees asked for."""
+        return not self.homogeneous
+
+    @property
+    def compensator(self) -> TransferFunction:
+        """The pair (N_c, D_c) as an unreduced transfer function."""
+        return TransferFunction(self.numerator, self.denominator)
+
+    @property
+    def leading_coefficient(self) -> Expr:
+        r"""The factor :math:`\lambda`, 1 unless plant and compensator are both exactly proper."""
+        return self.closed_loop_polynomial(self.compensator).LC()
+
+    @property
+    def residual(self) -> Poly:
+        r"""What is left of :math:`D D_c - f N N_c - \lambda\tilde D`; zero, as computed anew."""
+        return self.residual_of(self.compensator)
+
+    def residual_of(self, compensator: TransferFunction) -> Poly:
+        """Return the residual of any compensator, for instance of a :meth:`member`."""
+        polynomial = self.closed_loop_polynomial(compensator)
+        return canonical(polynomial - scaled(self.target, polynomial.LC()))
+
+    def closed_loop_polynomial(self, compensator: TransferFunction) -> Poly:
+        """Return D D_c - f N N_c for any compensator in the same variable."""
+        through = self.plant.numerator * compensator.numerator
+        around = self.plant.denominator * compensator.denominator
+        return canonical(around - scaled(through, sympy.Integer(self.feedback)))
+
+    def member(self, parameters: Sequence[Any]) -> TransferFunction:
+        """Return one compensator of the family.
+
+        Parameters
+        ----------
+        parameters : sequence
+            One number or symbol for each entry of :attr:`homogeneous`.
+
+        Raises
+        ------
+        InputError
+            If their number is wrong.
+        """
+        if len(parameters) != len(self.homogeneous):
+            raise InputError(
+                f"there are {len(parameters)} parameters; this family has {len(self.homogeneous)}"
+            )
+        numerator, denominator = self.numerator, self.denominator
+        for parameter, (d_numerator, d_denominator) in zip(
+            map(exact_number, parameters), self.homogeneous, strict=True
+        ):
+            numerator = canonical(numerator + scaled(d_numerator, parameter))
+            denominator = canonical(denominator + scaled(d_denominator, parameter))
+        return TransferFunction(numerator, denominator)
+
+    @property
+    def sensitivity(self) -> TransferFunction:
+        r"""The sensitivity function :math:`S = D D_c/\tilde D` of (7.22)."""
+        return sensitivity_function(self.plant, self.compensator, feedback=self.feedback)
+
+    def to_control(self, dt: float | bool | None = None) -> Any:
+        """Return the compensator as a python-control object, rounded once to float64.
+
+        Parameters
+        ----------
+        dt : float or bool, optional
+            As for :meth:`TransferFunction.to_control`.
+
+        Warns
+        -----
+        RoundingWarning
+            If rounding the coefficients alone makes a stable loop unstable, or moves a pole by more
+            than a tenth of its distance to the stability boundary.
+
+        Raises
+        ------
+        InputError
+            If a coefficient is symbolic or overflows.
+        """
+        system = self.compensator.to_control(dt)
+        effect = rounding_effect(self.plant, self.compensator, feedback=self.feedback)
+        if effect.is_dangerous:
+            warnings.warn(
+                f"{effect}. Keep the exact compensator, or realise it as a cascade",
+                RoundingWarning,
+                stacklevel=2,
+            )
+        return system
+
+    def __str__(self) -> str:
+        count = len(self.homogeneous)
+        degrees = f"deg N_c <= {self._numerator_bound()}, deg D_c = {self.denominator.degree()}"
+        extent = "unique" if self.is_unique else f"one of a {count}-parameter family"
+        sign = "-" if self.feedback == 1 else "+"
+        factor = "" if self.leading_coefficient == 1 else f"({self.leading_coefficient}) * "
+        target = format_polynomial(self.target)
+        target = f"({target})" if factor else target
+        return (
+            f"G_c = {self.compensator}\n{extent}: {degrees}\nD D_c {sign} N N_c = {factor}{target}"
+        )
+
+    def _numerator_bound(self) -> int:
+        degrees = [d_numerator.degree() for d_numerator, _ in self.homogeneous]
+        return int(max([min(self.plant.order - 1, self.denominator.degree()), *degrees]))
+
+    def _repr_latex_(self) -> str:
+        top, bottom = sympy.latex(self.numerator.as_expr()), sympy.latex(self.denominator.as_expr())
+        sign = "-" if self.feedback == 1 else "+"
+        return (
+            rf"$\displaystyle G_c = \frac{{{top}}}{{{bottom}}}, \quad "
+            rf"D D_c {sign} N N_c = {sympy.latex(self.target.as_expr())}$"
+        )

@@ -1,0 +1,1 @@
+"""Numbers, text and polynomials: the one way into the exact half."""

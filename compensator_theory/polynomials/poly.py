@@ -1,0 +1,266 @@
+"""Exact polynomials in one variable: the one way in from text, expressions, lists and roots."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeAlias
+
+import sympy
+from sympy import QQ, Expr, Poly, Symbol
+from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.expressions import parse_expression
+from compensator_theory.polynomials.numbers import exact_number
+
+PolynomialLike: TypeAlias = Poly | Expr | str | int | Sequence[Any]
+"""What :func:`polynomial` reads."""
+
+OPERATORS = ("s", "z", "q")
+"""Names that are taken for the variable when none is given."""
+
+
+def as_symbol(variable: str | Symbol) -> Symbol:
+    """Return the symbol of that name, as every function here names its variable.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.poly import as_symbol
+    >>> as_symbol("q")
+    q
+    """
+    if isinstance(variable, Symbol):
+        return variable
+    found = parse_expression(variable) if isinstance(variable, str) else None
+    if not isinstance(found, Symbol):
+        raise InputError(f"{variable!r} cannot be a variable; give a name such as 's' or 'q'")
+    return found
+
+
+def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
+    r"""Make an exact polynomial with coefficients in descending powers.
+
+    .. math:: a(s) = a_k s^k + a_{k-1} s^{k-1} + \cdots + a_0
+
+    Parameters
+    ----------
+    obj : Poly, Expr, str, number or sequence
+        A sequence lists :math:`a_k, \ldots, a_0`; leading zeros are dropped.
+    variable : str or Symbol, optional
+        Default: the only one of ``s``, ``z``, ``q`` that occurs, else the only symbol.
+
+    Returns
+    -------
+    sympy.Poly
+        Over QQ for rational coefficients, over QQ[a, b] for symbols. Symbols stand for real
+        numbers.
+
+    Raises
+    ------
+    InputError
+        If the variable is not evident, or `obj` is no polynomial with real coefficients in it.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> polynomial("(s + 1)*(s + 0.5)")
+    Poly(s**2 + 3/2*s + 1/2, s, domain='QQ')
+    >>> polynomial([1, "a", 0.25], "q")
+    Poly(q**2 + a*q + 1/4, q, domain='QQ[a]')
+    """
+    if isinstance(obj, Poly):
+        return _from_poly(obj, variable)
+    if isinstance(obj, str) or not isinstance(obj, Iterable):
+        expression = exact_number(obj)
+        symbol = _variable_of(expression, variable)
+        return from_expression(expression, symbol)
+    coefficients = [exact_number(value) for value in obj]
+    if not coefficients:
+        raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
+    if variable is None:
+        raise InputError(f"the coefficients {coefficients} need a variable, for instance 's'")
+    symbol = as_symbol(variable)
+    if any(symbol in value.free_symbols for value in coefficients):
+        raise InputError(f"a coefficient in {coefficients} contains the variable {symbol} itself")
+    return from_expression(sum(c * symbol**k for k, c in enumerate(reversed(coefficients))), symbol)
+
+
+def from_expression(expression: Expr, variable: Symbol) -> Poly:
+    """Return the polynomial that a SymPy expression without floats is, in canonical form.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials.poly import from_expression
+    >>> from_expression(s * (s + a), s)
+    Poly(s**2 + a*s, s, domain='QQ[a]')
+    """
+    try:
+        result = Poly(expression, variable, extension=True)
+    except (PolynomialError, GeneratorsError, CoercionFailed) as error:
+        raise InputError(
+            f"{expression} is not a polynomial in {variable}; give numerator and denominator of a "
+            "rational function separately"
+        ) from error
+    return canonical(result)
+
+
+def canonical(poly: Poly) -> Poly:
+    """Return the polynomial over the smallest of QQ, QQ[a, ...], QQ(a, ...) that contains it.
+
+    Equal polynomials then compare equal, whatever they were computed from.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is not real.
+
+    Examples
+    --------
+    >>> from sympy import Poly
+    >>> from sympy.abc import a, q
+    >>> from compensator_theory.polynomials.poly import canonical
+    >>> canonical(Poly(a * q + q - a * q, q))
+    Poly(q, q, domain='QQ')
+    """
+    if poly.domain.is_QQ:
+        return poly
+    if poly.domain.is_RR or poly.domain.is_CC:
+        return from_expression(exact_number(poly.as_expr()), poly.gen)
+    if any(value.has(sympy.I) for value in poly.all_coeffs()):
+        raise InputError(
+            f"{poly.as_expr()} has complex coefficients; complex roots must come in conjugate pairs"
+        )
+    small = poly.retract() if poly.domain.is_Composite else poly
+    domain = small.domain
+    if domain.is_ZZ:
+        return small.set_domain(QQ)
+    if domain.is_Composite and not all(symbol.is_Symbol for symbol in domain.symbols):
+        return Poly(poly.as_expr(), poly.gen, extension=True)  # sqrt(2) is no free generator
+    if domain.is_Composite and domain.domain.is_ZZ:
+        return small.set_domain(domain.set_domain(QQ))
+    return small
+
+
+def monic(poly: Poly) -> Poly:
+    r"""Divide a polynomial by its leading coefficient, :math:`a(s)/a_k`.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero.
+
+    Examples
+    --------
+    >>> from compensator_theory import monic, polynomial
+    >>> monic(polynomial("2*s + 3"))
+    Poly(s + 3/2, s, domain='QQ')
+    """
+    require_poly(poly)
+    if poly.is_zero:
+        raise InputError("the zero polynomial has no monic multiple")
+    if poly.is_monic and poly.domain.is_Exact:
+        return poly
+    return canonical(poly.set_domain(poly.domain.get_field()).monic())
+
+
+def format_polynomial(poly: Poly) -> str:
+    """Write a polynomial in descending powers, as :func:`polynomial` reads it.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.poly import format_polynomial, polynomial
+    >>> format_polynomial(polynomial("a - s/3 + (a + 1)*s**2"))
+    '(a + 1)*s**2 - s/3 + a'
+    """
+    text = ""
+    for power, coefficient in sorted(poly.as_dict().items(), reverse=True):
+        unit = poly.gen ** power[0]
+        if coefficient.is_Add:
+            term = f"({coefficient})" if power[0] == 0 else f"({coefficient})*{unit}"
+        else:
+            term = str(coefficient * unit)
+        sign, term = ("-", term[1:]) if term.startswith("-") else ("+", term)
+        text += f" {sign} {term}"
+    if not text:
+        return "0"
+    return text[3:] if text.startswith(" +") else "-" + text[3:]
+
+
+def scaled(poly: Poly, factor: Expr) -> Poly:
+    """Multiply a polynomial by a number or by an expression in other symbols.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.polynomials.poly import polynomial, scaled
+    >>> scaled(polynomial("s + 2"), 1/a)
+    Poly(1/a*s + 2/a, s, domain='QQ(a)')
+    """
+    return canonical(poly * from_expression(sympy.sympify(factor), poly.gen))
+
+
+def require_poly(poly: Any) -> None:
+    """Refuse what is not a polynomial over the rationals or over symbols.
+
+    Raises
+    ------
+    InputError
+        The message says how to make one.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.poly import polynomial, require_poly
+    >>> require_poly(polynomial("s + 1"))
+    """
+    if not isinstance(poly, Poly):
+        raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
+    if not poly.domain.is_Exact or poly.domain.is_FiniteField:
+        raise InputError(f"{poly} is not exact; read it with polynomial(...) first")
+
+
+def is_rational(poly: Poly) -> bool:
+    """Tell whether every coefficient is a rational number.
+
+    Raises
+    ------
+    InputError
+        If it is not a polynomial.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.poly import is_rational, polynomial
+    >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
+    (True, False)
+    """
+    require_poly(poly)
+    return bool(poly.domain.is_QQ or poly.domain.is_ZZ)
+
+
+def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
+    if poly.domain.is_FiniteField:
+        raise InputError(f"{poly} has coefficients in a finite field; rational ones are needed")
+    if not poly.domain.is_Exact:
+        poly = Poly([exact_number(float(c)) for c in poly.all_coeffs()], poly.gen)
+    if len(poly.gens) > 1:
+        if variable is None:
+            raise InputError(f"{poly} has several generators; say which is the variable")
+        return from_expression(poly.as_expr(), as_symbol(variable))
+    if variable is not None and poly.gen != as_symbol(variable):
+        if poly.degree() > 0:
+            raise InputError(f"{poly.as_expr()} is a polynomial in {poly.gen}, not in {variable}")
+        return from_expression(poly.as_expr(), as_symbol(variable))
+    return canonical(poly)
+
+
+def _variable_of(expression: Expr, variable: str | Symbol | None) -> Symbol:
+    if variable is not None:
+        return as_symbol(variable)
+    symbols = expression.free_symbols
+    usual = [symbol for symbol in symbols if symbol.name in OPERATORS]
+    candidates = usual or list(symbols)
+    if len(candidates) != 1:
+        names = ", ".join(sorted(symbol.name for symbol in symbols)) or "none"
+        raise InputError(
+            f"the variable of {expression} is not evident (symbols: {names}); name it, "
+            "for instance variable='s'"
+        )
+    return candidates[0]

@@ -1,0 +1,1 @@
+"""Where roots are, with certificates: counts, enclosures, stability, spectral factors."""

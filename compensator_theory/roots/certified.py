@@ -1,0 +1,175 @@
+"""Roots with a certificate: balls that provably contain them, with exact multiplicities."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import flint
+from sympy import Poly
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.poly import is_rational
+
+Decision = TypeVar("Decision")
+
+
+@dataclass(frozen=True)
+class Root:
+    """A root of a rational polynomial, known to lie in a disk that contains no other root.
+
+    Attributes
+    ----------
+    value : complex
+        Centre of the disk.
+    radius : float
+        Upper bound of the distance between `value` and the root.
+    multiplicity : int
+        Exact.
+    is_real : bool
+        Exact: decided by the certificate and not by the size of the imaginary part.
+
+    Examples
+    --------
+    >>> from compensator_theory import certified_roots, polynomial
+    >>> print(certified_roots(polynomial("q**2 - q/2"))[1])
+    0.5
+    """
+
+    value: complex
+    radius: float
+    multiplicity: int
+    is_real: bool
+
+    def __str__(self) -> str:
+        text = f"{self.value.real:.6g}" if self.is_real else f"{self.value:.6g}"
+        return text if self.multiplicity == 1 else f"{text} (multiplicity {self.multiplicity})"
+
+
+def certified_roots(poly: Poly) -> tuple[Root, ...]:
+    r"""Isolate the roots of a rational polynomial in certified disks.
+
+    .. math:: |\lambda_i - \mathrm{value}_i| \le \mathrm{radius}_i
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+
+    Returns
+    -------
+    tuple of Root
+        Distinct roots; real ones first in ascending order, then conjugate pairs by real part,
+        the root in the upper half plane first. Empty for a constant.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero or has symbolic coefficients.
+
+    Examples
+    --------
+    >>> from compensator_theory import certified_roots, polynomial
+    >>> [(r.value, r.multiplicity) for r in certified_roots(polynomial("s**2*(s**2 + 1)"))]
+    [(0j, 2), (1j, 1), (-1j, 1)]
+    """
+    found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(poly)]
+    return tuple(sorted(found, key=_order))
+
+
+def root_balls(poly: Poly, precision: int = 64) -> list[tuple[Any, int]]:
+    """Return the certified complex balls of python-flint with their multiplicities.
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+    precision : int
+        Working precision in bits.
+
+    Returns
+    -------
+    list of (flint.acb, int)
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero or has symbolic coefficients.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.certified import root_balls
+    >>> len(root_balls(polynomial("q**3 - 2")))
+    3
+    """
+    integers = _integer_polynomial(poly)
+    with flint.ctx.workprec(precision):
+        return [(ball, int(multiplicity)) for ball, multiplicity in integers.complex_roots()]
+
+
+def decided_balls(
+    poly: Poly, decide: Callable[[Any], Decision | None], precision: int = 64
+) -> list[tuple[Any, int, Decision]]:
+    """Isolate the roots with growing precision until each ball answers a question.
+
+    The question is asked at the precision of the balls: at a lower one, python-flint would round
+    what it computes from them and lose the answer.
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+    decide : callable
+        Of a python-flint complex ball; None where the ball is too large to tell. Must have an
+        answer for small enough balls around every root.
+    precision : int
+        Bits to begin with.
+
+    Returns
+    -------
+    list of (flint.acb, int, decision)
+        Balls, multiplicities and answers.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.certified import decided_balls
+    >>> answers = decided_balls(polynomial("q**2 - 2"), lambda ball: ball.real > 0)
+    >>> sorted(positive for _, _, positive in answers)
+    [False, True]
+    """
+    while True:
+        with flint.ctx.workprec(precision):
+            answered = [(ball, m, decide(ball)) for ball, m in root_balls(poly, precision)]
+        if all(answer is not None for _, _, answer in answered):
+            return answered  # type: ignore[return-value]
+        precision *= 2
+
+
+def _integer_polynomial(poly: Poly) -> Any:
+    if not is_rational(poly):
+        raise InputError(
+            f"the roots of {poly.as_expr()} cannot be certified: its coefficients are not all "
+            "rational numbers; substitute numbers for the symbols"
+        )
+    if poly.is_zero:
+        raise InputError("every number is a root of the zero polynomial")
+    _, cleared = poly.clear_denoms(convert=True)
+    return flint.fmpz_poly([int(c) for c in reversed(cleared.all_coeffs())])
+
+
+def _rounded(ball: Any, multiplicity: int) -> Root:
+    is_real = bool(ball.imag == 0)
+    real = 0.0 if ball.real.contains(0) else float(ball.real.mid())  # +-j prints as +-j
+    value = complex(real, 0.0 if is_real else float(ball.imag.mid()))
+    error = abs(ball - flint.acb(value.real, value.imag)).abs_upper()
+    radius = float(error)
+    if flint.arb(radius) < error:
+        radius = math.nextafter(radius, math.inf)
+    return Root(value, radius, multiplicity, is_real)
+
+
+def _order(root: Root) -> tuple[bool, float, float, float]:
+    value = root.value
+    return (not root.is_real, value.real, abs(value.imag), -value.imag)

@@ -1,0 +1,93 @@
+"""How many roots are inside the unit circle, by exact arithmetic on the coefficients."""
+
+from typing import Any
+
+from sympy import QQ, Poly
+
+from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
+
+
+def count_unit_disk_roots(poly: Poly) -> RootCount:
+    r"""Count the roots inside, on and outside the unit circle, exactly.
+
+    .. math:: z = \frac{1 + s}{1 - s}, \qquad |z| < 1 \iff \mathrm{Re}\, s < 0
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero or has symbolic coefficients.
+
+    Notes
+    -----
+    The roots of :math:`(1-s)^k a((1+s)/(1-s))` are counted by :func:`count_half_plane_roots`; the
+    degree that it lacks is the multiplicity of the root -1.
+
+    Examples
+    --------
+    >>> from compensator_theory import count_unit_disk_roots, polynomial
+    >>> print(count_unit_disk_roots(polynomial("q*(q + 1)**2*(q - 3)")))
+    1 stable, 2 on the boundary, 1 unstable
+    """
+    require_rational(poly)
+    s, degree = poly.gen, int(poly.degree())
+    plus, minus = Poly([1, 1], s, domain=QQ), Poly([-1, 1], s, domain=QQ)
+    image, power = Poly(0, s, domain=QQ), Poly(1, s, domain=QQ)
+    for coefficient in poly.all_coeffs():  # Horner's scheme, made homogeneous
+        image = image * plus + power.mul_ground(coefficient)
+        power *= minus
+    found = count_half_plane_roots(image)
+    return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
+
+
+def reflection_coefficients(poly: Poly) -> tuple[Any, ...]:
+    r"""Return the numbers of Schur and Cohn, as far as they decide.
+
+    .. math:: k_j = \frac{a_j(0)}{\mathrm{lc}(a_j)}, \qquad
+              a_{j-1}(z) = \frac{a_j(z) - k_j\, a_j^*(z)}{z}
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, degree n.
+
+    Returns
+    -------
+    tuple of sympy.Rational
+        :math:`k_n, k_{n-1}, \ldots`; all n of them if every modulus is below 1, which says that
+        every root is inside the unit circle. Otherwise the last one has a modulus of 1 or more,
+        and some root is not inside.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero or has symbolic coefficients.
+
+    Notes
+    -----
+    This is Jury's table, divided by its leading elements. A polynomial of degree j is Schur if
+    and only if :math:`|k_j| < 1` and the next one is Schur, so no case is singular.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial, reflection_coefficients
+    >>> reflection_coefficients(polynomial("z**2 - z/2 + 1/4"))
+    (1/4, -2/5)
+    >>> reflection_coefficients(polynomial("z**2 - 3*z + 2"))
+    (2,)
+    """
+    require_rational(poly)
+    ring = poly.domain
+    row = [ring.convert(c) for c in poly.rep.to_list()]
+    found = []
+    while len(row) > 1:
+        k = row[-1] / row[0]
+        found.append(ring.to_sympy(k))
+        if abs(k) >= 1:
+            break
+        row = [a - k * b for a, b in zip(row[:-1], row[:0:-1], strict=True)]
+    return tuple(found)

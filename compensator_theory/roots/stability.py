@@ -1,0 +1,228 @@
+"""Is every root stable: decided twice, from the coefficients and from certified roots."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import sympy
+from sympy import Matrix, Poly
+
+from compensator_theory.matrices.linear_algebra import determinant
+from compensator_theory.polynomials.poly import (
+    PolynomialLike,
+    format_polynomial,
+    is_rational,
+    polynomial,
+)
+from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
+from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
+from compensator_theory.roots.schur_cohn import count_unit_disk_roots, reflection_coefficients
+
+MAX_DETERMINANTS = 40
+
+
+@dataclass(frozen=True)
+class StabilityDecision:
+    """Whether a polynomial is Hurwitz or Schur, by two independent routes, with the evidence.
+
+    Attributes
+    ----------
+    polynomial : sympy.Poly
+        As asked.
+    region : {"half plane", "unit disk"}
+        Where the roots are to lie: the open left half plane or the open unit disk.
+    by_coefficients, by_roots : bool or None
+        The two answers. None if it depends on the value of a symbol, or (by_roots) if there are
+        symbols at all.
+    counts_by_coefficients, counts_by_roots : RootCount or None
+        The two counts behind the answers; None with symbols.
+    evidence : tuple of sympy.Expr
+        Hurwitz determinants, or reflection coefficients as far as they decide.
+
+    Examples
+    --------
+    >>> from compensator_theory import decide_hurwitz
+    >>> print(decide_hurwitz("s**4 + s**3 + 2*s**2 + 2*s + 5"))
+    s**4 + s**3 + 2*s**2 + 2*s + 5 is not Hurwitz
+    from the coefficients: 2 stable, 0 on the boundary, 2 unstable
+    from certified roots: 2 stable, 0 on the boundary, 2 unstable
+    """
+
+    polynomial: Poly
+    region: Literal["half plane", "unit disk"]
+    by_coefficients: bool | None
+    by_roots: bool | None
+    counts_by_coefficients: RootCount | None
+    counts_by_roots: RootCount | None
+    evidence: tuple[Any, ...]
+
+    @property
+    def is_stable(self) -> bool | None:
+        """The answer; None if it depends on a symbol or the two routes contradict each other."""
+        return self.by_coefficients if self.is_unanimous else None
+
+    @property
+    def is_unanimous(self) -> bool:
+        """Whether the two routes agree in every count; False would be an error of this software."""
+        return self.counts_by_coefficients == self.counts_by_roots
+
+    def __str__(self) -> str:
+        name = "Hurwitz" if self.region == "half plane" else "Schur"
+        verdict = {
+            True: f"is {name}",
+            False: f"is not {name}",
+            None: f"is {name} or not, depending on its symbols",
+        }[self.is_stable]
+        lines = [f"{format_polynomial(self.polynomial)} {verdict}"]
+        if self.counts_by_roots is not None:
+            lines.append(f"from the coefficients: {self.counts_by_coefficients}")
+            lines.append(f"from certified roots: {self.counts_by_roots}")
+        return "\n".join(lines)
+
+    def _repr_latex_(self) -> str:
+        name = "Hurwitz" if self.region == "half plane" else "Schur"
+        verdict = {True: f"is {name}", False: f"is not {name}", None: "is undecided"}[
+            self.is_stable
+        ]
+        return rf"$\displaystyle {sympy.latex(self.polynomial.as_expr())} \text{{ {verdict}}}$"
+
+
+def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:
+    r"""Decide whether every root has a negative real part.
+
+    Parameters
+    ----------
+    poly : polynomial
+        Not zero. With symbols the Hurwitz determinants decide if their signs follow from the
+        symbols' assumptions, which :func:`polynomial` does not add: a SymPy symbol declared
+        positive keeps its assumption.
+
+    Returns
+    -------
+    StabilityDecision
+        Routh's criterion by :func:`count_half_plane_roots` and the certified roots by
+        :func:`locate_half_plane_roots`; the evidence are the Hurwitz determinants of the monic
+        polynomial up to degree 40 (above it, their cost would exceed that of both decisions). A
+        constant has no root and is Hurwitz.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from compensator_theory import decide_hurwitz
+    >>> decide_hurwitz("(s + 1)*(s + 2)").is_stable
+    True
+    >>> a, s = symbols("a", positive=True), symbols("s")
+    >>> decide_hurwitz(s**2 + a*s + a).is_stable, decide_hurwitz("s**2 + a*s + 1").is_stable
+    (True, None)
+    """
+    p = polynomial(poly)
+    if is_rational(p):
+        require_rational(p)
+        counts = count_half_plane_roots(p), locate_half_plane_roots(p)
+        by_coefficients, by_roots = (count.stable == p.degree() for count in counts)
+        small = p.degree() <= MAX_DETERMINANTS
+        evidence = hurwitz_determinants(p) if small else ()
+        return StabilityDecision(p, "half plane", by_coefficients, by_roots, *counts, evidence)
+    determinants = hurwitz_determinants(p)
+    signs = [sympy.factor(d).is_positive for d in determinants]
+    by_signs = False if False in signs else (None if None in signs else True)
+    return StabilityDecision(p, "half plane", by_signs, None, None, None, determinants)
+
+
+def decide_schur(poly: PolynomialLike) -> StabilityDecision:
+    r"""Decide whether every root has a modulus below 1.
+
+    Parameters
+    ----------
+    poly : polynomial
+        Not zero. With symbols the answer is None, unless the product of the roots decides.
+
+    Returns
+    -------
+    StabilityDecision
+        The answer of Schur, Cohn and Jury with its :func:`reflection_coefficients`, the counts by
+        :func:`count_unit_disk_roots`, and the certified roots by :func:`locate_unit_disk_roots`.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero.
+
+    Examples
+    --------
+    >>> from compensator_theory import decide_schur
+    >>> found = decide_schur("q**2 - q/2 + 1/4")
+    >>> found.is_stable, found.evidence
+    (True, (1/4, -2/5))
+    """
+    p = polynomial(poly)
+    if is_rational(p):
+        require_rational(p)
+        counts = count_unit_disk_roots(p), locate_unit_disk_roots(p)
+        evidence = reflection_coefficients(p)
+        by_coefficients = all(abs(k) < 1 for k in evidence)
+        by_roots = counts[1].stable == p.degree()
+        return StabilityDecision(p, "unit disk", by_coefficients, by_roots, *counts, evidence)
+    product = sympy.cancel(p.TC() / p.LC())
+    if not p.free_symbols_in_domain:
+        return StabilityDecision(p, "unit disk", _jury(p), None, None, None, (product,))
+    certain = p.LC().is_nonzero  # else the degree may drop and the product mean nothing
+    outside = certain and sympy.Ge(sympy.Abs(product), 1) == sympy.true
+    answer = False if outside else None
+    return StabilityDecision(p, "unit disk", answer, None, None, None, (product,))
+
+
+def hurwitz_determinants(poly: PolynomialLike) -> tuple[Any, ...]:
+    r"""Return the leading principal minors of the Hurwitz matrix of the monic polynomial.
+
+    .. math:: H_{ij} = a_{n - 2j + i}, \qquad \Delta_k = \det [H_{ij}]_{i,j\le k}
+
+    Parameters
+    ----------
+    poly : polynomial
+        Degree n, symbols allowed.
+
+    Returns
+    -------
+    tuple of sympy.Expr
+        :math:`\Delta_1, \ldots, \Delta_n`; all positive if and only if every root has a negative
+        real part.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero.
+
+    Examples
+    --------
+    >>> from compensator_theory import hurwitz_determinants
+    >>> hurwitz_determinants("s**2 + a*s + b")
+    (a, a*b)
+    """
+    p = polynomial(poly)
+    if p.is_zero:
+        require_rational(p)
+    leading, degree = p.LC(), int(p.degree())
+    a = [sympy.cancel(c / leading) for c in p.all_coeffs()]  # a[k] belongs to s**(n - k)
+    H = Matrix(
+        degree,
+        degree,
+        lambda i, j: a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= degree else sympy.Integer(0),
+    )
+    return tuple(determinant(H[:k, :k]) for k in range(1, degree + 1))
+
+
+def _jury(poly: Poly) -> bool | None:
+    """Run the Schur-Cohn recursion on irrational numbers; None if SymPy cannot tell a sign."""
+    coefficients = list(poly.all_coeffs())
+    while len(coefficients) > 1:
+        k = sympy.simplify(coefficients[-1] / coefficients[0])
+        if not (1 - k**2).is_positive:
+            return None if (1 - k**2).is_positive is None else False
+        reduced = zip(coefficients[:-1], coefficients[:0:-1], strict=True)
+        coefficients = [sympy.simplify(c - k * mirrored) for c, mirrored in reduced]
+    return True

@@ -1,0 +1,100 @@
+"""Numbers and polynomials for Hypothesis."""
+
+from hypothesis import strategies as st
+from sympy import Poly, Rational, Symbol
+
+from compensator_theory.polynomials.poly import canonical
+
+
+def rationals(max_numerator: int = 9, max_denominator: int = 4) -> st.SearchStrategy[Rational]:
+    """Draw rational numbers with small numerators and denominators; they shrink to 0.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import rationals
+    >>> @given(rationals(5, 3))
+    ... def check(x):
+    ...     assert abs(x) <= 5 and x.q <= 3
+    >>> check()
+    """
+    numerators = st.integers(-max_numerator, max_numerator)
+    return st.builds(Rational, numerators, st.integers(1, max_denominator))
+
+
+def nonzero_rationals(
+    max_numerator: int = 9, max_denominator: int = 4
+) -> st.SearchStrategy[Rational]:
+    """Draw rational numbers other than 0; they shrink to 1.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import nonzero_rationals
+    >>> @given(nonzero_rationals())
+    ... def check(x):
+    ...     assert x != 0
+    >>> check()
+    """
+    numerators = st.integers(-max_numerator, max_numerator - 1).map(lambda k: k + (k >= 0))
+    return st.builds(Rational, numerators, st.integers(1, max_denominator))
+
+
+@st.composite
+def polynomials(
+    draw: st.DrawFn,
+    variable: str = "s",
+    min_degree: int = 0,
+    max_degree: int = 4,
+    is_monic: bool = False,
+) -> Poly:
+    """Draw rational polynomials whose degree lies in the given range (zero excluded).
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import polynomials
+    >>> @given(polynomials(min_degree=2, is_monic=True))
+    ... def check(p):
+    ...     assert p.is_monic and p.degree() >= 2
+    >>> check()
+    """
+    degree = draw(st.integers(min_degree, max_degree))
+    leading = Rational(1) if is_monic else draw(nonzero_rationals())
+    rest = draw(st.lists(rationals(), min_size=degree, max_size=degree))
+    return canonical(Poly([leading, *rest], Symbol(variable)))
+
+
+@st.composite
+def coprime_pairs(draw: st.DrawFn, variable: str = "s", max_degree: int = 4) -> tuple[Poly, Poly]:
+    """Draw (a, b) without a common root; a is monic of degree 1 or more, deg b < deg a, b != 0.
+
+    Where b shares a root with a, the least of 1, 2, ... that removes it is added to b: each of the
+    deg a roots rules out one number.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import coprime_pairs
+    >>> @given(coprime_pairs())
+    ... def check(pair):
+    ...     assert pair[0].gcd(pair[1]).degree() == 0
+    >>> check()
+    """
+    a = draw(polynomials(variable, 1, max_degree, is_monic=True))
+    return a, coprime_to(a, draw(polynomials(variable, 0, int(a.degree()) - 1)))
+
+
+def coprime_to(a: Poly, b: Poly) -> Poly:
+    """Add the least nonnegative integer to b that makes it coprime to a (deg a > 0, not zero).
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.strategies.polynomials import coprime_to
+    >>> coprime_to(polynomial("s*(s - 1)"), polynomial("-s")).as_expr()
+    2 - s
+    """
+    while b.is_zero or a.gcd(b).degree() > 0:
+        b += 1
+    return canonical(b)

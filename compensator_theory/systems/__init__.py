@@ -1,0 +1,1 @@
+"""What plants and compensators are: transfer functions, realisations, standard problems."""

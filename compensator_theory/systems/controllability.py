@@ -1,0 +1,153 @@
+"""Kalman's controllability and observability, exact, and the modes that they miss."""
+
+import sympy
+from sympy import ImmutableMatrix, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    determinant,
+    rank,
+    solve,
+)
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
+
+
+def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
+    r"""Return Kalman's controllability matrix.
+
+    .. math:: \mathcal C(A, B) = \begin{bmatrix} B & AB & \cdots & A^{n-1}B \end{bmatrix}
+
+    Parameters
+    ----------
+    A, B : sympy.Matrix
+        n x n and n x m, exact.
+
+    Returns
+    -------
+    sympy.ImmutableMatrix
+        n x nm; the observability matrix of (A, C) is the transpose of that of (A', C').
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit.
+
+    Notes
+    -----
+    Source: below (7.27).
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory import controllability_matrix
+    >>> controllability_matrix(Matrix([[-1, 4], [0, -3]]), Matrix([0, 1]))
+    Matrix([
+    [0,  4],
+    [1, -3]])
+    """
+    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
+    if A.rows != A.cols or B.rows != A.rows:
+        raise InputError(
+            f"A is {A.rows} x {A.cols} and B is {B.rows} x {B.cols}; A must be square and B have "
+            "as many rows"
+        )
+    if not A.rows:
+        return ImmutableMatrix.zeros(0, 0)
+    a, block = DomainMatrix.from_Matrix(A).unify(DomainMatrix.from_Matrix(B), fmt="dense")
+    blocks = [block]
+    for _ in range(A.rows - 1):
+        blocks.append(a * blocks[-1])
+    return ImmutableMatrix(blocks[0].hstack(*blocks[1:]).to_Matrix())
+
+
+def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
+    r"""Tell whether every mode of A feels the input, :math:`\mathrm{rank}\,\mathcal C(A,B) = n`.
+
+    Parameters
+    ----------
+    A, B : sympy.Matrix
+        n x n and n x m, exact.
+
+    Returns
+    -------
+    bool or None
+        None if it depends on the values of symbols; False if it fails for all of them.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory import is_controllable
+    >>> is_controllable(Matrix([[-1, 4], [0, -3]]), Matrix([0, 1]))
+    True
+    """
+    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
+    kalman = controllability_matrix(A, B)
+    if rank(kalman) < A.rows:
+        return False
+    if not kalman.free_symbols:
+        return True
+    if kalman.rows != kalman.cols:
+        return None
+    known: bool | None = determinant(kalman).is_nonzero
+    return known
+
+
+def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) -> Poly:
+    r"""Return the monic polynomial of the modes that the input does not reach.
+
+    .. math:: u(s) = \det(sI - A)\,/\det(sI - A|_{\mathrm{im}\,\mathcal C(A,B)})
+
+    Parameters
+    ----------
+    A, B : sympy.Matrix
+        n x n and n x m, exact; with symbols, generic.
+    variable : Symbol
+        Variable of the polynomial.
+
+    Returns
+    -------
+    sympy.Poly
+        1 if (A, B) is controllable; for the unobservable modes of (A, C) give A' and C'.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import s
+    >>> from compensator_theory import uncontrollable_polynomial
+    >>> uncontrollable_polynomial(Matrix([[-1, 0], [0, -3]]), Matrix([0, 1]), s)
+    Poly(s + 1, s, domain='QQ')
+    """
+    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
+    kalman = controllability_matrix(A, B)
+    whole = characteristic_polynomial(A, variable)
+    size = rank(kalman)
+    if size in (0, A.rows):
+        return whole if size == 0 else canonical(Poly(1, variable))
+    basis = _independent_columns(kalman, size)
+    gram = basis.T * basis  # A basis = basis X has the solution X of the normal equations
+    reached = characteristic_polynomial(solve(gram, basis.T * A * basis), variable)
+    return canonical(whole.exquo(reached))
+
+
+def _independent_columns(matrix: ImmutableMatrix, size: int) -> ImmutableMatrix:
+    chosen = sympy.zeros(matrix.rows, 0)
+    for column in range(matrix.cols):
+        candidate = chosen.row_join(matrix[:, column])
+        if rank(candidate) > chosen.cols:
+            chosen = candidate
+        if chosen.cols == size:
+            break
+    return ImmutableMatrix(chosen)

@@ -1,0 +1,223 @@
+"""State-space realisations with exact data, their hidden modes and their transfer functions."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import sympy
+from sympy import ImmutableMatrix, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
+from compensator_theory.polynomials.poly import as_symbol
+from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
+from compensator_theory.systems.state_space import (
+    controllable_canonical_form,
+    transfer_matrix_of_realisation,
+)
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
+
+RealisationLike = Any
+"""What :func:`realisation` reads."""
+
+
+@dataclass(frozen=True)
+class Realisation:
+    r"""A plant or a compensator in a given basis, hidden modes included.
+
+    .. math:: \dot x = A x + B u, \qquad y = C x + D u
+
+    Parameters
+    ----------
+    A, B, C, D : matrix
+        n x n, n x m, p x n, p x m, read by :func:`exact_number`; D = None means zero.
+    variable : str or Symbol
+        Variable of the transfer functions; default ``s``. For ``z`` and ``q`` read
+        :math:`x(k+1)` for :math:`\dot x`.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit; the message names the matrix.
+
+    Notes
+    -----
+    Source: (7.1)-(7.4).
+
+    Examples
+    --------
+    >>> from compensator_theory import Realisation
+    >>> plant = Realisation([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])  # Example 7.1
+    >>> plant.is_minimal, str(plant.transfer_function())
+    (True, '(4)/(s**2 + 4*s + 3)')
+    """
+
+    A: MatrixLike
+    B: MatrixLike
+    C: MatrixLike
+    D: MatrixLike = None
+    variable: Symbol = Symbol("s")  # noqa: RUF009  (immutable)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "variable", as_symbol(self.variable))
+        A, B, C = (exact_matrix(getattr(self, name), name) for name in "ABC")
+        D = ImmutableMatrix.zeros(C.rows, B.cols) if self.D is None else exact_matrix(self.D, "D")
+        needed = {"A": (A.rows, A.rows), "B": (A.rows, B.cols), "C": (C.rows, A.rows)}
+        needed["D"] = (C.rows, B.cols)
+        for name, matrix in zip("ABCD", (A, B, C, D), strict=True):
+            rows, columns = needed[name]
+            if matrix.shape != (rows, columns):
+                raise InputError(
+                    f"{name} is {matrix.rows} x {matrix.cols} but must be {rows} x {columns}, as "
+                    "the other matrices show"
+                )
+            if self.variable in matrix.free_symbols:
+                raise InputError(
+                    f"{name} contains {self.variable}, the variable of the transfer function; name "
+                    "another one with variable="
+                )
+            object.__setattr__(self, name, matrix)
+        if not (B.cols and C.rows):
+            raise InputError(
+                f"a realisation needs inputs and outputs; it has {B.cols} and {C.rows}"
+            )
+
+    @property
+    def n(self) -> int:
+        """Number of states."""
+        return int(self.A.rows)
+
+    @property
+    def is_siso(self) -> bool:
+        """Whether there are one input and one output."""
+        return bool(self.D.shape == (1, 1))
+
+    @property
+    def is_strictly_proper(self) -> bool | None:
+        """Whether D = 0; None if that depends on the value of a symbol."""
+        known: bool | None = self.D.is_zero_matrix
+        return known
+
+    @property
+    def is_controllable(self) -> bool | None:
+        """Whether every mode feels the input; None if that depends on the value of a symbol."""
+        return is_controllable(self.A, self.B)
+
+    @property
+    def is_observable(self) -> bool | None:
+        """Whether every mode shows in the output; None if that depends on a symbol."""
+        return is_controllable(self.A.T, self.C.T)
+
+    @property
+    def is_minimal(self) -> bool | None:
+        """Whether it is controllable and observable; None if that depends on a symbol."""
+        verdicts = (self.is_controllable, self.is_observable)
+        return False if False in verdicts else None if None in verdicts else True
+
+    @property
+    def characteristic_polynomial(self) -> Poly:
+        """The polynomial det(sI - A), unreduced."""
+        return characteristic_polynomial(self.A, self.variable)
+
+    @property
+    def uncontrollable_modes(self) -> Poly:
+        """Monic polynomial of the uncontrollable modes; 1 if there are none."""
+        return uncontrollable_polynomial(self.A, self.B, self.variable)
+
+    @property
+    def unobservable_modes(self) -> Poly:
+        """Monic polynomial of the unobservable modes; 1 if there are none."""
+        return uncontrollable_polynomial(self.A.T, self.C.T, self.variable)
+
+    def transfer_matrix(self) -> TransferMatrix:
+        """Return C (sI - A)^-1 B + D over the unreduced det(sI - A)."""
+        return transfer_matrix_of_realisation(self.A, self.B, self.C, self.D, self.variable)
+
+    def transfer_function(self) -> TransferFunction:
+        """Return the only entry of the transfer matrix; InputError if there are several."""
+        return self.transfer_matrix().scalar()
+
+    def in_basis(self, T: MatrixLike) -> "Realisation":
+        """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""
+        basis = exact_matrix(T, "T")
+        both = solve(basis, (self.A * basis).row_join(self.B))
+        return Realisation(
+            both[:, : self.n], both[:, self.n :], self.C * basis, self.D, self.variable
+        )
+
+    def __str__(self) -> str:
+        names = ("A", "B", "C") if self.is_strictly_proper else ("A", "B", "C", "D")
+        return "\n".join(f"{name} = {getattr(self, name).tolist()}" for name in names)
+
+    def _repr_latex_(self) -> str:
+        blocks = sympy.BlockMatrix([[self.A, self.B], [self.C, self.D]])
+        return rf"$\displaystyle {sympy.latex(blocks)}$"
+
+
+def realisation(
+    obj: RealisationLike,
+    variable: str | Symbol | None = None,
+    *,
+    form: Literal["controllable", "observable"] = "controllable",
+) -> Realisation:
+    r"""Make an exact realisation out of matrices, a transfer function or a python-control system.
+
+    .. math:: G = C(sI - A)^{-1}B + D
+
+    Parameters
+    ----------
+    obj : Realisation, (A, B, C), (A, B, C, D), python-control system or transfer function
+        A transfer function, anything :func:`transfer_function` reads, is realised in canonical
+        form with its common factors; a state-space system keeps its basis.
+    variable : str or Symbol, optional
+        Default: that of the transfer function; ``s`` for matrices.
+    form : {"controllable", "observable"}
+        Which canonical form: a common factor is unobservable in the first, uncontrollable in the
+        second.
+
+    Returns
+    -------
+    Realisation
+
+    Raises
+    ------
+    InputError, ImproperError
+        If the description cannot be read, or the transfer function is improper.
+
+    Notes
+    -----
+    Source: (7.26), (7.29).
+
+    Examples
+    --------
+    >>> from compensator_theory import realisation
+    >>> realisation("4/(s**2 + 4*s + 3)", form="observable").A
+    Matrix([
+    [0, -3],
+    [1, -4]])
+    """
+    if form not in ("controllable", "observable"):
+        raise InputError(f"form is 'controllable' or 'observable', not {form!r}")
+    if isinstance(obj, Realisation):
+        if variable is not None and as_symbol(variable) != obj.variable:
+            raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")
+        return obj
+    if isinstance(obj, tuple | list) and len(obj) in (3, 4):
+        symbol = as_symbol("s" if variable is None else variable)
+        A, B, C = obj[:3]
+        return Realisation(A, B, C, obj[3] if len(obj) == 4 else None, symbol)
+    if all(hasattr(obj, name) for name in ("A", "B", "C", "D", "dt")):
+        if variable is None:
+            variable = "s" if obj.isctime() else "z"
+        return Realisation(obj.A, obj.B, obj.C, obj.D, as_symbol(variable))
+    return _canonical(obj, variable, form)
+
+
+def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: str) -> Realisation:
+    G = transfer_function(obj, variable)
+    A, B, C, D = controllable_canonical_form(G)
+    if form == "observable":
+        A, B, C = A.T, C.T, B.T
+    return Realisation(A, B, C, D, G.variable)

@@ -1,0 +1,251 @@
+"""The standard problem (2.1)-(2.3) with exact data, and its open-loop maps."""
+
+from dataclasses import dataclass, fields
+from typing import Any
+
+import sympy
+from sympy import ImmutableMatrix, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.poly import as_symbol
+from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
+
+MatrixLike = Any
+"""A SymPy matrix, a NumPy array or nested lists of anything :func:`exact_number` reads."""
+
+CHANNELS = ("zw", "zu", "yw", "yu")
+_SHAPES = {
+    "A": ("n", "n"),
+    "B": ("n", "l_u"),
+    "C": ("l_y", "n"),
+    "D_1": ("n", "l_w"),
+    "D_0": ("l_y", "l_u"),
+    "D_2": ("l_y", "l_w"),
+    "E_1": ("l_z", "n"),
+    "E_2": ("l_z", "l_u"),
+    "E_0": ("l_z", "l_w"),
+}
+_DIMENSIONS = {
+    "n": ("A", 0),
+    "l_u": ("B", 1),
+    "l_y": ("C", 0),
+    "l_w": ("D_1", 1),
+    "l_z": ("E_1", 0),
+}
+
+
+@dataclass(frozen=True)
+class StandardProblem:
+    r"""A linear time-invariant plant with control, exogenous input, measurement, performance.
+
+    .. math::
+        x(k+1) &= A x(k) + B u(k) + D_1 w(k) \\
+        y(k) &= C x(k) + D_0 u(k) + D_2 w(k) \\
+        z(k) &= E_1 x(k) + E_2 u(k) + E_0 w(k)
+
+    Parameters
+    ----------
+    A, B, C, D_1, D_0, D_2, E_1, E_2, E_0 : matrix
+        n x n, n x l_u, l_y x n, n x l_w, l_y x l_u, l_y x l_w, l_z x n, l_z x l_u, l_z x l_w;
+        nested lists, arrays or SymPy matrices, read by :func:`exact_number`. None for one of the
+        direct terms D_0, D_2, E_2, E_0 means zero.
+    variable : str or Symbol
+        Name of the forward shift in the maps; default ``q``.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit; the message names the matrix.
+
+    Notes
+    -----
+    Loops are closed with positive feedback, :math:`u = G_c y`. The maps (2.6), (2.7) keep the
+    unreduced denominator :math:`D = \det(qI - A)`, so that hidden modes stay visible.
+    Source: (2.1)-(2.11).
+
+    Examples
+    --------
+    >>> from compensator_theory import StandardProblem
+    >>> P = StandardProblem(A=[["1/2"]], B=[[2]], C=[[1]], D_1=[[1]], D_0=None, D_2=None,
+    ...                     E_1=[[3]], E_2=None, E_0=None)
+    >>> print(P.transfer_function("zu"), P.transfer_function("yw"))
+    (6)/(q - 1/2) (1)/(q - 1/2)
+    """
+
+    A: MatrixLike
+    B: MatrixLike
+    C: MatrixLike
+    D_1: MatrixLike
+    D_0: MatrixLike
+    D_2: MatrixLike
+    E_1: MatrixLike
+    E_2: MatrixLike
+    E_0: MatrixLike
+    variable: Symbol = Symbol("q")  # noqa: RUF009  (immutable)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "variable", as_symbol(self.variable))
+        given = {name: getattr(self, name) for name in _SHAPES}
+        exact = {k: exact_matrix(v, k) for k, v in given.items() if v is not None}
+        missing = [k for k in ("A", "B", "C", "D_1", "E_1") if k not in exact]
+        if missing:
+            raise InputError(f"the plant lacks {', '.join(missing)}; only D_0, D_2, E_2, E_0 may")
+        sizes = {size: exact[name].shape[axis] for size, (name, axis) in _DIMENSIONS.items()}
+        for name, symbolic in _SHAPES.items():
+            shape = (sizes[symbolic[0]], sizes[symbolic[1]])
+            matrix = exact.setdefault(name, ImmutableMatrix.zeros(*shape))
+            if matrix.shape != shape:
+                raise InputError(
+                    f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]} "
+                    f"({symbolic[0]} x {symbolic[1]}, as the other matrices show)"
+                )
+            if self.variable in matrix.free_symbols:
+                raise InputError(f"{name} contains {self.variable}, the name of the shift operator")
+            object.__setattr__(self, name, matrix)
+
+    @property
+    def n(self) -> int:
+        """Order of the plant."""
+        return int(self.A.rows)
+
+    @property
+    def l_u(self) -> int:
+        """Number of control inputs."""
+        return int(self.B.cols)
+
+    @property
+    def l_y(self) -> int:
+        """Number of measurements."""
+        return int(self.C.rows)
+
+    @property
+    def l_w(self) -> int:
+        """Number of exogenous inputs."""
+        return int(self.D_1.cols)
+
+    @property
+    def l_z(self) -> int:
+        """Number of performance variables."""
+        return int(self.E_1.rows)
+
+    @property
+    def denominator(self) -> Poly:
+        """Unreduced denominator D = det(qI - A) of the four maps."""
+        return characteristic_polynomial(self.A, self.variable)
+
+    def transfer_matrix(self, channel: str) -> TransferMatrix:
+        """Return the open-loop map of a channel, one of "zw", "zu", "yw", "yu", as in (2.6)."""
+        if channel not in CHANNELS:
+            raise InputError(
+                f"there is no channel {channel!r}; choose one of {', '.join(CHANNELS)}"
+            )
+        output, inputs = {"z": self.E_1, "y": self.C}, {"w": self.D_1, "u": self.B}
+        direct = {"zw": self.E_0, "zu": self.E_2, "yw": self.D_2, "yu": self.D_0}
+        return transfer_matrix_of_realisation(
+            self.A, inputs[channel[1]], output[channel[0]], direct[channel], self.variable
+        )
+
+    @property
+    def G_zw(self) -> TransferMatrix:
+        """Map from w to z, (2.6)."""
+        return self.transfer_matrix("zw")
+
+    @property
+    def G_zu(self) -> TransferMatrix:
+        """Map from u to z, (2.6)."""
+        return self.transfer_matrix("zu")
+
+    @property
+    def G_yw(self) -> TransferMatrix:
+        """Map from w to y, (2.7)."""
+        return self.transfer_matrix("yw")
+
+    @property
+    def G_yu(self) -> TransferMatrix:
+        """Map from u to y, (2.7)."""
+        return self.transfer_matrix("yu")
+
+    def transfer_function(
+        self, channel: str, row: int | None = None, column: int | None = None
+    ) -> TransferFunction:
+        """Return one entry of an open-loop map; row and column may be left out if it is scalar."""
+        matrix = self.transfer_matrix(channel)
+        if row is None and column is None:
+            return matrix.scalar()
+        rows, columns = matrix.shape
+        row, column = row or 0, column or 0
+        if not (0 <= row < rows and 0 <= column < columns):
+            raise InputError(
+                f"G_{channel} is {rows} x {columns}; it has no entry [{row}, {column}]"
+            )
+        return matrix[row, column]
+
+    def numerator(self, channel: str, row: int | None = None, column: int | None = None) -> Poly:
+        """Return one entry of N_zw, N_zu, N_yw or N_yu of (2.10), over :attr:`denominator`."""
+        return self.transfer_function(channel, row, column).numerator
+
+    def to_control(self, dt: float | bool = True) -> Any:
+        """Return the python-control plant from [w; u] to [z; y], rounded once to float64."""
+        import control  # slow to import, and only needed at this door
+
+        B = self.D_1.row_join(self.B)
+        C = self.E_1.col_join(self.C)
+        D = self.E_0.row_join(self.E_2).col_join(self.D_2.row_join(self.D_0))
+        symbols = set().union(*(m.free_symbols for m in (self.A, B, C, D)))
+        if symbols:
+            raise InputError(f"substitute numbers for {sorted(map(str, symbols))} first")
+        rounded = [
+            [[float(entry) for entry in row] for row in m.tolist()] for m in (self.A, B, C, D)
+        ]
+        return control.StateSpace(*rounded, dt)
+
+    def __str__(self) -> str:
+        lines = [f"n={self.n}, l_u={self.l_u}, l_y={self.l_y}, l_w={self.l_w}, l_z={self.l_z}"]
+        names = [f.name for f in fields(self) if f.name in _SHAPES]
+        return "\n".join(lines + [f"{name} = {getattr(self, name).tolist()}" for name in names])
+
+    def _repr_latex_(self) -> str:
+        parts = [f"{name} = {sympy.latex(getattr(self, name))}" for name in _SHAPES]
+        return r"$\displaystyle " + r",\; ".join(parts) + "$"
+
+
+def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
+    """Read a matrix exactly, entry by entry.
+
+    Raises
+    ------
+    InputError
+        If it is not two-dimensional or an entry is no number.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems.standard_problems import exact_matrix
+    >>> exact_matrix([[0.1, "a"]], "A")
+    Matrix([[1/10, a]])
+    """
+    if isinstance(value, sympy.MatrixBase):
+        exact = [_rational_or_symbolic(entry, name) for entry in value]
+        return ImmutableMatrix(value.rows, value.cols, exact)
+    shape = getattr(value, "shape", None)
+    rows = list(value) if not isinstance(value, str) and hasattr(value, "__iter__") else None
+    flat_rows = rows is None or any(isinstance(r, str) or not hasattr(r, "__len__") for r in rows)
+    if flat_rows or len({len(row) for row in rows or ()}) > 1:
+        raise InputError(f"{name} = {value!r} is not a matrix; write rows, as in [[1, 2], [3, 4]]")
+    entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows or ()]
+    columns = len(entries[0]) if entries else (shape[1] if shape is not None else 0)
+    return ImmutableMatrix(len(entries), columns, [entry for row in entries for entry in row])
+
+
+def _rational_or_symbolic(value: Any, name: str) -> sympy.Expr:
+    """Read an entry; an irrational number would leave the rings that the algorithms work in."""
+    entry = exact_number(value)
+    if entry.is_number and not entry.is_rational:
+        raise InputError(
+            f"{name} contains the irrational number {entry}; write a symbol in its place, or a "
+            "rational number close to it"
+        )
+    return entry

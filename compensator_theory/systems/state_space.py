@@ -1,0 +1,120 @@
+"""Exact realisations and the transfer matrices they realise."""
+
+import sympy
+from sympy import ImmutableMatrix, Matrix, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
+from compensator_theory.systems.transfer_matrices import TransferMatrix
+
+
+def transfer_matrix_of_realisation(
+    A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol
+) -> TransferMatrix:
+    r"""Return the transfer matrix over the unreduced characteristic polynomial.
+
+    .. math:: G = \frac{C\,\mathrm{adj}(qI - A)\,B + D\det(qI - A)}{\det(qI - A)}
+
+    Parameters
+    ----------
+    A, B, C, D : sympy.Matrix
+        Exact, of shapes n x n, n x m, p x n, p x m; n may be 0.
+    variable : Symbol
+        The operator or transform variable.
+
+    Returns
+    -------
+    TransferMatrix
+        p x m, of order n.
+
+    Notes
+    -----
+    The adjugate is never formed: with :math:`\det(qI-A) = \sum_k c_k q^k` the coefficients of
+    :math:`\mathrm{adj}(qI-A)B` are :math:`V_1 = B`, :math:`V_{j+1} = A V_j + c_{n-j} B`
+    (Faddeev and LeVerrier). Source: (2.6), (2.7).
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a, q
+    >>> from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+    >>> G = transfer_matrix_of_realisation(Matrix([[a]]), Matrix([1]), Matrix([2]), Matrix([0]), q)
+    >>> print(G.scalar())
+    (2)/(q - a)
+    """
+    order = A.rows
+    denominator = characteristic_polynomial(A, variable)
+    descending = denominator.all_coeffs()
+    coefficients = [D * c for c in descending]
+    if order:
+        a, b, c = DomainMatrix.from_Matrix(A).unify(
+            DomainMatrix.from_Matrix(B), DomainMatrix.from_Matrix(C), fmt="dense"
+        )
+        v = b
+        for power in range(1, order + 1):
+            coefficients[power] += (c * v).to_Matrix()
+            v = a * v + b * b.domain.from_sympy(sympy.sympify(descending[power]))
+    entries = tuple(
+        tuple(
+            canonical(Poly([matrix[row, column] for matrix in coefficients], variable))
+            for column in range(D.cols)
+        )
+        for row in range(D.rows)
+    )
+    return TransferMatrix(entries, denominator)
+
+
+def controllable_canonical_form(
+    G: TransferFunction,
+) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
+    r"""Realise a proper transfer function, common factors included.
+
+    .. math:: A = \begin{bmatrix} 0 & I \\ -D_0 & \cdots\ -D_{n-1} \end{bmatrix}, \quad
+              B = \begin{bmatrix} 0 \\ 1 \end{bmatrix}
+
+    Parameters
+    ----------
+    G : TransferFunction
+        Proper, of order n.
+
+    Returns
+    -------
+    tuple of sympy.ImmutableMatrix
+        (A, B, C, D) with :math:`G = C(qI - A)^{-1}B + D` and :math:`\det(qI - A) = D(q)`.
+
+    Raises
+    ------
+    ImproperError
+        If G is improper.
+
+    Notes
+    -----
+    Source: (7.26).
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems.state_space import controllable_canonical_form
+    >>> controllable_canonical_form(transfer_function("(s + 3)/(s**2 + 2*s)"))[0]
+    Matrix([
+    [0,  1],
+    [0, -2]])
+    """
+    require_proper(G, "plant")
+    order = G.order
+    direct = sympy.sympify(G.numerator.coeff_monomial(G.variable**order))
+    remainder = G.numerator - scaled(G.denominator, direct) if direct != 0 else G.numerator
+    ascending = [
+        [sympy.sympify(p.coeff_monomial(G.variable**k)) for k in range(order)]
+        for p in (G.denominator, canonical(remainder))
+    ]
+    A = sympy.zeros(order, order)
+    for row in range(order - 1):
+        A[row, row + 1] = 1
+    for column in range(order):
+        A[order - 1, column] = -ascending[0][column]
+    B = Matrix(order, 1, [int(row == order - 1) for row in range(order)])
+    C = Matrix(1, order, ascending[1])
+    return ImmutableMatrix(A), ImmutableMatrix(B), ImmutableMatrix(C), ImmutableMatrix([[direct]])

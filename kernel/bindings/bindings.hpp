@@ -1,0 +1,11 @@
+// The parts of the module, one file each.
+#pragma once
+
+#include "bindings/numpy_arrays.hpp"
+
+namespace rcac {
+void bind_controller(nb::module_& m);
+void bind_plants(nb::module_& m);
+void bind_loop(nb::module_& m);
+void bind_updates(nb::module_& m);
+}  // namespace rcac

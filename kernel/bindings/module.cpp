@@ -1,0 +1,10 @@
+// The compiled module.
+#include "bindings/bindings.hpp"
+
+NB_MODULE(_kernel, m) {
+    nb::set_leak_warnings(false);  // objects alive at interpreter exit are not leaks
+    rcac::bind_controller(m);
+    rcac::bind_plants(m);
+    rcac::bind_loop(m);
+    rcac::bind_updates(m);
+}

@@ -1,0 +1,137 @@
+// Runs in lock step, each in a lane of the processor's vectors.
+#pragma once
+
+#include "lanes/state.hpp"
+
+namespace rcac {
+
+// Feeds the compiled loop with pieces of w, hands out what it recorded, and decides what becomes
+// of a lane that raised the alarm. A run that ends leaves an idle lane.
+class LaneLoop {
+public:
+    explicit LaneLoop(const std::vector<Job*>& jobs, const Level& level = rcac::level())
+        : level_(&level), state_(*jobs.front()->loop), jobs_(jobs), a_(state_.a) {
+        for (std::size_t i = 0; i < jobs_.size(); ++i) state_.load(i, *jobs_[i]->loop);
+        w_.assign(lane_rows * a_.l_w * lanes, 0.0);
+        u_.assign(lane_rows * a_.l_u * lanes, 0.0);
+        y_.assign(lane_rows * a_.l_y * lanes, 0.0);
+        z_.assign(lane_rows * a_.l_z * lanes, 0.0);
+        a_.w = w_.data(), a_.u = u_.data(), a_.y = y_.data(), a_.z = z_.data();
+        for (std::size_t i = 0; i < jobs_.size(); ++i) first_[i] = jobs_[i]->done;
+    }
+
+    // At most `rows` steps more of every run.
+    void run(std::int64_t rows) {
+        for (std::size_t i = 0; i < jobs_.size(); ++i)
+            stop_[i] = std::min(jobs_[i]->steps, jobs_[i]->done + rows);
+        for (std::size_t i = 0; i < jobs_.size(); ++i) leave_if_done(i);
+        while (const std::size_t count = piece()) {
+            for (std::size_t i = 0; i < jobs_.size(); ++i)
+                if (jobs_[i]) before(i, count);
+            const std::size_t made = level_->lane_steps(a_, count);
+            for (std::size_t i = 0; i < jobs_.size(); ++i)
+                if (jobs_[i]) after(i, made);
+        }
+    }
+
+private:
+    // Steps up to the end of the first run, or up to the first theta to be kept after this one.
+    std::size_t piece() const {
+        std::int64_t count = lane_rows;
+        bool any = false;
+        for (std::size_t i = 0; i < jobs_.size(); ++i) {
+            if (!jobs_[i]) continue;
+            any = true;
+            const std::int64_t stride = jobs_[i]->record.stride;
+            count = std::min({count, stop_[i] - jobs_[i]->done, stride - jobs_[i]->done % stride});
+        }
+        return any ? static_cast<std::size_t>(count) : 0;
+    }
+
+    void before(std::size_t lane, std::size_t count) {
+        const Job& job = *jobs_[lane];
+        const double* w = job.w + job.done * static_cast<std::int64_t>(job.l_w);
+        for (std::size_t i = 0; i < count * a_.l_w; ++i) w_[i * lanes + lane] = w[i];
+        if (job.done % job.record.stride != 0) return;
+        const std::size_t l_theta = a_.factors.n;
+        double* theta = job.record.theta +
+                        job.done / job.record.stride * static_cast<std::int64_t>(l_theta);
+        for (std::size_t j = 0; j < l_theta; ++j) theta[j] = a_.theta[j * lanes + lane];
+    }
+
+    void after(std::size_t lane, std::size_t made) {
+        Job& job = *jobs_[lane];
+        record(u_, a_.l_u, lane, made, job.record.u);
+        if (job.record.u_applied) record(u_, a_.l_u, lane, made, job.record.u_applied);
+        record(y_, a_.l_y, lane, made, job.record.y);
+        record(z_, a_.l_z, lane, made, job.record.z);
+        job.done += static_cast<std::int64_t>(made);
+        if (a_.alarm) job.outcome = verdict(lane, made - 1);
+        if (job.outcome != Outcome::completed) {
+            --job.done;
+            job.loop->has_failed(LaneState::taken(a_.theta_before, a_.factors.n, lane));
+            leave(lane);
+        } else {
+            leave_if_done(lane);
+        }
+    }
+
+    void record(const AlignedVector& from, std::size_t width, std::size_t lane, std::size_t made,
+                double* to) const {
+        to += jobs_[lane]->done * static_cast<std::int64_t>(width);
+        for (std::size_t i = 0; i < made * width; ++i) to[i] = from[i * lanes + lane];
+    }
+
+    // What closed_loop.hpp says of the last step, row `row` of the piece, in its order.
+    Outcome verdict(std::size_t lane, std::size_t row) {
+        const Job& job = *jobs_[lane];
+        const double limit = job.loop->options().limit;
+        const auto fine = [limit](const std::vector<double>& v) {
+            return within(v.data(), v.size(), limit);
+        };
+        const auto real = [](const std::vector<double>& v) { return finite(v.data(), v.size()); };
+        const auto signal = [&](const AlignedVector& values, std::size_t width) {
+            return LaneState::taken(values.data() + row * width * lanes, width, lane);
+        };
+        const auto u = signal(u_, a_.l_u), y = signal(y_, a_.l_y), z = signal(z_, a_.l_z),
+                   theta = LaneState::taken(a_.theta, a_.factors.n, lane),
+                   D = LaneState::taken(a_.factors.D, a_.factors.n, lane),
+                   x = LaneState::taken(a_.x, a_.n, lane);
+        if (!fine(u) || !fine(y) || !fine(z))
+            return real(u) && !(real(y) && real(z)) ? Outcome::plant_not_finite : Outcome::diverged;
+        if (a_.updated) {
+            Controller& c = *job.loop->controllers().front();
+            for (std::size_t r = 0; r < a_.l_z; ++r) {
+                if (a_.lost[r] >> lane & 1u)
+                    dynamic_cast<UdUpdate&>(c.update())
+                        .doubt(c.step() + job.done - 1 - first_[lane]);
+                if (!std::isfinite(a_.alpha[r * lanes + lane])) return Outcome::overflow;
+            }
+            if (!real(theta) || !real(D)) return Outcome::overflow;
+        }
+        if (!fine(theta)) return Outcome::diverged;
+        if (fine(x)) return Outcome::completed;
+        return real(x) ? Outcome::diverged : Outcome::plant_not_finite;
+    }
+
+    void leave_if_done(std::size_t lane) {
+        Job& job = *jobs_[lane];
+        if (job.done < stop_[lane]) return;
+        state_.store(lane, *job.loop, job.done - first_[lane]);
+        leave(lane);
+    }
+    void leave(std::size_t lane) {
+        jobs_[lane] = nullptr;
+        state_.clear(lane);
+        for (std::size_t i = lane; i < w_.size(); i += lanes) w_[i] = 0.0;
+    }
+
+    const Level* level_;
+    LaneState state_;
+    std::vector<Job*> jobs_;  // null: has ended
+    LaneArrays& a_;
+    AlignedVector w_, u_, y_, z_;
+    std::int64_t first_[lanes] = {}, stop_[lanes] = {};  // rows where this took over and will end
+};
+
+}  // namespace rcac

@@ -1,0 +1,125 @@
+// The retrospective cost update with P = U D U' factorised (Bierman 1977, Thornton 1976).
+#pragma once
+
+#include <stdexcept>
+
+#include "memory/aligned.hpp"
+#include "simd/levels.hpp"
+#include "updates/update.hpp"
+#include "updates/whitened_rows.hpp"
+
+namespace rcac {
+
+// U is unit upper triangular, in the tiles of levels.hpp; D > 0. d_j is multiplied by ratios
+// alpha_{j-1}/alpha_j and never reduced by a subtraction, so P stays positive definite for
+// R_theta = 1e-40 where (2.43) as printed does not.
+class UdUpdate final : public Update {
+public:
+    UdUpdate(const double* P0, std::size_t l_theta, const Level& level = rcac::level())
+        : n_(l_theta),
+          level_(&level),
+          P_0_(P0, P0 + l_theta * l_theta),
+          U_(tiles_size(n_), 0.0),
+          D_(padded_to_tiles(n_), 0.0),
+          gain_(padded_to_tiles(n_), 0.0),
+          row_(padded_to_tiles(n_), 0.0) {
+        for (std::size_t j = 0; j < padded_to_tiles(n_); ++j) U_[place_in_tiles(j, j)] = 1.0;
+        reset();
+    }
+
+    bool operator()(const Data& data, std::int64_t step, double* theta) override {
+        if (!measure(data, step, theta)) return false;
+        if (data.lambda == 1.0) return true;
+        for (double& d : D_) d /= data.lambda;
+        return level_->finite(D_.data(), n_);
+    }
+
+    // The update without the division of P by lambda: rows of variance lambda.
+    bool measure(const Data& data, std::int64_t step, double* theta) {
+        if (!rows_.take(data)) return false;
+        for (std::size_t r = 0; r < data.l_z; ++r) {
+            bool lost = false;
+            const bool finite = level_->ud_measure({n_, U_.data(), D_.data()}, rows_.phi(data, r),
+                                                   rows_.scale(), rows_.rhs(r), data.lambda,
+                                                   row_.data(), gain_.data(), theta, lost);
+            if (lost) guard_.raise(step);
+            if (!finite) return false;
+        }
+        return true;
+    }
+
+    void reset() override { factorise(P_0_.data()); }
+
+    // One rank-one update for each row of `noise` (Agee and Turner 1972). Only sums of positive
+    // terms and ratios below one occur, so P stays positive definite here too.
+    void inflate(const double* noise, std::size_t count) override {
+        for (std::size_t m = 0; m < count; ++m, noise += n_) {
+            std::copy_n(noise, n_, row_.data());
+            double weight = 1.0;
+            for (std::size_t j = n_; j-- > 0 && weight > 0.0;) {
+                const double a = row_[j], old = D_[j];
+                if (a == 0.0) continue;
+                D_[j] = old + weight * a * a;
+                const double gain = weight * a / D_[j];
+                weight *= old / D_[j];
+                for (std::size_t i = 0; i < j; ++i) {
+                    row_[i] -= a * u(i, j);
+                    u(i, j) += gain * row_[i];
+                }
+            }
+        }
+    }
+
+    double trace() const override {
+        double sum = 0.0;
+        for (std::size_t j = 0; j < n_; ++j)
+            for (std::size_t i = 0; i <= j; ++i) sum += D_[j] * u(i, j) * u(i, j);
+        return sum;
+    }
+
+    void visit(Archive& archive) override {
+        Update::visit(archive);
+        for (std::size_t j = 0; j < n_; ++j) {
+            for (std::size_t i = 0; i < j; ++i) archive(u(i, j));
+            archive(D_[j]);
+        }
+    }
+
+    void covariance(double* P) const override {
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t j = i; j < n_; ++j) {
+                double sum = 0.0;
+                for (std::size_t m = j; m < n_; ++m) sum += u(i, m) * D_[m] * u(j, m);
+                P[i * n_ + j] = P[j * n_ + i] = sum;
+            }
+    }
+
+    // P = U D U'; a diagonal P costs nothing.
+    void factorise(const double* P0) {
+        std::vector<double> P(P0, P0 + n_ * n_);
+        for (std::size_t j = n_; j-- > 0;) {
+            D_[j] = P[j * n_ + j];
+            if (!(D_[j] > 0.0)) throw std::domain_error("P(0) is not positive definite");
+            for (std::size_t i = 0; i < j; ++i) u(i, j) = P[i * n_ + j] / D_[j];
+            for (std::size_t i = 0; i < j; ++i)
+                for (std::size_t m = 0; m <= i; ++m) P[m * n_ + i] -= u(m, j) * D_[j] * u(i, j);
+        }
+    }
+
+    // The factors entry by entry, i <= j, to save and to restore them.
+    std::size_t l_theta() const { return n_; }
+    double& u(std::size_t i, std::size_t j) { return U_[place_in_tiles(i, j)]; }
+    double u(std::size_t i, std::size_t j) const { return U_[place_in_tiles(i, j)]; }
+    double& d(std::size_t j) { return D_[j]; }
+    void doubt(std::int64_t step) { guard_.raise(step); }
+    double d(std::size_t j) const { return D_[j]; }
+
+private:
+    std::size_t n_;
+    const Level* level_;
+    std::vector<double> P_0_;
+    AlignedVector U_, D_, gain_, row_;
+    WhitenedRows rows_;
+};
+
+}  // namespace rcac

@@ -1,0 +1,1 @@
+"""What a fixed controller does to a loop, held against exact theory."""

@@ -1,0 +1,212 @@
+"""A plant and a fixed compensator in a loop: state space and frequency responses."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.arrays.validation import Array, integer, signal_array
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.targets.model import TargetModel
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLoop:
+    """The loop u = G_c y + u_tilde, with u_tilde injected inside the compensator.
+
+    The feedback is positive, as everywhere in chapters 2 and 4. The compensator is realised in
+    observer canonical form, whose states read u itself: adding u_tilde to u there is the
+    intercalated injection (4.5)-(4.8), so the response from u_tilde to z is the intercalated
+    transfer function (4.16). The state is [x; x_c], of order n + l_u n_c.
+
+    Parameters
+    ----------
+    plant : Plant
+    compensator : Compensator
+
+    Raises
+    ------
+    ImproperError
+        Where I - Q_0 D_0 is singular: the loop is not well posed.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> loop = ClosedLoop(plant, Compensator(P=[[[-1.0]]], Q=[[[0.0]], [[-2.5]]]))
+    >>> loop.poles().round(6)
+    array([0.5+0.5j, 0.5-0.5j])
+    >>> loop.is_stable
+    True
+    """
+
+    plant: Plant
+    compensator: Compensator
+
+    def __post_init__(self) -> None:
+        plant, compensator = self.plant, self.compensator
+        if (plant.l_u, plant.l_y) != (compensator.l_u, compensator.l_y):
+            raise InputError(
+                f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "
+                f"l_u = {compensator.l_u}, l_y = {compensator.l_y}."
+            )
+        loop = np.eye(plant.l_u) - compensator.Q[0] @ plant.D_0
+        if np.linalg.matrix_rank(loop) < plant.l_u:
+            raise ImproperError(
+                "I - Q_0 D_0 is singular: u and y depend on each other in a circle."
+            )
+
+    @cached_property
+    def matrices(self) -> tuple[Array, Array, Array, Array]:
+        """(A, B, C, D) from [w; u_tilde] to [z; u]."""
+        p = self.plant
+        S, H, P, Q = self.compensator.observer_form()
+        Q_0 = self.compensator.Q[0]
+        n, n_c, l_w = p.n, len(S), p.l_w
+        # u = M (Q_0 C x + H x_c + Q_0 D_2 w + u_tilde)
+        M = np.linalg.inv(np.eye(p.l_u) - Q_0 @ p.D_0)
+        u_x, u_v = M @ np.hstack([Q_0 @ p.C, H]), M @ np.hstack([Q_0 @ p.D_2, np.eye(p.l_u)])
+        y_x = np.hstack([p.C, np.zeros((p.l_y, n_c))]) + p.D_0 @ u_x
+        y_v = np.hstack([p.D_2, np.zeros((p.l_y, p.l_u))]) + p.D_0 @ u_v
+        A = np.block([[p.A, np.zeros((n, n_c))], [np.zeros((n_c, n)), S]])
+        A = A + np.vstack([p.B, P]) @ u_x + np.vstack([np.zeros((n, p.l_y)), Q]) @ y_x
+        B = np.vstack([p.B, P]) @ u_v + np.vstack([np.zeros((n, p.l_y)), Q]) @ y_v
+        B[:n, :l_w] += p.D_1
+        C = np.vstack([np.hstack([p.E_1, np.zeros((p.l_z, n_c))]) + p.E_2 @ u_x, u_x])
+        D = np.vstack([p.E_2 @ u_v, u_v])
+        D[: p.l_z, :l_w] += p.E_0
+        return A, B, C, D
+
+    def poles(self) -> ComplexArray:
+        """The n + l_u n_c eigenvalues of the closed loop."""
+        return np.linalg.eigvals(self.matrices[0]).astype(np.complex128)
+
+    def zeros(self) -> dict[str, ComplexArray]:
+        """Zeros from each channel of w to z, by channel, in float64; for scalar z.
+
+        They are the finite generalised eigenvalues of the system pencil. A channel that does not
+        reach z at all is left out.
+        """
+        from scipy.linalg import eigvals
+
+        plant = self.plant
+        if plant.l_z != 1:
+            raise InputError(f"zeros to one z at a time; the plant has l_z = {plant.l_z}.")
+        A, B, C, D = self.matrices
+        found, order = {}, len(A)
+        left = np.zeros((order + 1, order + 1))
+        left[:order, :order] = np.eye(order)
+        for index, name in enumerate(plant.channels):
+            if not (B[:, index].any() or D[0, index]):
+                continue
+            pencil = np.block([[A, B[:, [index]]], [C[:1], D[:1, [index]]]])
+            values = eigvals(pencil, left)
+            finite = np.isfinite(values) & (np.abs(values) < 1e6)  # the rest is at infinity
+            found[name] = np.asarray(values[finite], dtype=np.complex128)
+        return found
+
+    @property
+    def spectral_radius(self) -> float:
+        """Largest modulus of a pole."""
+        return float(np.abs(self.poles()).max(initial=0.0))
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every pole is inside the unit circle."""
+        return self.spectral_radius < 1
+
+    def frequency_response(self, omega: ArrayLike) -> ComplexArray:
+        """The response (2.9) from w to z; shape (len(omega), l_z, l_w), omega in rad/sample."""
+        return self._response(omega)[:, : self.plant.l_z, : self.plant.l_w]
+
+    def intercalated_response(self, omega: ArrayLike) -> ComplexArray:
+        """The intercalated transfer function (4.16); shape (len(omega), l_z, l_u)."""
+        return self._response(omega)[:, : self.plant.l_z, self.plant.l_w :]
+
+    def simulate(self, w: ArrayLike, u_tilde: ArrayLike) -> Array:
+        """The response z to w and to an intercalated u_tilde, from rest; shape (steps, l_z)."""
+        w = signal_array(w, "w", self.plant.l_w)
+        u_tilde = signal_array(u_tilde, "u_tilde", self.plant.l_u, len(w))
+        A, B, C, D = self.matrices
+        C, D = C[: self.plant.l_z], D[: self.plant.l_z]
+        inputs = np.hstack([w, u_tilde])
+        states = np.zeros((len(w) + 1, len(A)))
+        for k, drive in enumerate(inputs @ B.T):
+            states[k + 1] = A @ states[k] + drive
+        return np.asarray(states[:-1] @ C.T + inputs @ D.T)
+
+    def _response(self, omega: ArrayLike) -> ComplexArray:
+        A, B, C, D = self.matrices
+        z = np.exp(1j * np.atleast_1d(omega))
+        pencils = z[:, None, None] * np.eye(len(A)) - A
+        try:
+            return np.asarray(C @ np.linalg.solve(pencils, B[None]) + D)
+        except np.linalg.LinAlgError:  # a pole on the grid, or numbers too large to tell
+            return np.asarray(C @ np.stack([_solved(pencil, B) for pencil in pencils]) + D)
+
+
+def _solved(pencil: ComplexArray, B: Array) -> ComplexArray:
+    try:
+        return np.asarray(np.linalg.solve(pencil, B), dtype=np.complex128)
+    except np.linalg.LinAlgError:
+        return np.full(B.shape, np.nan, dtype=np.complex128)
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """How far the intercalated transfer function is from the target model, over frequency.
+
+    Attributes
+    ----------
+    omega : array
+        Frequencies, rad/sample.
+    reached, wanted : arrays, shape (len(omega), l_z, l_u)
+        The intercalated transfer function and G_f.
+    """
+
+    omega: Array
+    reached: ComplexArray
+    wanted: ComplexArray
+
+    @property
+    def error(self) -> Array:
+        """Distance at each frequency, relative to G_f there (Frobenius norms)."""
+        norms = np.linalg.norm(self.wanted, axis=(1, 2))
+        difference = np.linalg.norm(self.reached - self.wanted, axis=(1, 2))
+        return np.asarray(difference / np.maximum(norms, np.finfo(float).tiny))
+
+    @property
+    def worst(self) -> float:
+        """Largest relative distance."""
+        return float(self.error.max())
+
+    @property
+    def median(self) -> float:
+        """Median relative distance."""
+        return float(np.median(self.error))
+
+    def __repr__(self) -> str:
+        return f"Match(worst={self.worst:.3g}, median={self.median:.3g})"
+
+
+def intercalated_match(loop: ClosedLoop, target: TargetModel, points: int = 1000) -> Match:
+    """Compare the intercalated transfer function (4.16) with G_f on a grid in (0, pi).
+
+    Examples
+    --------
+    >>> from rcac_numeric import *
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> loop = ClosedLoop(plant, Compensator(P=[[[-2.0]]], Q=[[[0.0]], [[-4.0]]]))
+    >>> intercalated_match(loop, fir_target(plant)).worst < 1e-12  # both poles at zero: 1/q
+    True
+    """
+    integer(points, "points", at_least=1)
+    omega = (np.arange(points) + 0.5) * np.pi / points
+    return Match(omega, loop.intercalated_response(omega), target.frequency_response(omega))

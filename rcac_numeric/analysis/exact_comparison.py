@@ -1,0 +1,230 @@
+"""What RCAC converged to, held against the exact prediction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.targets.model import TargetModel
+
+if TYPE_CHECKING:
+    from sympy import Poly
+
+    from compensator_theory import PolePlacement
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A converged controller beside the exact answer; scalar loops.
+
+    Attributes
+    ----------
+    reached : sympy.Poly
+        D D_c - N_yu N_c, exact: the float64 coefficients of the controller are dyadic rationals.
+    asked : sympy.Poly or None
+        The characteristic polynomial at which the intercalated transfer function equals G_f.
+        None where no controller of this order reaches G_f; `obstacle` says why.
+    compensators : PolePlacement or None
+        Every compensator of this order that places exactly `asked`.
+    poles : array of complex
+        Roots of `reached`, from certified isolation.
+    zeros : mapping from channel of w to array of complex
+        Closed-loop zeros from that channel to z.
+    target_poles : array of complex
+        The poles of G_f, which the controller is asked to assign.
+    """
+
+    plant: Plant
+    compensator: Compensator
+    target: TargetModel
+    reached: Poly
+    asked: Poly | None
+    obstacle: str
+    compensators: PolePlacement | None
+    poles: ComplexArray
+    zeros: dict[str, ComplexArray]
+    target_poles: ComplexArray
+
+    @property
+    def asked_poles(self) -> ComplexArray:
+        """Every pole that the target asks for; only those of G_f where it cannot be reached."""
+        return self.target_poles if self.asked is None else _roots(self.asked)
+
+    @property
+    def assigned(self) -> list[tuple[complex, complex]]:
+        """Pairs (pole of G_f, closed-loop pole assigned to it), matched one to one."""
+        return pairing(self.target_poles, self.poles)
+
+    @property
+    def worst_distance(self) -> float:
+        """Largest distance between a pole of G_f and the closed-loop pole assigned to it."""
+        return _worst(self.assigned)
+
+    @property
+    def spectrum_distance(self) -> float:
+        """The same over all n + n_c poles, the unassigned ones included; NaN without `asked`."""
+        return float("nan") if self.asked is None else _worst(pairing(self.asked_poles, self.poles))
+
+    @property
+    def unassigned(self) -> ComplexArray:
+        """The closed-loop poles that no pole of G_f claims."""
+        rest = list(self.poles)
+        for _, pole in self.assigned:
+            rest.remove(pole)
+        return np.array(rest, dtype=np.complex128)
+
+    @property
+    def controller_distance(self) -> float:
+        """Euclidean distance of (D_c, N_c) to the set of compensators that place `asked`."""
+        if self.compensators is None:
+            return float("nan")
+        found = self.compensators
+        length = self.compensator.n_c + 1
+
+        def vector(denominator: Poly, numerator: Poly) -> NDArray[np.float64]:
+            parts = [
+                [float(p.nth(length - 1 - i)) for i in range(length)]
+                for p in (denominator, numerator)
+            ]
+            return np.concatenate(parts)
+
+        gap = np.concatenate([self.compensator.denominator, self.compensator.numerator])
+        gap = gap - vector(found.denominator, found.numerator)
+        if found.homogeneous:
+            directions = np.array([vector(dD, dN) for dN, dD in found.homogeneous]).T
+            gap = gap - directions @ np.linalg.lstsq(directions, gap, rcond=None)[0]
+        return float(np.linalg.norm(gap))
+
+
+def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comparison:
+    """Compare a compensator with the exact prediction for its target model.
+
+    Parameters
+    ----------
+    plant : Plant
+        With scalar u, y and z.
+    compensator : Compensator
+        For example ``run.compensator``.
+    target : TargetModel
+        With exact data: built by `fir_target`, `pole_placement_target` or `target_model`.
+
+    Raises
+    ------
+    InputError
+        Where a signal is not scalar.
+
+    Examples
+    --------
+    >>> from rcac_numeric import *
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> target = pole_placement_target(plant, ["1/2", "1/4"])
+    >>> converged = Compensator(P=[[[-1.25]]], Q=[[[0.0]], [[-2.625 + 1e-6]]])
+    >>> comparison = compare(plant, converged, target)
+    >>> comparison.asked
+    Poly(q**2 - 3/4*q + 1/8, q, domain='QQ')
+    >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
+    (4e-06, 1e-06)
+    """
+    from compensator_theory import (
+        TransferFunction,
+        closed_loop_polynomial,
+        closed_loop_zero_polynomial,
+        place_poles,
+        target_characteristic_polynomial,
+    )
+
+    if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
+        raise InputError(
+            f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}, l_z = {plant.l_z}; the exact "
+            "comparison is for scalar signals. Use ClosedLoop(...).poles() instead."
+        )
+    problem = plant.problem
+    N_c, D_c = exact_polynomials(compensator)
+    reached = closed_loop_polynomial(problem, N_c, D_c)
+    asked, placed, obstacle = None, None, ""
+    try:
+        if not isinstance(target.exact, TransferFunction):
+            raise InputError(
+                "the target model was given by float64 coefficients only."
+                if target.exact is None
+                else f"the target model is {target.l_z} x {target.l_u}, not scalar."
+            )
+        asked = target_characteristic_polynomial(problem, compensator.n_c, target.exact)
+        strictness = _strictness(compensator)
+        placed = place_poles(
+            problem.transfer_function("yu"),
+            asked,
+            compensator.n_c,
+            feedback=+1,
+            numerator_degree=compensator.n_c - strictness,
+        )
+    except CompensatorError as error:
+        obstacle = str(error)
+    zeros = {}
+    for index, name in enumerate(plant.channels):
+        polynomial = closed_loop_zero_polynomial(problem, N_c, D_c, index)
+        if not polynomial.is_zero:
+            zeros[name] = _roots(polynomial)
+    return Comparison(
+        plant=plant,
+        compensator=compensator,
+        target=target,
+        reached=reached,
+        asked=asked,
+        obstacle=obstacle,
+        compensators=placed,
+        poles=_roots(reached),
+        zeros=zeros,
+        target_poles=_target_poles(target),
+    )
+
+
+def exact_polynomials(compensator: Compensator) -> tuple[Poly, Poly]:
+    """(N_c, D_c) in q with the exact values of their float64 coefficients."""
+    from compensator_theory import exact_number, polynomial
+
+    N_c, D_c = (
+        polynomial([exact_number(float(c), binary=True) for c in coefficients], "q")
+        for coefficients in (compensator.numerator, compensator.denominator)
+    )
+    return N_c, D_c
+
+
+def pairing(wanted: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
+    """Assign to each wanted pole one available pole with the least total distance."""
+    from scipy.optimize import linear_sum_assignment
+
+    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - available[None, :]))
+    return [(complex(wanted[i]), complex(available[j])) for i, j in zip(rows, columns, strict=True)]
+
+
+def _worst(pairs: list[tuple[complex, complex]]) -> float:
+    return max((abs(a - b) for a, b in pairs), default=0.0)
+
+
+def _roots(polynomial: Poly) -> ComplexArray:
+    from compensator_theory import certified_roots
+
+    if polynomial.degree() < 1:
+        return np.zeros(0, dtype=np.complex128)
+    roots = [r.value for r in certified_roots(polynomial) for _ in range(r.multiplicity)]
+    return np.array(roots, dtype=np.complex128)
+
+
+def _target_poles(target: TargetModel) -> ComplexArray:
+    if target.exact is not None:
+        return _roots(target.exact.denominator)
+    return np.roots(target.denominator[:, 0, 0]).astype(np.complex128)
+
+
+def _strictness(compensator: Compensator) -> int:
+    """k_c as the coefficients show it: 0 where Q_0 is used, else 1."""
+    return 0 if compensator.Q[0].any() else 1

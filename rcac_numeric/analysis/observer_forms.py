@@ -1,0 +1,228 @@
+"""All observer-based forms of a compensator in float64, thousands at a time, with residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import ImmutableMatrix
+
+from compensator_theory import (
+    InputError,
+    Realisation,
+    closed_loop_matrix,
+    count_observer_forms,
+    realisation,
+)
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.matrices.invariant_subspaces import derogatory_factor
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from rcac_numeric.analysis.invariant_subspaces import kernel_bases, rounded_roots, selections
+from rcac_numeric.arrays.validation import integer, number
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class NumericObserverForms:
+    r"""Observer-based forms of a compensator, one in each slice of the arrays.
+
+    .. math:: T^{-1} A_c T = A + BK - FC, \qquad T^{-1} B_c = F, \qquad C_c T = K
+
+    Attributes
+    ----------
+    plant, compensator : Realisation
+        Exact, of orders n and :math:`n_c`.
+    T : array
+        forms x n_c x n.
+    K : array
+        forms x l_u x n.
+    F : array or None
+        forms x n x l_y; None unless n_c = n.
+    regulator_roots, observer_roots : array of complex
+        forms x n and forms x n_c.
+    residual : array
+        For each form :math:`\|B_cC + A_cT - T(A + BC_cT)\|_F` over the sum of the norms of the
+        terms.
+    condition : array
+        2-norm condition number of T; for :math:`n_c \ne n` of its rectangular shape.
+    rejected : int
+        Number of subspaces without a form: the basis of their plant part, or T, is numerically
+        singular.
+    """
+
+    plant: Realisation
+    compensator: Realisation
+    T: Array
+    K: Array
+    F: Array | None
+    regulator_roots: NDArray[np.complex128]
+    observer_roots: NDArray[np.complex128]
+    residual: Array
+    condition: Array
+    rejected: int
+
+    def __len__(self) -> int:
+        return int(self.T.shape[0])
+
+    def fastest_observer(self) -> int:
+        """Return the index of the form whose slowest observer root is fastest.
+
+        Slow is a large real part, and in the variables z and q a large modulus.
+        """
+        is_discrete = self.plant.variable.name in ("z", "q")
+        speed = np.abs(self.observer_roots) if is_discrete else self.observer_roots.real
+        return self._least(speed.max(axis=1, initial=-np.inf))
+
+    def best_conditioned(self) -> int:
+        """Return the index of the form with the least condition number of T."""
+        return self._least(self.condition)
+
+    def closest_to(self, K: Any, F: Any) -> int:
+        r"""Return the index of the form that minimises :math:`\|K-K_0\|_F^2 + \|F-F_0\|_F^2`.
+
+        Parameters
+        ----------
+        K, F : array
+            The gains :math:`K_0` (l_u x n) and :math:`F_0` (n x l_y), as in A + BK and A - FC.
+
+        Raises
+        ------
+        InputError
+            If n_c differs from n, or the shapes do not fit.
+        NoSolutionError
+            If there is no form.
+        """
+        wanted_K, wanted_F = np.asarray(K, float), np.asarray(F, float)
+        if self.F is None or (wanted_K.shape, wanted_F.shape) != (
+            self.K.shape[1:],
+            self.F.shape[1:],
+        ):
+            raise InputError(
+                f"K and F have shapes {wanted_K.shape} and {wanted_F.shape}; full-order forms have "
+                f"{self.K.shape[1:]} and {None if self.F is None else self.F.shape[1:]}"
+            )
+        off = [
+            ((mine - theirs) ** 2).sum(axis=(1, 2))
+            for mine, theirs in ((self.K, wanted_K), (self.F, wanted_F))
+        ]
+        return self._least(off[0] + off[1])
+
+    def _least(self, cost: Array) -> int:
+        if not len(self):
+            raise NoSolutionError("there is no form to choose from; see rejected")
+        return int(np.argmin(cost))
+
+    def __str__(self) -> str:
+        if not len(self):
+            return f"no observer-based form; {self.rejected} subspaces give none"
+        low, middle, high = np.quantile(self.condition, [0, 0.5, 1])
+        return (
+            f"{len(self)} observer-based forms, {self.rejected} subspaces without one; "
+            f"cond(T) {low:.2g} / {middle:.2g} / {high:.2g} (least / median / largest), "
+            f"largest residual {self.residual.max():.1e}"
+        )
+
+
+def numeric_observer_forms(
+    plant: Any, compensator: Any, *, limit: int = 200_000, singular: float = 1e-13
+) -> NumericObserverForms:
+    r"""Compute every real observer-based form, irrational regulator polynomials included.
+
+    .. math:: \mathrm{im}\begin{bmatrix} I \\ T \end{bmatrix} = \ker p_R(\tilde A)
+
+    Parameters
+    ----------
+    plant, compensator : realisation
+        Anything :func:`compensator_theory.realisation` reads, rational: matrices, a transfer
+        function, a python-control system; :math:`u = C_c x_c`. Floats mean their shortest decimals.
+    limit : int
+        Largest number of forms.
+    singular : float
+        A subspace counts as without a form if one of its directions makes an angle with the states
+        of the plant, or with those of the compensator, whose sine is not larger. The exact
+        decision, :func:`compensator_theory.realisation_is_observer_based`, needs no such bound.
+
+    Returns
+    -------
+    NumericObserverForms
+        One form for each real monic divisor :math:`p_R` of degree n that gives one, with residual
+        and condition number. Multiplicities are exact: they are taken from the exact characteristic
+        polynomial, and a root of multiplicity m contributes the kernels of
+        :math:`(\tilde A - \lambda)^e`, e = 0, ..., m, instead of eigenvectors.
+
+    Raises
+    ------
+    InputError
+        If data are symbolic, do not fit, exceed `limit`, or if the closed loop is derogatory, so
+        that the forms make up a continuum: :func:`compensator_theory.observer_forms` has it.
+
+    Notes
+    -----
+    Source: (7.11)-(7.18); bases by the SVD.
+
+    Examples
+    --------
+    >>> from rcac_numeric import numeric_observer_forms
+    >>> forms = numeric_observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)")
+    >>> len(forms), bool(forms.residual.max() < 1e-12)  # s**4 + 4*s**3 + 5*s**2 + 4*s + 2
+    (2, True)
+    """
+    integer(limit, "limit", at_least=1)
+    if not 0 < number(singular, "singular") < 1:
+        raise InputError(f"singular = {singular} must lie between 0 and 1")
+    system, controller = realisation(plant), realisation(compensator)
+    exact_loop = closed_loop_matrix(system, controller)
+    n, n_c = system.n, controller.n
+    if not (n and n_c):
+        raise InputError(f"the plant has {n} and the compensator {n_c} states; both need some")
+    Dtilde = characteristic_polynomial(exact_loop, system.variable)
+    count = count_observer_forms(Dtilde, n)
+    if count > limit:
+        raise InputError(f"there are {count} candidates, more than limit = {limit}; raise it")
+    if repeated := derogatory_factor(exact_loop, Dtilde):
+        raise InputError(
+            f"the closed loop has several Jordan blocks for the roots of {repeated.as_expr()}, so "
+            "that its forms make up a continuum; compensator_theory.observer_forms parametrises it"
+        )
+    loop = _rounded(exact_loop)
+    columns, roots, choices = kernel_bases(loop, rounded_roots(Dtilde))
+    regulator, observer = selections(choices, n, n_c)
+    V = np.linalg.qr(np.moveaxis(columns[:, regulator], 1, 0)).Q  # forms x (n + n_c) x n
+    V_1, V_2 = V[:, :n, :], V[:, n:, :]
+    kept = np.flatnonzero((_least_sine(V_1) > singular) & (_least_sine(V_2) > singular))
+    T = np.linalg.solve(V_1[kept].transpose(0, 2, 1), V_2[kept].transpose(0, 2, 1))
+    T = T.transpose(0, 2, 1)
+    condition = np.linalg.cond(T) if len(T) else np.zeros(0)
+    A, B, C = (_rounded(m) for m in (system.A, system.B, system.C))
+    B_c, C_c = _rounded(controller.B), _rounded(controller.C)
+    K = C_c @ T
+    F = np.linalg.solve(T, np.broadcast_to(B_c, (len(T), *B_c.shape))) if n == n_c else None
+    left, right = loop[n:, :n] + loop[n:, n:] @ T, T @ (A + B @ K)
+    scale = np.linalg.norm(B_c @ C) + _norms(loop[n:, n:] @ T) + _norms(right)
+    return NumericObserverForms(
+        system, controller, T, K, F,
+        roots[regulator[kept]], roots[observer[kept]],
+        _norms(left - right) / np.where(scale > 0, scale, 1.0), condition, len(V) - len(kept),
+    )  # fmt: skip
+
+
+def _rounded(matrix: ImmutableMatrix) -> Array:
+    try:
+        entries = [int(entry.p) / int(entry.q) for entry in matrix]
+    except OverflowError:
+        raise InputError("an entry of the closed loop is beyond the range of float64") from None
+    return np.array(entries, float).reshape(matrix.shape)
+
+
+def _least_sine(blocks: Array) -> Array:
+    """Return the least singular value of each block of orthonormal columns."""
+    if not len(blocks):
+        return np.zeros(0)
+    return cast(Array, np.linalg.svd(blocks, compute_uv=False)[:, -1])
+
+
+def _norms(matrices: Array) -> Array:
+    return cast(Array, np.sqrt((matrices**2).sum(axis=(1, 2))))

@@ -1,0 +1,1 @@
+"""Float64 arrays as users give them, read and checked."""

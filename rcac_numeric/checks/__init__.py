@@ -1,0 +1,1 @@
+"""A logged controller, whatever program it ran in, replayed and analysed."""

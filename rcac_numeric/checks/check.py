@@ -1,0 +1,233 @@
+"""The analysis of a converged controller, whatever program it ran in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import DivergedError, InputError
+from rcac_numeric.analysis.closed_loop import ClosedLoop, Match
+from rcac_numeric.analysis.exact_comparison import Comparison
+from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
+from rcac_numeric.analysis.residual_split import ResidualSplit
+from rcac_numeric.arrays.validation import instance_of, integer, number
+from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant
+from rcac_numeric.checks.logs import ControllerLog
+from rcac_numeric.checks.replays import Replay, replay, replay_compensator
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
+from rcac_numeric.h2.noise import NoiseIntensities
+from rcac_numeric.margins.classical import Margins
+from rcac_numeric.margins.disk import DiskMargin
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.targets.model import TargetModel
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from rcac_numeric.analysis.closed_loop import ComplexArray
+
+# Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
+LARGEST = 1e100
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerCheck:
+    """What a log says of the controller that it ended with, and what it cannot say.
+
+    Attributes
+    ----------
+    log, structure, plant, target : what was given.
+    compensator : Compensator
+        The last coefficients of the log, fixed.
+    replay : Replay or None
+        Whether the logged u is the output of the logged theta.
+    drift : Drift or None
+        How far theta still moved in the last tenth of the log.
+    internal_models : tuple of InternalModel
+        Controller poles within 0.01 of the unit circle, and what they reject.
+    loop : ClosedLoop or None
+        The plant with the fixed controller: poles, frequency responses.
+    zeros : mapping from channel of w to array of complex
+    comparison : Comparison or None
+        The exact characteristic polynomial beside the one that the target asks for.
+    match : Match or None
+        The intercalated transfer function beside G_f.
+    split : ResidualSplit or None
+        The retrospective residual, split exactly (4.14).
+    costs : LoopCosts or None
+        The H2 cost with the share of each channel of w, beside LQG's.
+    margins : mapping from names of channels to Margins
+        Opened at each component of u in turn.
+    disk : DiskMargin or None
+        For several inputs at once.
+    unsaid : mapping
+        From what could not be said to the reason.
+    """
+
+    log: ControllerLog
+    structure: Structure | None
+    compensator: Compensator
+    plant: Plant | None = None
+    target: TargetModel | None = None
+    replay: Replay | None = None
+    drift: Drift | None = None
+    internal_models: tuple[InternalModel, ...] = ()
+    loop: ClosedLoop | None = None
+    zeros: dict[str, ComplexArray] = field(default_factory=dict)
+    comparison: Comparison | None = None
+    match: Match | None = None
+    split: ResidualSplit | None = None
+    costs: LoopCosts | None = None
+    margins: dict[str, Margins] = field(default_factory=dict)
+    disk: DiskMargin | None = None
+    unsaid: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def poles(self) -> ComplexArray | None:
+        """The closed-loop poles; certified roots of the exact polynomial for scalar loops."""
+        if self.comparison is not None:
+            return self.comparison.poles
+        return None if self.loop is None else self.loop.poles()
+
+    @property
+    def is_consistent(self) -> bool:
+        """False where the logged u is not the output of the logged coefficients."""
+        return self.replay is None or self.replay.agrees
+
+    def __str__(self) -> str:
+        from rcac_numeric.reports.check import as_text
+
+        return as_text(self)
+
+    def __repr__(self) -> str:
+        said = "consistent" if self.is_consistent else "u is not the output of theta"
+        loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
+        return f"ControllerCheck({said}, {loop}, {len(self.unsaid)} unsaid)"
+
+    def plot(self) -> Figure:
+        """One sheet: signals and coefficients, poles, the match and the Nyquist curve."""
+        from rcac_numeric.plots.check import plot_check
+
+        return plot_check(self)
+
+
+def check_controller(
+    u: ArrayLike | ControllerLog,
+    y: ArrayLike | None = None,
+    *,
+    z: ArrayLike | None = None,
+    w: ArrayLike | None = None,
+    r: ArrayLike | None = None,
+    theta: ArrayLike | None = None,
+    structure: Structure | None = None,
+    compensator: Compensator | None = None,
+    plant: Plant | None = None,
+    target: TargetModel | None = None,
+    noise: NoiseIntensities | None = None,
+    k_w: int | None = None,
+    sample_time: float | None = None,
+) -> ControllerCheck:
+    """Analyse the controller that a log ended with: ours, or anybody's.
+
+    Parameters
+    ----------
+    u, y : arrays, shape (steps, l_u), (steps, l_y)
+        Or a ControllerLog in place of all the signals and theta.
+    z, w, r : arrays, optional
+        Performance, exogenous input, command. The split of the residual needs z and w.
+    theta : array, shape (steps, l_theta) or (l_theta,)
+        The coefficients, with the structure that they belong to.
+    structure : Structure, optional
+    compensator : Compensator, optional
+        In place of theta and structure. (D_c and N_c of a log do the same.)
+    plant : Plant, optional
+        Without it there are no poles, margins, costs or match.
+    target : TargetModel, optional
+    noise : mapping, optional
+        Intensities of blocks or channels of w for the H2 costs, as for `h2_cost`.
+    k_w : int, optional
+        First step with u = Phi theta.
+    sample_time : float, optional
+        In seconds.
+
+    Returns
+    -------
+    ControllerCheck
+
+    Raises
+    ------
+    InputError
+        Where sizes do not fit, or neither coefficients nor compensator are given.
+    DivergedError
+        Where the log ended with coefficients beyond 1e100.
+
+    Examples
+    --------
+    >>> from rcac_numeric import *
+    >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1e-4)
+    >>> run = simulate(plant, settings, exogenous([step()], steps=1000))
+    >>> check = check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
+    ...     structure=iir(n_c=2), plant=plant, target=settings.target)
+    >>> check.replay.agrees, check.drift.is_converged, check.loop.is_stable
+    (True, True, True)
+    >>> check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2)).unsaid["poles"]
+    'the plant is not known'
+    """
+    if isinstance(u, ControllerLog):
+        if any(v is not None for v in (y, z, w, r, theta)):
+            raise InputError("give a ControllerLog, or arrays, not both.")
+        log = u
+    else:
+        log = ControllerLog(u=u, y=y, z=z, w=w, r=r, theta=theta)
+    if target is not None:
+        instance_of(target, "target", TargetModel)
+    if sample_time is not None and not number(sample_time, "sample_time") > 0:
+        raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+    if k_w is not None:
+        integer(k_w, "k_w")
+    unsaid: dict[str, str] = {}
+    known: dict[str, Any] = {}
+    fixed = fixed_compensator(log, structure, compensator)
+    if (largest := max(np.abs(fixed.P).max(initial=0), np.abs(fixed.Q).max())) > LARGEST:
+        raise DivergedError(
+            f"{log.source}: the controller has a coefficient of size {largest:.3g}: the loop has "
+            "diverged. Cut the log before that."
+        )
+    if log.theta is not None and structure is not None and compensator is None:
+        known["replay"] = replay(log, structure, k_w=k_w)
+        if log.has_history:
+            known["drift"] = drift_of(log.theta)
+        else:
+            unsaid["convergence"] = "theta was logged only once"
+    else:
+        unsaid["convergence"] = "no theta was logged" if log.theta is None else "theta was not used"
+        if log.steps > len(fixed.P):
+            known["replay"] = replay_compensator(log, fixed)
+        else:
+            unsaid["replay"] = f"the log of {log.steps} steps does not fill the controller's memory"
+    if plant is None:
+        if noise is not None:
+            raise InputError("noise is for the H2 costs, and they need the plant; give both.")
+        for name in ("poles", "costs", "margins", "match", "split"):
+            unsaid[name] = "the plant is not known"
+    else:
+        with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
+            known |= with_plant(log, fixed, instance_of(plant, "plant", Plant), target, unsaid)
+        known["costs"] = loop_costs(known["loop"], noise)
+        known["margins"], known["disk"] = channel_margins(known["loop"], sample_time, unsaid)
+    return ControllerCheck(
+        log=log,
+        structure=structure,
+        compensator=fixed,
+        plant=plant,
+        target=target,
+        internal_models=internal_models(fixed, known.get("loop")),
+        unsaid=unsaid,
+        **known,
+    )

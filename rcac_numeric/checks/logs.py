@@ -1,0 +1,201 @@
+"""The log of a controller that ran somewhere: its signals and its coefficients."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import Array, Read, real_array
+from rcac_numeric.signals.data_files import read_variables
+
+SIGNALS = ("u", "y", "z", "w", "r")
+# What a log may hold, under these names or those that the caller gives.
+ROLES = (*SIGNALS, "theta", "D_c", "N_c")
+
+
+@dataclass(frozen=True, eq=False)
+class ControllerLog:
+    """What was recorded of a controller in its loop; one row for each step k = 0, 1, ....
+
+    Parameters
+    ----------
+    u, y : arrays, shape (steps, l_u), (steps, l_y)
+        A 1-D array is a scalar signal.
+    z, w, r : arrays, shape (steps, width), optional
+        Performance, exogenous input, and the command where the controller reads it.
+    theta : array, optional
+        Shape (steps, l_theta), row k the coefficients of step k; or (l_theta,), those that it
+        ended with.
+    D_c, N_c : arrays, optional
+        In place of theta, for scalar signals: the polynomials of u = N_c / D_c y in descending
+        powers of q.
+    source : str
+        Named in errors.
+
+    Raises
+    ------
+    InputError
+        Where a signal has a gap (NaN), another number of steps than u, or is transposed.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ControllerLog
+    >>> ControllerLog(u=[0.0, 1.0, 1.5], y=[1.0, 0.5, 0.2], theta=[0.5, 1.0]).steps
+    3
+    """
+
+    u: Read
+    y: Read
+    z: Read = None
+    w: Read = None
+    r: Read = None
+    theta: Read = None
+    D_c: Read = None
+    N_c: Read = None
+    source: str = "the log"
+
+    def __post_init__(self) -> None:
+        steps = 0
+        for name in SIGNALS:
+            value = getattr(self, name)
+            if value is None:
+                if name in ("u", "y"):
+                    raise InputError(f"{self.source}: the signal {name} is needed.")
+                continue
+            signal = self._signal(name, value)
+            steps = steps or len(signal)
+            if len(signal) != steps:
+                raise InputError(
+                    f"{self.source}: {name} has {len(signal)} steps where u has {steps}."
+                    + self._transposed(name, signal, steps)
+                )
+            object.__setattr__(self, name, signal)
+        if self.theta is not None:
+            object.__setattr__(self, "theta", self._coefficients(steps))
+        for name in ("D_c", "N_c"):
+            if getattr(self, name) is not None:
+                values = self._finite(name, getattr(self, name))
+                if values.size != max(values.shape, default=1):
+                    raise InputError(
+                        f"{self.source}: {name} has shape {values.shape}; one polynomial in q is "
+                        "needed, a list of coefficients in descending powers."
+                    )
+                object.__setattr__(self, name, values.reshape(-1))
+
+    @property
+    def steps(self) -> int:
+        """Number of recorded steps."""
+        return len(self.u)
+
+    @property
+    def has_history(self) -> bool:
+        """Whether theta was recorded at every step."""
+        return self.theta is not None and self.theta.ndim == 2
+
+    @property
+    def theta_final(self) -> Array | None:
+        """The last coefficients in the log."""
+        if self.theta is None:
+            return None
+        last: Array = self.theta[-1] if self.theta.ndim == 2 else self.theta
+        return last
+
+    def _finite(self, name: str, value: ArrayLike) -> Array:
+        array = np.asarray(value)
+        if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
+            first = np.argwhere(~np.isfinite(array))[0]
+            raise InputError(
+                f"{self.source}: {name} has {np.count_nonzero(~np.isfinite(array))} gaps (NaN or "
+                f"infinite), the first at step {first[0]}"
+                + (f", component {first[1]}" if array.ndim == 2 else "")
+                + "; a log without gaps is needed. Cut it, or fill the gaps by what was applied."
+            )
+        return real_array(array, f"{self.source}: {name}")
+
+    def _signal(self, name: str, value: ArrayLike) -> Array:
+        array = self._finite(name, value)
+        if array.ndim == 1:
+            array = array.reshape(-1, 1)
+        if array.ndim != 2 or not array.size:
+            raise InputError(
+                f"{self.source}: {name} has shape {array.shape}; (steps, width) is needed, one row "
+                "for each step."
+            )
+        if name == "u" and array.shape[0] < array.shape[1]:
+            raise InputError(
+                f"{self.source}: u has shape {array.shape}; (steps, l_u) is needed, one row for "
+                "each step. It seems to be transposed."
+            )
+        return array
+
+    @staticmethod
+    def _transposed(name: str, signal: Array, steps: int) -> str:
+        if signal.shape[1] != steps:
+            return " Every signal needs one row for each step."
+        return (
+            f" Its shape is {signal.shape}; ({steps}, {len(signal)}) is needed, so it seems to be "
+            "transposed."
+        )
+
+    def _coefficients(self, steps: int) -> Array:
+        theta = self._finite("theta", self.theta)
+        if theta.ndim <= 1 or 1 in theta.shape:
+            return theta.reshape(-1) if theta.shape != (steps, 1) else theta
+        if theta.ndim == 2 and theta.shape[0] == steps:
+            return theta
+        hint = " It seems to be transposed." if theta.shape[-1] == steps else ""
+        raise InputError(
+            f"{self.source}: theta has shape {theta.shape}; ({steps}, l_theta), a row for each "
+            f"step, or (l_theta,), the last coefficients, is needed.{hint}"
+        )
+
+
+def read_log(
+    path: str | Path, names: Mapping[str, str] | None = None, *, transpose: bool = False
+) -> ControllerLog:
+    """A log from a .csv, .mat or .npz file.
+
+    Parameters
+    ----------
+    path : path
+    names : mapping, optional
+        From u, y, z, w, r, theta, D_c, N_c to the names that the file uses.
+    transpose : bool
+        Whether every signal has one column, and not one row, for each step.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or u or y is not in it, or no shape fits.
+
+    Examples
+    --------
+    >>> from rcac_numeric import read_log
+    >>> log = read_log("examples/octave/rcac_loop.mat")
+    >>> log.steps, log.theta.shape
+    (300, (300, 8))
+    """
+    variables = read_variables(path)
+    wanted = dict(names or {})
+    for role in wanted:
+        if role not in ROLES:
+            raise InputError(f"names: {role!r} is not known; rename {', '.join(ROLES)}.")
+    found = {}
+    for role in ROLES:
+        name = wanted.get(role, role)
+        if name in variables:
+            found[role] = variables[name].T if transpose else variables[name]
+        elif role in wanted or role in ("u", "y"):
+            close = difflib.get_close_matches(name, variables, n=1, cutoff=0.5)
+            hint = f" Did you mean {close[0]!r}?" if close else ""
+            raise InputError(
+                f"{path} has no {name!r}, needed as {role}; it has {', '.join(variables)}.{hint} "
+                f"Say which is which, for instance --names {role}={next(iter(variables))}."
+            )
+    return ControllerLog(**found, source=str(path))

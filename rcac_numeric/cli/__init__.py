@@ -1,0 +1,1 @@
+"""The command rcac: one file for each of its commands."""

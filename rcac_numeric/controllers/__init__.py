@@ -1,0 +1,1 @@
+"""What adapts, as data: structures, updates, rules; and the fixed compensator."""

@@ -1,0 +1,123 @@
+"""A fixed compensator of the form (2.28), as its coefficients and as a python-control object."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import Array, Read, real_array
+
+if TYPE_CHECKING:
+    import control
+
+
+@dataclass(frozen=True, eq=False)
+class Compensator:
+    """The difference equation (2.28) with constant coefficients.
+
+    u(k) = P_1 u(k-1) + ... + P_nc u(k-n_c) + Q_0 y(k) + Q_1 y(k-1) + ... + Q_nc y(k-n_c)
+
+    Parameters
+    ----------
+    P : array, shape (n_c, l_u, l_u)
+        P[i-1] is P_i.
+    Q : array, shape (n_c + 1, l_u, l_y)
+        Q[i] is Q_i; Q[0] is zero for a strictly proper compensator.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Compensator
+    >>> integrator = Compensator(P=[[[1.0]]], Q=[[[0.0]], [[0.5]]])
+    >>> integrator.denominator, integrator.numerator
+    (array([ 1., -1.]), array([0. , 0.5]))
+    """
+
+    P: Read
+    Q: Read
+
+    def __post_init__(self) -> None:
+        P, Q = real_array(self.P, "P"), real_array(self.Q, "Q")
+        fits = (
+            P.ndim == 3
+            and Q.ndim == 3
+            and P.shape[1] == P.shape[2] == Q.shape[1]
+            and Q.shape[0] == P.shape[0] + 1
+        )
+        if not fits:
+            raise InputError(
+                f"P has shape {P.shape} and Q has shape {Q.shape}; (n_c, l_u, l_u) and "
+                "(n_c + 1, l_u, l_y) are needed."
+            )
+        object.__setattr__(self, "P", P)
+        object.__setattr__(self, "Q", Q)
+
+    @property
+    def n_c(self) -> int:
+        """The order of the difference equation."""
+        return int(self.P.shape[0])
+
+    @property
+    def l_u(self) -> int:
+        """Number of outputs of the compensator."""
+        return int(self.Q.shape[1])
+
+    @property
+    def l_y(self) -> int:
+        """Number of inputs of the compensator."""
+        return int(self.Q.shape[2])
+
+    @property
+    def denominator(self) -> Array:
+        """D_c of (2.33), descending powers of q; scalar compensators only."""
+        self._require_scalar()
+        return np.concatenate([[1.0], -self.P[:, 0, 0]])
+
+    @property
+    def numerator(self) -> Array:
+        """N_c of (2.33) with n_c + 1 coefficients, descending powers of q; scalar only."""
+        self._require_scalar()
+        return np.concatenate(self.Q[:, 0])
+
+    def state_space(self) -> tuple[Array, Array, Array, Array]:
+        """The observer canonical realisation of D_c^{-1} N_c, of order l_u n_c.
+
+        Its state update reads u(k) itself, x_i(k+1) = x_{i+1}(k) + P_i u(k) + Q_i y(k) with
+        u(k) = x_1(k) + Q_0 y(k): a signal added to u there is injected inside the compensator,
+        which is the intercalated injection of chapter 4.
+        """
+        shift, outputs, P, Q = self.observer_form()
+        return (
+            shift + P @ outputs,
+            Q + P @ self.Q[0],
+            outputs,
+            self.Q[0],
+        )
+
+    def observer_form(self) -> tuple[Array, Array, Array, Array]:
+        """(S, H, P, Q) of x(k+1) = S x(k) + P u(k) + Q y(k), u(k) = H x(k) + Q_0 y(k)."""
+        order = self.n_c * self.l_u
+        shift = np.eye(order, k=self.l_u)
+        outputs = np.eye(self.l_u, order)
+        return shift, outputs, self.P.reshape(order, self.l_u), self.Q[1:].reshape(order, self.l_y)
+
+    def poles(self) -> NDArray[np.complex128]:
+        """The l_u n_c roots of det D_c."""
+        shift, outputs, P, _ = self.observer_form()
+        return np.linalg.eigvals(shift + P @ outputs).astype(np.complex128)
+
+    def to_control(self) -> control.StateSpace:
+        """The compensator as a discrete-time python-control system with unspecified period."""
+        import control  # a second of import time, paid only here
+
+        return control.ss(*self.state_space(), True)
+
+    def _require_scalar(self) -> None:
+        if self.Q.shape[1:] != (1, 1):
+            raise InputError(
+                f"the compensator has {self.l_y} inputs and {self.l_u} outputs; numerator and "
+                "denominator polynomials exist for a scalar one. Use state_space() instead."
+            )

@@ -1,0 +1,1 @@
+"""Plants, runs and claims as data, and the verdicts computed from them."""

@@ -1,0 +1,107 @@
+"""A run with the analyses that are asked of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.analysis.closed_loop import ClosedLoop, Match, intercalated_match
+from rcac_numeric.analysis.exact_comparison import Comparison, compare
+from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
+from rcac_numeric.engine.runs import Run, controllers_of
+from rcac_numeric.plants.frozen import frozen_loop, measuring_command, plant_at
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.targets.model import TargetModel
+
+
+@dataclass(frozen=True, eq=False)
+class Repetition:
+    """A run with the analyses that claims ask of it, each made once and when it is needed."""
+
+    run: Run
+
+    @property
+    def is_scalar(self) -> bool:
+        """Whether the exact comparison applies."""
+        return not self.obstacle
+
+    @cached_property
+    def obstacle(self) -> str:
+        """Why the exact comparison does not apply; empty where it does."""
+        run, compensator = self.run, self.run.compensator
+        sizes = {"l_u": compensator.l_u, "l_y": run.plant.l_y, "l_z": run.plant.l_z}
+        if set(sizes.values()) != {1}:
+            words = ", ".join(f"{name} = {size}" for name, size in sizes.items())
+            return f"it is for scalar signals, and the plant has {words}"
+        if compensator.l_y > 1:
+            return "it is for a controller that reads y alone, and this one reads the command too"
+        return ""
+
+    @cached_property
+    def plant(self) -> Plant:
+        """The plant of the last completed step, without its delay line."""
+        return plant_at(self.run.plant, self.last_step)
+
+    @property
+    def last_step(self) -> int:
+        """The last completed step."""
+        return self.run.first_step + max(self.run.steps - 1, 0)
+
+    @cached_property
+    def target(self) -> TargetModel:
+        """The target model in force at the last step; the same for all controllers."""
+        targets = []
+        for settings in controllers_of(self.run.settings):
+            later = [m for k, m in settings.later_targets.items() if k <= self.last_step]
+            targets.append([settings.target, *later][-1])
+        first = targets[0]
+        if any(
+            not np.array_equal(getattr(first, name), getattr(other, name))
+            for other in targets[1:]
+            for name in ("numerator", "denominator")
+        ):
+            raise InputError("the controllers have different target models")
+        return first
+
+    @cached_property
+    def loop(self) -> ClosedLoop:
+        """The plant of the last step in a loop with the final controller."""
+        return frozen_loop(self.run.plant, self.run.compensator, self.last_step)
+
+    @cached_property
+    def zeros(self) -> dict[str, np.ndarray]:
+        """Closed-loop zeros from each channel of w to z with the final controller."""
+        return dict(self.comparison.zeros) if self.is_scalar else dict(self.loop.zeros())
+
+    @cached_property
+    def comparison(self) -> Comparison:
+        """The final controller beside the exact prediction."""
+        if self.obstacle:
+            raise InputError(f"there is no exact comparison here: {self.obstacle}.")
+        return compare(self.plant, self.run.compensator, self.target)
+
+    @cached_property
+    def match(self) -> Match:
+        """The intercalated transfer function of the final controller beside G_f."""
+        return intercalated_match(self.loop, self.target)
+
+    @cached_property
+    def split(self) -> ResidualSplit:
+        """The retrospective residual of the whole run for the final controller.
+
+        Behind a saturation it is that of the applied input, which the controller's own past holds.
+        """
+        run, y = self.run, self.run.y
+        if isinstance(run.plant, PlantSchedule) and len(run.plant.changes) > 1:
+            raise InputError("the plant changes during the run")
+        plant = self.plant
+        if run.compensator.l_y > plant.l_y:
+            plant = measuring_command(plant)
+            y = np.hstack([y, run.w @ plant.D_2[run.plant.l_y :].T])
+        return split_residual(
+            plant, run.compensator, self.target, u=run.u_applied, y=y, z=run.z, w=run.w
+        )

@@ -1,0 +1,162 @@
+"""An experiment as data: a plant, its signals, the controllers to run and what is claimed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from rcac_numeric.controllers.decentralized import Decentralized
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.engine.simulation import simulate
+from rcac_numeric.experiments.analysed_run import Repetition
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.saturation import Saturation
+from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.signals.signal import Signal, exogenous
+
+
+@dataclass(frozen=True, eq=False)
+class RunSpecification:
+    """One run of an experiment; with its seed it determines every number of the run.
+
+    Attributes
+    ----------
+    arithmetic : str
+        "reference" is ball arithmetic with 250 digits; else the update of the settings.
+    repetitions, perturbation : int, float
+        The run is repeated with w multiplied by 1 + perturbation * (standard normal), to see
+        whether its outcome hangs on the last bits. The first repetition is unperturbed.
+    saturation : Saturation, optional
+    expected : {"completed", "diverged"}
+        How the run is known to end; a run that shows a divergence says so.
+    """
+
+    name: str
+    plant: Plant | PlantSchedule
+    settings: ControllerSettings | Decentralized
+    signals: tuple[Signal, ...]
+    steps: int
+    seed: int = 0
+    stride: int = 1
+    arithmetic: str = "ud"
+    repetitions: int = 1
+    perturbation: float = 0.0
+    saturation: Saturation | None = None
+    expected: str = "completed"
+
+    def execute(self) -> RunResult:
+        """Run it, as often as it asks for."""
+        w = exogenous(self.signals, self.steps, self.seed)
+        rng = np.random.default_rng([self.seed, 1])
+        runs = []
+        for repetition in range(self.repetitions):
+            factor = 1 + self.perturbation * rng.standard_normal(w.shape) if repetition else 1.0
+            runs.append(self._run(w * factor))
+        return RunResult(self, tuple(Repetition(run) for run in runs))
+
+    def _run(self, w: np.ndarray) -> Run:
+        if self.arithmetic == "reference":
+            from rcac_numeric.engine.reference.run import require_supported, simulate_reference
+
+            plant, settings = require_supported(self.plant, self.settings, self.saturation)
+            return simulate_reference(plant, settings, w)
+        return simulate(
+            self.plant, self.settings, w, stride=self.stride, saturation=self.saturation
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class RunResult:
+    """What a run specification produced."""
+
+    specification: RunSpecification
+    repetitions: tuple[Repetition, ...]
+
+    @property
+    def first(self) -> Repetition:
+        """The unperturbed run."""
+        return self.repetitions[0]
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the run, or one of its repetitions, diverged."""
+        return any(r.run.outcome != "completed" for r in self.repetitions)
+
+    @property
+    def as_expected(self) -> bool:
+        """Whether the run ended as its specification says."""
+        return self.diverged == (self.specification.expected == "diverged")
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """A measure of one run and the interval in which it must lie.
+
+    Attributes
+    ----------
+    measure, arguments
+        A name of `measures.MEASURES` and its keyword arguments.
+    run, relative_to : names of runs
+        With `relative_to` the measure is divided by that of the other run, repetition by
+        repetition.
+    statistic : {"each", "median"}
+        Whether every repetition must lie in the interval, or the median.
+    """
+
+    measure: str
+    run: str
+    at_least: float = -np.inf
+    at_most: float = np.inf
+    relative_to: str = ""
+    statistic: str = "each"
+    arguments: Mapping[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Claim:
+    """Something said of an experiment, with the checks that decide whether it holds.
+
+    Attributes
+    ----------
+    text, claimed : str
+        What is said, and the number or behaviour that is claimed.
+    correction : str
+        What had to be read differently from the source for the checks to be the right ones.
+    recorded : str
+        The verdict of record; a run that computes another one has changed.
+    """
+
+    text: str
+    claimed: str
+    checks: tuple[Check, ...]
+    correction: str = ""
+    recorded: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """A numbered example or a user's own case.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> experiment = load_example("4.8")
+    >>> list(experiment.runs)[:2], len(experiment.claims)
+    (['UD', 'exact'], 4)
+    """
+
+    id: str
+    title: str
+    source: str
+    runs: Mapping[str, RunSpecification]
+    claims: Sequence[Claim]
+    notes: str = ""
+    description: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def main_run(self) -> RunSpecification:
+        """The run that is plotted and compared in detail: the first one."""
+        return next(iter(self.runs.values()))

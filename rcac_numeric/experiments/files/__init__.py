@@ -1,0 +1,1 @@
+"""Experiments written down in TOML: one reader for each table."""

@@ -1,0 +1,239 @@
+"""The quantities that claims are checked by: a run in, a number out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import integer, one_of
+from rcac_numeric.experiments import cost_measures
+from rcac_numeric.experiments.analysed_run import Repetition
+from rcac_numeric.plants.frozen import frozen_loop
+
+SIGNALS = ("z", "y", "u", "u_applied", "w")
+
+Measure = Callable[..., float]
+MEASURES: dict[str, Measure] = {}
+
+
+def measure(function: Measure) -> Measure:
+    """Make a function available to claims under its own name."""
+    MEASURES[function.__name__] = function
+    return function
+
+
+for _function in cost_measures.COST_MEASURES:
+    measure(_function)
+
+
+@measure
+def worst_pole_distance(r: Repetition) -> float:
+    """Largest distance between a pole of G_f and the closed-loop pole assigned to it."""
+    return r.comparison.worst_distance
+
+
+@measure
+def worst_spectrum_distance(r: Repetition) -> float:
+    """The same over all poles, those too that G_f leaves to the zeros of G_zu and to zero."""
+    return r.comparison.spectrum_distance
+
+
+@measure
+def polynomial_distance(r: Repetition) -> float:
+    """Largest difference between a closed-loop coefficient, reached and asked for, both exact."""
+    c = r.comparison
+    if c.asked is None:
+        raise InputError(f"there is no characteristic polynomial to compare with: {c.obstacle}")
+    return float(max(map(abs, (c.reached - c.asked).all_coeffs())))
+
+
+@measure
+def worst_match(r: Repetition) -> float:
+    """Largest relative distance of the intercalated transfer function to G_f over frequency."""
+    return r.match.worst
+
+
+@measure
+def spectral_radius(r: Repetition) -> float:
+    """Largest modulus of a closed-loop pole with the final controller."""
+    return r.loop.spectral_radius
+
+
+@measure
+def controller_spectral_radius(r: Repetition) -> float:
+    """Largest modulus of a pole of the final controller."""
+    return float(np.abs(r.run.compensator.poles()).max())
+
+
+@measure
+def controller_pole_distance(r: Repetition, omega: float = 0.0, k: int | None = None) -> float:
+    """Distance from exp(j omega) to the nearest controller pole, at step k or at the end."""
+    compensator = r.run.compensator if k is None else r.run.compensator_at(k)
+    return float(np.abs(compensator.poles() - np.exp(1j * omega)).min())
+
+
+@measure
+def settling_step(r: Repetition, band: float = 0.02) -> float:
+    """First step from which the size of z stays within the band to the end of the run."""
+    if r.run.outcome != "completed":
+        return float("inf")
+    outside = np.flatnonzero(np.abs(r.run.z).max(axis=1) > band)
+    return float(outside[-1] + 1) if outside.size else 0.0
+
+
+@measure
+def peak(
+    r: Repetition,
+    start: int = 0,
+    stop: int | None = None,
+    signal: str = "z",
+    channel: int | None = None,
+) -> float:
+    """Largest size of a signal over start <= k < stop; of one channel or of all of them."""
+    return float(np.abs(_window(r, start, stop, signal, channel)).max())
+
+
+@measure
+def rms(
+    r: Repetition,
+    start: int = 0,
+    stop: int | None = None,
+    signal: str = "z",
+    channel: int | None = None,
+) -> float:
+    """Root mean square of a signal over start <= k < stop."""
+    return float(np.sqrt(np.mean(np.sum(_window(r, start, stop, signal, channel) ** 2, axis=1))))
+
+
+@measure
+def mean(
+    r: Repetition,
+    start: int = 0,
+    stop: int | None = None,
+    signal: str = "z",
+    channel: int = 0,
+) -> float:
+    """Mean of one channel of a signal over start <= k < stop."""
+    return float(np.mean(_window(r, start, stop, signal, channel)))
+
+
+@measure
+def saturated_fraction(r: Repetition, start: int = 0, stop: int | None = None) -> float:
+    """Fraction of the steps start <= k < stop at which the actuator did not apply u as it was."""
+    u, applied = (_window(r, start, stop, name, None) for name in ("u", "u_applied"))
+    return float(np.mean((u != applied).any(axis=1)))
+
+
+@measure
+def completed(r: Repetition) -> float:
+    """1 where the run reached its last step, 0 where it diverged or failed before."""
+    return float(r.run.outcome == "completed")
+
+
+@measure
+def steps(r: Repetition) -> float:
+    """Number of completed steps."""
+    return float(r.run.steps)
+
+
+@measure
+def coefficient(r: Repetition, index: int, k: int | None = None) -> float:
+    """One entry of theta, from 0 on: of theta(k), or of the last theta.
+
+    For structure = "pid" the entries are the gains in the order of the terms.
+    """
+    run = r.run
+    if k is None:
+        theta = run.theta_final
+    else:
+        row, rest = divmod(integer(k, "k"), run.stride)
+        if rest or row >= len(run.theta):
+            raise InputError(
+                f"theta({k}) was not kept; it is kept at multiples of {run.stride} below "
+                f"{run.steps}."
+            )
+        theta = run.theta[row]
+    return float(theta[integer(index, "index", at_most=len(theta) - 1)])
+
+
+@measure
+def reflections(r: Repetition) -> float:
+    """Number of updates after which controller poles were reflected (6.2.2)."""
+    return float(r.run.reflections)
+
+
+@measure
+def resets(r: Repetition) -> float:
+    """Number of covariance resets."""
+    return float(r.run.resets)
+
+
+@measure
+def unstable_fraction(r: Repetition, stop: int | None = None) -> float:
+    """Fraction of the steps below `stop` at which the loop, frozen at theta(k), is unstable."""
+    return float(np.mean(_unstable(r, stop)))
+
+
+@measure
+def last_unstable_step(r: Repetition) -> float:
+    """Last step at which the loop, frozen at theta(k), is unstable; -1 if there is none."""
+    steps = np.flatnonzero(_unstable(r, None))
+    return float(steps[-1] * r.run.stride) if steps.size else -1.0
+
+
+@measure
+def first_unstable_controller(r: Repetition) -> float:
+    """First step at which theta(k) describes an unstable controller; -1 if there is none."""
+    run = r.run
+    for row, theta in enumerate(run.theta):
+        if np.abs(run.settings.compensator(theta).poles()).max() > 1:
+            return float(row * run.stride)
+    return -1.0
+
+
+@measure
+def theta_drift(r: Repetition, start: int) -> float:
+    """Largest change of a controller coefficient after step `start`, relative to the largest."""
+    late = r.run.theta[-(-start // r.run.stride) :]
+    return float(np.abs(late - r.run.theta_final).max() / np.abs(r.run.theta_final).max())
+
+
+@measure
+def closed_loop_zero_distance(r: Repetition, channel: str, omega: float = 0.0) -> float:
+    """Distance from exp(j omega) to the nearest closed-loop zero from a channel of w to z."""
+    zeros = r.zeros
+    if channel not in zeros:
+        raise InputError(f"w has no channel {channel!r}; the channels are {', '.join(zeros)}.")
+    return float(np.abs(zeros[channel] - np.exp(1j * omega)).min())
+
+
+@measure
+def guard_count(r: Repetition) -> float:
+    """Number of updates that rounding decided."""
+    return float(r.run.guard_count)
+
+
+def _window(
+    r: Repetition, start: int, stop: int | None, signal: str, channel: int | None
+) -> np.ndarray:
+    values: np.ndarray = getattr(r.run, one_of(signal, "signal", SIGNALS))
+    window = values[start:stop]
+    if not len(window):
+        raise InputError(f"the run of {r.run.steps} steps has no step in [{start}, {stop}).")
+    if channel is None:
+        return window
+    last = integer(channel, "channel", at_most=window.shape[1] - 1)
+    return window[:, last : last + 1]
+
+
+def _unstable(r: Repetition, stop: int | None) -> np.ndarray:
+    run = r.run
+    rows = run.theta if stop is None else run.theta[: -(-stop // run.stride)]
+    return np.array(
+        [
+            not frozen_loop(run.plant, run.settings.compensator(theta), row * run.stride).is_stable
+            for row, theta in enumerate(rows)
+        ]
+    )

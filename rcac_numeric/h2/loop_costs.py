@@ -1,0 +1,59 @@
+"""The H2 cost of a loop beside the least that LQG reaches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compensator_theory.errors import CompensatorError
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.h2.costs import H2Cost, h2_cost
+from rcac_numeric.h2.lqg import lqg
+from rcac_numeric.h2.noise import NoiseIntensities
+
+
+@dataclass(frozen=True)
+class LoopCosts:
+    """What a loop costs, and what it would cost with LQG.
+
+    Attributes
+    ----------
+    reached : H2Cost
+        Of the loop, with the share of each noise; infinite for an unstable loop.
+    least : H2Cost or None
+        Of LQG in the form that the compensator has: predictor for a strictly proper one, filter
+        for an exactly proper one. No other stabilising compensator of that form costs less.
+    obstacle : str
+        Why there is no LQG controller; empty where there is one.
+    """
+
+    reached: H2Cost
+    least: H2Cost | None
+    obstacle: str
+
+    @property
+    def ratio(self) -> float | None:
+        """The cost over LQG's, at least 1."""
+        if self.least is None or self.least.value == 0:
+            return None
+        return self.reached.value / self.least.value
+
+
+def loop_costs(loop: ClosedLoop, noise: NoiseIntensities | None = None) -> LoopCosts:
+    """Compute the costs of a loop; `noise` as for `h2_cost`.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
+    >>> from rcac_numeric.h2.loop_costs import loop_costs
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> costs = loop_costs(ClosedLoop(plant, Compensator(P=[[[-1.0]]], Q=[[[0.0]], [[-2.5]]])))
+    >>> round(costs.reached.value, 6), round(costs.least.value, 6)
+    (8.0, 5.0)
+    """
+    plant, compensator = loop.plant, loop.compensator
+    form = "filter" if compensator.Q[0].any() else "predictor"
+    try:
+        least, obstacle = lqg(plant, noise=noise, form=form).cost, ""
+    except CompensatorError as error:
+        least, obstacle = None, str(error).rstrip(".")
+    return LoopCosts(h2_cost(plant, compensator, noise=noise), least, obstacle)

@@ -1,0 +1,234 @@
+"""Discrete-time LQG with every cross term, strictly or exactly proper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from compensator_theory.errors import ImproperError
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.arrays.validation import Array, instance_of, one_of
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
+from rcac_numeric.h2.costs import H2Cost, h2_cost
+from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
+from rcac_numeric.h2.riccati import stabilising_solution
+from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
+from rcac_numeric.h2.stabilising_solution import StabilisingSolution
+from rcac_numeric.h2.state_space import StateSpace, compensator_from_state_space
+from rcac_numeric.plants.linear import Plant
+
+if TYPE_CHECKING:
+    import control
+
+FORMS = ("predictor", "filter")
+
+
+@dataclass(frozen=True, eq=False)
+class LQG:
+    """An LQG controller u = G_c y and what says how good it is.
+
+    Attributes
+    ----------
+    plant : Plant
+    noise : NoiseIntensities or None
+        As given.
+    form : {"predictor", "filter"}
+    regulator : StabilisingSolution
+        (A.6), (A.7): P, and the gain C_c.
+    estimator : StabilisingSolution
+        (A.5), (A.8) as the dual regulator: its P is Q, its gain -B_c'.
+    state_space : (A_c, B_c, C_c, D_c)
+        Of order n; D_c is zero for the predictor form.
+    cost : H2Cost
+        Of this controller in a loop with the plant, from the loop's own Lyapunov equation.
+    cost_from_riccati : float
+        The same cost from traces of P and Q alone.
+    """
+
+    plant: Plant
+    noise: NoiseIntensities | None
+    form: str
+    regulator: StabilisingSolution
+    estimator: StabilisingSolution
+    state_space: StateSpace
+    cost: H2Cost
+    cost_from_riccati: float
+
+    @cached_property
+    def compensator(self) -> Compensator:
+        """The controller as the difference equation (2.28)."""
+        return compensator_from_state_space(*self.state_space)
+
+    @property
+    def loop(self) -> ClosedLoop:
+        """The plant in a loop with `compensator`."""
+        return ClosedLoop(self.plant, self.compensator)
+
+    def to_control(self) -> control.StateSpace:
+        """The controller as a discrete-time python-control system with unspecified period."""
+        import control  # a second of import time, paid only here
+
+        return control.ss(*self.state_space, True)
+
+    @cached_property
+    def poles(self) -> NDArray[np.complex128]:
+        """The 2n closed-loop poles, the eigenvalues of A + BC_c and of A - B_cC, (A.11)."""
+        return np.concatenate([self.regulator.poles, self.estimator.poles])
+
+    @property
+    def spectral_radius(self) -> float:
+        """Of the controller: above 1 where LQG stabilises with an unstable controller."""
+        return float(np.abs(np.linalg.eigvals(self.state_space[0])).max(initial=0.0))
+
+    @cached_property
+    def agreement(self) -> ExactAgreement:
+        """The closed-loop poles beside the exact ones of `compensator_theory.lqg_poles`."""
+        inputs = noise_inputs(self.plant, self.noise)
+        return exact_agreement(self.plant, inputs, self.regulator, self.estimator)
+
+    def __repr__(self) -> str:
+        return (
+            f"LQG({self.form}, n={self.plant.n}, J={self.cost.value:.6g}, "
+            f"margin={min(self.regulator.margin, self.estimator.margin):.3g})"
+        )
+
+
+def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "predictor") -> LQG:
+    """The controller of order n that minimises J = lim E[z'z] for white noise w.
+
+    With P and Q the stabilising solutions of (A.7) and (A.8), S = R_2 + B'PB, V = V_2 + CQC',
+
+    C_c = -S^{-1} (R_12' + B'PA),  B_c = (AQC' + V_12) V^{-1}
+
+    the predictor form is x_c(k+1) = A x_c + B u + B_c e, u = C_c x_c, with the innovation
+    e = y - C x_c - D_0 u: the best strictly proper controller. The filter form,
+    u = C_c x_c + D_f e with
+
+    D_f = -S^{-1} [(R_12' + B'PA) Q C' + (E_2'E_0 + B'P D_1) D_2'] V^{-1},
+
+    uses y(k) for u(k) and is the best exactly proper one.
+
+    Parameters
+    ----------
+    plant : Plant
+        R_1, R_12, R_2 are E_1'E_1, E_1'E_2, E_2'E_2 and V_1, V_12, V_2 are D_1D_1', D_1D_2',
+        D_2D_2'; all may be singular or zero. R_2 = 0 and V_2 = 0 is high-authority LQG.
+    noise : mapping, optional
+        Which blocks or channels of w are noise, with their intensities, for example
+        ``{"d": 1.0, "v": 0.25}``; see `noise_inputs`. Every channel with intensity 1 by default.
+    form : {"predictor", "filter"}
+
+    Returns
+    -------
+    LQG
+
+    Raises
+    ------
+    NotControllableError, NotObservableError
+        Where (A, B) is not stabilisable or (A, C) not detectable; the mode is named.
+    UnitCircleError
+        Where G_zu or G_yw has a zero on the unit circle; it is named.
+    NoSolutionError
+        Where the inputs outnumber what z sees of them, or the measurements the noises, with R_2
+        or V_2 singular; the rank is named.
+    ImproperError
+        Where D_0 lets no exactly proper controller of the filter form exist.
+
+    Notes
+    -----
+    Source: (A.1)-(A.12). Errata: "independent of E_0", said after (A.12), is true of the
+    predictor form only; the filter form depends on E_2'E_0D_2'. The assumptions ii) and iv) must
+    be "no zero on the unit circle" where R_2 or V_2 is singular, since (A.9) and (A.10) then have
+    no meaning; and with R_2 = 0 it is the stabilising solution that is unique, not the
+    positive-semidefinite one.
+
+    Examples
+    --------
+    >>> from rcac_numeric import lqg, servo_plant, standard_plant
+    >>> best = lqg(standard_plant("(q - 2)/(q**2 - 1/4)"))
+    >>> best
+    LQG(predictor, n=2, J=5.12, margin=0.5)
+    >>> best.compensator.denominator.round(12), best.agreement.coefficient_distance < 1e-14
+    (array([ 1. , -1. ,  0.4]), True)
+    >>> plant = servo_plant("1/(q - 2)", performance="true")
+    >>> lqg(plant, noise={"d": 1.0, "v": 0.25}, form="filter").cost
+    H2Cost(1.88278: d 1.05816, v 0.824626)
+    """
+    instance_of(plant, "plant", Plant)
+    one_of(form, "form", FORMS)
+    inputs = noise_inputs(plant, noise)
+    regulator = stabilising_solution(
+        plant.A, plant.B, _weights(plant.E_1, plant.E_2), (plant.E_1, plant.E_2), REGULATOR
+    )
+    estimator = stabilising_solution(
+        plant.A.T,
+        plant.C.T,
+        _weights(inputs.D_1.T, inputs.D_2.T),
+        (inputs.D_1.T, inputs.D_2.T),
+        ESTIMATOR,
+    )
+    D_f = np.zeros((plant.l_u, plant.l_y))
+    if form == "filter":
+        D_f = _filter_gain(plant, inputs, regulator, estimator)
+    parts = _state_space(plant, regulator.gain, -estimator.gain.T, D_f)
+    return LQG(
+        plant=plant,
+        noise=noise,
+        form=form,
+        regulator=regulator,
+        estimator=estimator,
+        state_space=parts,
+        cost=h2_cost(plant, parts, noise=noise),
+        cost_from_riccati=_cost(inputs, regulator, estimator, D_f),
+    )
+
+
+def _weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
+    return E_1.T @ E_1, E_1.T @ E_2, E_2.T @ E_2
+
+
+def _filter_gain(
+    plant: Plant,
+    inputs: NoiseInputs,
+    regulator: StabilisingSolution,
+    estimator: StabilisingSolution,
+) -> Array:
+    """D_f: the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w from the innovation."""
+    from_w = -np.linalg.solve(
+        regulator.innovation, plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1
+    )
+    correlation = regulator.gain @ estimator.P @ plant.C.T + from_w @ inputs.D_2.T
+    return np.asarray(np.linalg.solve(estimator.innovation, correlation.T).T)
+
+
+def _state_space(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> StateSpace:
+    """(A.4) with the direct term; D_0 makes e depend on u, which is solved for u."""
+    loop = np.eye(plant.l_u) + D_f @ plant.D_0
+    if np.linalg.matrix_rank(loop) < plant.l_u:
+        raise ImproperError(
+            "I + D_f D_0 is singular, so that the filter form is no proper controller of y; use "
+            'form = "predictor".'
+        )
+    C = np.linalg.solve(loop, C_c - D_f @ plant.C)
+    D = np.linalg.solve(loop, D_f)
+    through = plant.B - B_c @ plant.D_0
+    return plant.A - B_c @ plant.C + through @ C, B_c + through @ D, C, D
+
+
+def _cost(
+    inputs: NoiseInputs, regulator: StabilisingSolution, estimator: StabilisingSolution, D_f: Array
+) -> float:
+    """tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
+    S, V = regulator.innovation, estimator.innovation
+    K, Q = regulator.gain, estimator.P
+    return float(
+        np.trace(inputs.D_1.T @ regulator.P @ inputs.D_1)
+        + np.trace(S @ K @ Q @ K.T)
+        + np.sum(inputs.E_0**2)
+        - np.trace(S @ D_f @ V @ D_f.T)
+    )

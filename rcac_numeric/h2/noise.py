@@ -1,0 +1,172 @@
+"""Which components of w are noise: intensities by name, and bias as a slow disturbance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_columns
+from rcac_numeric.arrays.validation import Array, instance_of, number
+from rcac_numeric.plants.linear import Plant
+
+if TYPE_CHECKING:
+    from sympy import Matrix
+
+NoiseIntensities = Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseInputs:
+    """White noise of unit intensity that drives a plant, in place of w.
+
+    Attributes
+    ----------
+    names : tuple of str
+        For each column the entry of the intensities that it belongs to.
+    factor : array, shape (l_w, columns)
+        w = factor @ noise.
+    D_1, D_2, E_0 : arrays with one column for each noise
+    """
+
+    names: tuple[str, ...]
+    factor: Array
+    D_1: Array
+    D_2: Array
+    E_0: Array
+
+
+def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseInputs:
+    """Read intensities by name of a block or of a channel of w.
+
+    Parameters
+    ----------
+    plant : Plant
+    noise : mapping, optional
+        From blocks (``"d"``) or channels (``"d2"``) to intensities: a variance, or a covariance
+        matrix for a block. What it leaves out is no noise. By default every channel has
+        intensity 1, as (A.3) says.
+
+    Raises
+    ------
+    InputError
+        Where a name is unknown or given twice, or an intensity is not positive semidefinite.
+
+    Examples
+    --------
+    >>> from rcac_numeric import servo_plant
+    >>> from rcac_numeric.h2.noise import noise_inputs
+    >>> noise_inputs(servo_plant("1/(q - 0.5)"), {"d": 1.0, "v": 0.25}).D_2
+    array([[ 0. , -0.5]])
+    """
+    if noise is None:
+        noise = dict.fromkeys(plant.channels, 1.0)
+    if not isinstance(noise, Mapping):
+        raise InputError(f"noise = {noise!r} must map names of blocks of w to intensities.")
+    places = _places(plant)
+    names: list[str] = []
+    columns: list[Array] = []
+    taken: set[int] = set()
+    for name, intensity in noise.items():
+        if name not in places:
+            raise InputError(f"w has no block or channel {name!r}; it has {', '.join(places)}.")
+        where = places[name]
+        if taken & set(where):
+            raise InputError(f"the noise {name!r} is given twice, as a block and as a channel.")
+        taken |= set(where)
+        root = square_root_columns(
+            constant_weight(intensity, f"the intensity of {name}", len(where), definite=False)
+        )
+        if root.shape[1] == 0:  # no noise has a share too
+            root = np.zeros((len(where), 1))
+        placed = np.zeros((plant.l_w, root.shape[1]))
+        placed[where] = root
+        columns.append(placed)
+        names += [name] * root.shape[1]
+    factor = np.hstack(columns) if columns else np.zeros((plant.l_w, 0))
+    maps = (np.asarray(m @ factor) for m in (plant.D_1, plant.D_2, plant.E_0))
+    return NoiseInputs(tuple(names), factor, *maps)
+
+
+def exact_noise_inputs(plant: Plant, inputs: NoiseInputs) -> tuple[Matrix, Matrix]:
+    """(D_1, D_2) with exact entries; the factor of the intensities is rounded to float64 first."""
+    from sympy import Matrix
+
+    from compensator_theory import exact_number
+
+    factor = Matrix(*inputs.factor.shape, [exact_number(float(c)) for c in inputs.factor.ravel()])
+    return plant.problem.D_1 * factor, plant.problem.D_2 * factor
+
+
+def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) -> Plant:
+    """The plant whose channel of w also carries a slow disturbance b(k+1) = pole b(k) + noise.
+
+    A design for it expects a bias of that mean square, which lasts about 1/(1 - pole) steps, and
+    approaches a controller with an internal model at 1 as the pole goes there. A pole at 1 itself
+    is a mode that no control moves: LQG refuses it.
+
+    Parameters
+    ----------
+    plant : Plant
+    channel : str
+        One of `plant.channels`.
+    pole : float
+        In (-1, 1).
+    mean_square : float
+        The stationary E[b(k)^2]; the noise that drives b has 1 - pole^2 times this intensity.
+
+    Returns
+    -------
+    Plant
+        Of order n + 1, with one more channel of w, the block ``channel + "_bias"``, of unit
+        intensity.
+
+    Examples
+    --------
+    >>> from rcac_numeric import standard_plant, with_bias
+    >>> with_bias(standard_plant("1/(q - 0.5)"), "w", pole=0.99, mean_square=4.0).blocks
+    {'w': 1, 'w_bias': 1}
+    """
+    if channel not in instance_of(plant, "plant", Plant).channels:
+        raise InputError(f"w has no channel {channel!r}; it has {', '.join(plant.channels)}.")
+    if f"{channel}_bias" in plant.blocks:
+        raise InputError(
+            f"{channel} has a bias already, the block {channel}_bias; add one to another channel."
+        )
+    pole, power = number(pole, "pole"), number(mean_square, "mean_square")
+    if not -1 < pole < 1:
+        raise InputError(
+            f"pole = {pole} must lie inside (-1, 1): no control moves the disturbance's own mode. "
+            "For a constant bias take a pole near 1, such as 0.999."
+        )
+    if power < 0:
+        raise InputError(f"mean_square = {power} must not be negative.")
+    at, n = plant.channels.index(channel), plant.n
+    drive = np.zeros((n + 1, 1))
+    drive[n] = np.sqrt((1 - pole**2) * power)
+    top = np.hstack([plant.A, plant.D_1[:, [at]]])
+    return Plant(
+        A=np.vstack([top, np.append(np.zeros(n), pole)]),
+        B=np.vstack([plant.B, np.zeros((1, plant.l_u))]),
+        D_1=np.hstack([np.vstack([plant.D_1, np.zeros((1, plant.l_w))]), drive]),
+        C=np.hstack([plant.C, plant.D_2[:, [at]]]),
+        D_0=plant.D_0,
+        D_2=np.hstack([plant.D_2, np.zeros((plant.l_y, 1))]),
+        E_1=np.hstack([plant.E_1, plant.E_0[:, [at]]]),
+        E_2=plant.E_2,
+        E_0=np.hstack([plant.E_0, np.zeros((plant.l_z, 1))]),
+        blocks={**plant.blocks, f"{channel}_bias": 1},
+    )
+
+
+def _places(plant: Plant) -> dict[str, list[int]]:
+    """The indices of w that each block and each channel stands for."""
+    places: dict[str, list[int]] = {}
+    first = 0
+    for name, width in plant.blocks.items():
+        places[name] = list(range(first, first + width))
+        first += width
+    return {**places, **{name: [i] for i, name in enumerate(plant.channels)}}

@@ -1,0 +1,1 @@
+"""Gain, phase, delay and disk margins, without a frequency grid."""

@@ -1,0 +1,1 @@
+"""What is controlled, as data: linear, scheduled, nonlinear, saturated."""

@@ -1,0 +1,110 @@
+"""What a run's plant and controller are at one step, as a fixed linear loop."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.plants.linear import MATRICES, Plant, from_problem
+from rcac_numeric.plants.schedules import Change, PlantSchedule
+
+
+def plant_at(plant: Plant | PlantSchedule, k: int) -> Plant:
+    """The plant at step k; a delay of its input is written out as states.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Change, PlantSchedule, standard_plant
+    >>> from rcac_numeric.plants.frozen import plant_at
+    >>> plant = standard_plant("1/(q - 0.5)")
+    >>> schedule = PlantSchedule(
+    ...     [Change(start=0, plant=plant), Change(start=100, plant=plant, delay=2)])
+    >>> plant_at(schedule, 99).n, plant_at(schedule, 100).n
+    (1, 3)
+    """
+    if isinstance(plant, Plant):
+        return plant
+    if not isinstance(plant, PlantSchedule):
+        raise InputError(f"{plant!r} is not linear, so it has no fixed loop at a step.")
+    change = plant.at(k)
+    return _delayed(_moved(plant, change, k), change.delay)
+
+
+def measuring_command(plant: Plant) -> Plant:
+    """The plant with y and the command r as its measurement, for a controller that reads both."""
+    l_r, start = plant.blocks.get("r", 0), 0
+    for name, width in plant.blocks.items():
+        if name == "r":
+            break
+        start += width
+    reads = np.zeros((l_r, plant.l_w))
+    reads[:, start : start + l_r] = np.eye(l_r)
+    return Plant(
+        **{
+            **{name: getattr(plant, name) for name in MATRICES},
+            "C": np.vstack([plant.C, np.zeros((l_r, plant.n))]),
+            "D_0": np.vstack([plant.D_0, np.zeros((l_r, plant.l_u))]),
+            "D_2": np.vstack([plant.D_2, reads]),
+        },
+        blocks=plant.blocks,
+    )
+
+
+def frozen_loop(plant: Plant | PlantSchedule, compensator: Compensator, k: int) -> ClosedLoop:
+    """The plant of step k in a loop with a fixed compensator that reads y, or [y; r]."""
+    fixed = plant_at(plant, k)
+    if compensator.l_y > fixed.l_y:
+        fixed = measuring_command(fixed)
+    return ClosedLoop(fixed, compensator)
+
+
+def _moved(plant: PlantSchedule, change: Change, k: int) -> Plant:
+    """The plant of a change, at step k of its ramp."""
+    if not change.ramp or k == change.start:
+        return change.plant
+    end = next(b for a, b in pairwise(plant.changes) if a is change)
+    share = (k - change.start) / (end.start - change.start)
+    matrices: dict[str, Any] = {
+        name: (1 - share) * getattr(change.plant, name) + share * getattr(end.plant, name)
+        for name in MATRICES
+    }
+    return Plant(**matrices, blocks=plant.first.blocks)
+
+
+def _delayed(plant: Plant, delay: int) -> Plant:
+    """[x; u(k-1); ...; u(k-delay)] as the state."""
+    if delay == 0:
+        return plant
+    from sympy import ImmutableMatrix, eye, zeros
+
+    from compensator_theory import StandardProblem
+
+    p: Any = plant.problem
+    n, l_u, chain = plant.n, plant.l_u, delay * plant.l_u
+    last = zeros(l_u, chain)
+    last[:, chain - l_u :] = eye(l_u)
+    shift = zeros(chain, chain)
+    shift[l_u:, : chain - l_u] = eye(chain - l_u)
+    first = zeros(chain, l_u)
+    first[:l_u, :] = eye(l_u)
+    A = ImmutableMatrix.vstack(
+        ImmutableMatrix.hstack(p.A, p.B * last),
+        ImmutableMatrix.hstack(zeros(chain, n), ImmutableMatrix(shift)),
+    )
+    problem = StandardProblem(
+        A=A,
+        B=ImmutableMatrix.vstack(zeros(n, l_u), ImmutableMatrix(first)),
+        D_1=ImmutableMatrix.vstack(p.D_1, zeros(chain, plant.l_w)),
+        C=ImmutableMatrix.hstack(p.C, p.D_0 * last),
+        D_0=None,
+        D_2=p.D_2,
+        E_1=ImmutableMatrix.hstack(p.E_1, p.E_2 * last),
+        E_2=None,
+        E_0=p.E_0,
+    )
+    return from_problem(problem, plant.blocks)

@@ -1,0 +1,156 @@
+"""Linear plants that change while they run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import Read, instance_of, integer, items, matrix
+from rcac_numeric.engine import _kernel
+from rcac_numeric.engine.simulator import Simulator
+from rcac_numeric.plants.linear import MATRICES, Plant, initial_state
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Change:
+    """What the plant is from step `start` on.
+
+    Attributes
+    ----------
+    start : int
+    plant : Plant
+    ramp : bool
+        The matrices move linearly from `start` on and reach those of the next change at its
+        start.
+    state_map : array, shape (n, n before), optional
+        x <- state_map x at `start`; the state stays as it is where it is left out, which needs
+        equal orders.
+    delay : int
+        u acts this many steps late; what was sent before the change is kept.
+    """
+
+    start: int
+    plant: Plant
+    ramp: bool = False
+    state_map: Read = None
+    delay: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class PlantSchedule:
+    """A linear plant that switches, drifts, or receives its input later.
+
+    A change of gain is a change of B (or of C and E_1); a moved zero is a change of C and E_1
+    with the state kept. The first change begins at step 0.
+
+    Parameters
+    ----------
+    changes : sequence of Change
+        By increasing step.
+
+    Raises
+    ------
+    InputError
+        Where steps are not increasing, sizes do not fit, or a ramp has no end.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Change, PlantSchedule, standard_plant
+    >>> before, after = standard_plant("1/(q - 0.5)"), standard_plant("3/(q - 0.5)")
+    >>> PlantSchedule([Change(start=0, plant=before), Change(start=100, plant=after, delay=2)])
+    PlantSchedule(n=1, l_u=1, l_w=1, l_y=1, l_z=1, changes at 0, 100)
+    """
+
+    changes: Sequence[Change]
+
+    def __post_init__(self) -> None:
+        changes = items(self.changes, "changes", Change)
+        if not changes:
+            raise InputError("a plant schedule needs a list of Change(start=..., plant=...).")
+        for change in changes:
+            integer(change.start, "start")
+            integer(change.delay, "delay", at_most=100_000)
+            instance_of(change.plant, "the plant of a change", Plant)
+            instance_of(change.ramp, "ramp", bool)
+        object.__setattr__(self, "changes", changes)
+        if changes[0].start != 0 or changes[0].state_map is not None:
+            raise InputError("the first change must begin at step 0, without a state map.")
+        if changes[-1].ramp:
+            raise InputError("the last change cannot ramp: there is nothing to ramp to.")
+        sizes = _sizes(changes[0].plant)
+        for before, now in pairwise(changes):
+            if now.start <= before.start:
+                raise InputError(
+                    f"the change at {now.start} does not follow that at {before.start}."
+                )
+            if _sizes(now.plant)[1:] != sizes[1:] or now.plant.blocks != changes[0].plant.blocks:
+                raise InputError(f"the plant at {now.start} has other inputs or outputs.")
+            n_before, n = before.plant.n, now.plant.n
+            if now.state_map is not None:
+                mapped = matrix(now.state_map, "state_map", (n, n_before))
+                object.__setattr__(now, "state_map", mapped)
+            elif n != n_before:
+                raise InputError(
+                    f"the plant at {now.start} has {n} states after {n_before}; say by state_map "
+                    "what becomes of the state."
+                )
+            if before.ramp and n != n_before:
+                raise InputError(f"the ramp from {before.start} joins plants of different order.")
+
+    @property
+    def first(self) -> Plant:
+        """The plant at step 0."""
+        return self.changes[0].plant
+
+    def at(self, k: int) -> Change:
+        """The change that is in force at step k; a ramp counts as where it began."""
+        return [change for change in self.changes if change.start <= k][-1]
+
+    def __getattr__(self, name: str) -> Any:
+        """Sizes and blocks are those of the plant at step 0."""
+        if name in ("n", "l_u", "l_w", "l_y", "l_z", "blocks"):
+            return getattr(self.first, name)
+        raise AttributeError(name)
+
+    @property
+    def y_needs_u(self) -> bool:
+        """Whether y(k) depends on u(k) at some step."""
+        return any(change.plant.y_needs_u for change in self.changes)
+
+    @property
+    def z_needs_u(self) -> bool:
+        """Whether z(k) depends on u(k) at some step."""
+        return any(change.plant.z_needs_u for change in self.changes)
+
+    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
+        """A compiled copy of the plant for a loop in Python."""
+        return Simulator(self.compiled(x_0), self.first.l_u, self.first.l_w)
+
+    def compiled(self, x_0: ArrayLike | None = None) -> _kernel.Plant:
+        """The plant for the kernel."""
+        segments = [
+            (
+                change.start,
+                [getattr(change.plant, name) for name in MATRICES],
+                change.ramp,
+                np.zeros(0) if change.state_map is None else change.state_map,
+                change.delay,
+            )
+            for change in self.changes
+        ]
+        return _kernel.linear_plant(_sizes(self.first), segments, initial_state(x_0, self.first.n))
+
+    def __repr__(self) -> str:
+        sizes = repr(self.first)[len("Plant(") : -1]
+        starts = ", ".join(str(change.start) for change in self.changes)
+        return f"PlantSchedule({sizes}, changes at {starts})"
+
+
+def _sizes(plant: Plant) -> tuple[int, int, int, int, int]:
+    return plant.n, plant.l_u, plant.l_w, plant.l_y, plant.l_z

@@ -1,0 +1,1 @@
+"""Pictures of results; no result imports them but inside its method plot."""

@@ -1,0 +1,157 @@
+"""One sheet on a controller that was checked."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from rcac_numeric.plots.margins import draw_nyquist
+from rcac_numeric.plots.style import (
+    INK,
+    REACHED,
+    SECOND,
+    WANTED,
+    draw_history,
+    draw_magnitude,
+    draw_phase,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from rcac_numeric.checks.check import ControllerCheck
+
+
+def plot_check(check: ControllerCheck) -> Figure:
+    """Left: the signals and coefficients of the log. Right: poles, match, Nyquist curve.
+
+    What cannot be said is left out, and the sheet is as wide as what is left.
+    """
+    from matplotlib.figure import Figure
+
+    knows = check.loop is not None
+    figure = Figure(figsize=(15 if knows else 9, 9), layout="constrained")
+    figure.suptitle(check.log.source.rsplit("/", 1)[-1], fontsize=12, fontweight="bold")
+    grid = figure.add_gridspec(6, 3 if knows else 1)
+    left = [figure.add_subplot(grid[2 * i : 2 * i + 2, 0]) for i in range(3)]
+    _signals(left[0], left[1], check)
+    _coefficients(left[2], check)
+    for axis in left:
+        axis.grid(alpha=0.25)
+    if knows:
+        _poles(figure.add_subplot(grid[:4, 1]), check)
+        _nyquist(figure.add_subplot(grid[:4, 2]), check)
+        _match(figure.add_subplot(grid[4:, 1]), figure.add_subplot(grid[4:, 2]), check)
+    return figure
+
+
+def _signals(upper: Axes, lower: Axes, check: ControllerCheck) -> None:
+    log = check.log
+    if log.z is not None:
+        draw_history(upper, log.z, "performance $z$", "z")
+    else:
+        draw_history(upper, log.y, "measurement $y$", "y")
+    draw_history(lower, log.u, "control $u$", "u")
+    replay = check.replay
+    if replay is not None:
+        for i, column in enumerate(replay.u.T):
+            lower.step(np.arange(len(column))[replay.start :], column[replay.start :], where="post",
+                       color=WANTED, linewidth=0.9, linestyle="--",
+                       label=r"$\Phi\theta$" if i == 0 else None)  # fmt: skip
+        lower.legend(fontsize=8)
+        word = "is" if replay.agrees else "is NOT"
+        lower.set_title(
+            rf"$u$ {word} $\Phi\theta$: worst relative difference {replay.worst:.1g}",
+            fontsize=10, color=INK if replay.agrees else WANTED,
+        )  # fmt: skip
+
+
+def _coefficients(axis: Axes, check: ControllerCheck) -> None:
+    log, drift = check.log, check.drift
+    if log.has_history:
+        axis.plot(log.theta, linewidth=1.0)
+        axis.set(xlabel="step $k$", ylabel=r"coefficients $\theta$")
+        if drift is not None:
+            axis.axvspan(drift.start, log.steps - 1, color=INK, alpha=0.08, linewidth=0)
+            axis.set_title(f"last tenth: moved by {drift.relative:.1g} of its size", fontsize=10,
+                           color=INK if drift.is_converged else WANTED)  # fmt: skip
+        return
+    values = log.theta_final
+    if values is None:
+        axis.set_axis_off()
+        return
+    axis.stem(np.arange(len(values)), values, linefmt=REACHED, markerfmt="o", basefmt=" ")
+    axis.set(xlabel="entry", ylabel=r"last coefficients $\theta$")
+
+
+def _poles(axis: Axes, check: ControllerCheck) -> None:
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    marks = []
+    if check.comparison is not None:
+        marks.append(("asked for", check.comparison.asked_poles, "s", WANTED, 10))
+    zeros = np.concatenate([np.zeros(0), *check.zeros.values()])
+    marks.append(("zeros from w to z", zeros, "o", SECOND, 6))
+    marks.append(("poles of the controller", check.compensator.poles(), "+", INK, 8))
+    assert check.poles is not None
+    marks.append(("closed-loop poles", check.poles, "x", REACHED, 7))
+    span = 1.3
+    for label, values, symbol, colour, size in marks:
+        axis.plot(values.real, values.imag, symbol, mfc="none", mec=colour, ms=size, mew=1.4,
+                  linestyle="none", label=label)  # fmt: skip
+    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
+    axis.set_aspect("equal")
+    axis.grid(alpha=0.25)
+    beyond = [
+        f"{label}: {', '.join(f'{v:.4g}' for v in outside)}"
+        for label, values, *_ in marks
+        if len(outside := values[np.abs(values) > span])
+    ]
+    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
+                frameon=False)  # fmt: skip
+    assert check.loop is not None
+    stable = check.loop.is_stable
+    title = f"closed loop, spectral radius {check.loop.spectral_radius:.6g}"
+    if beyond:
+        title += "\nnot shown: " + "; ".join(beyond)
+    axis.set_title(title, fontsize=9, color=INK if stable else WANTED)
+
+
+def _match(gain: Axes, phase: Axes, check: ControllerCheck) -> None:
+    """The match with G_f; without a target model the response from w to z."""
+    assert check.loop is not None
+    if check.match is not None:
+        draw_magnitude(gain, check.match)
+        draw_phase(phase, check.match)
+        phase.set_title("its phase", fontsize=10)
+    else:
+        omega = (np.arange(1000) + 0.5) * np.pi / 1000
+        response = np.linalg.norm(check.loop.frequency_response(omega), axis=1)
+        for name, values in zip(check.loop.plant.channels, response.T, strict=True):
+            gain.semilogy(omega, values, linewidth=1.2, label=f"from {name}")
+        gain.legend(fontsize=8)
+        gain.set_title("closed-loop response from w to z", fontsize=10)
+        phase.set_axis_off()
+    for axis in (gain, phase):
+        axis.set_xlabel(r"frequency $\omega$, rad/sample")
+        axis.grid(alpha=0.25)
+
+
+def _nyquist(axis: Axes, check: ControllerCheck) -> None:
+    if not check.margins:
+        axis.set_axis_off()
+        return
+    name, margins = next(iter(check.margins.items()))
+    draw_nyquist(axis, margins)
+    axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
+                frameon=False)  # fmt: skip
+    words = "unstable: no margins"
+    if margins.is_stable and margins.gain_up and margins.gain_down and margins.phase:
+        words = (
+            f"gain {margins.gain_down.value:.4g} to {margins.gain_up.value:.4g}, "
+            f"phase {margins.phase.value:.3g} deg"
+        )
+    axis.set_title(f"Nyquist, opened at {name}\n{words}", fontsize=9,
+                   color=INK if margins.is_stable else WANTED)  # fmt: skip

@@ -1,0 +1,1 @@
+"""Commands, disturbances, noise and recorded data."""

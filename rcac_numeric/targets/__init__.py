@@ -1,0 +1,1 @@
+"""Target models G_f: from modelling information, poles, Markov parameters, LQG."""

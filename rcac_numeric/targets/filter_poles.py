@@ -1,0 +1,70 @@
+"""Whether a filter has a pole outside the unit circle: decided exactly."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import Array
+
+if TYPE_CHECKING:
+    from sympy import Poly
+
+
+def require_no_pole_outside(denominator: Array, exact: Poly | None = None) -> None:
+    """Refuse a filter D_f^{-1} N_f with a pole of modulus greater than 1.
+
+    Phi_f of (2.40) would grow without bound, and a loop that matches the filter would be unstable.
+    A pole on the circle is the user's to ask for. No tolerance is involved: the poles are those of
+    `exact` where the denominator was rounded from it, else the roots of det D_f with the shortest
+    decimals of its entries.
+
+    Parameters
+    ----------
+    denominator : array, shape (n_f + 1, l_z, l_z)
+        In powers of q^{-1}, the first coefficient being the identity.
+    exact : sympy.Poly, optional
+        A polynomial whose roots are the poles.
+
+    Raises
+    ------
+    InputError
+        If there is such a pole; the message names the largest.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.targets.filter_poles import require_no_pole_outside
+    >>> require_no_pole_outside(np.array([1.0, -1.0]).reshape(-1, 1, 1))
+    """
+    if not denominator[1:].any():
+        return
+    from compensator_theory import certified_roots, locate_unit_disk_roots
+
+    poly = _determinant(denominator) if exact is None else exact
+    count = locate_unit_disk_roots(poly).unstable
+    if count:
+        largest = max(certified_roots(poly), key=lambda root: abs(root.value))
+        raise InputError(
+            f"the target model has {count} pole{'s' * (count > 1)} outside the unit circle, the "
+            f"largest at {largest}: the filtered regressor would grow without bound, and a loop "
+            "that matched this target would be unstable. Use poles inside or on the unit circle; "
+            "unstable poles of the plant do not belong in G_f."
+        )
+
+
+def _determinant(denominator: Array) -> Poly:
+    """q^(l n_f) det D_f(q), the characteristic polynomial of the block companion matrix."""
+    from sympy import Matrix, symbols
+
+    from compensator_theory import exact_number
+    from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+
+    used = denominator[: int(np.flatnonzero(denominator.any(axis=(1, 2)))[-1]) + 1]
+    size = used.shape[1]
+    companion = np.eye(size * (len(used) - 1), k=-size)
+    companion[:size] = np.hstack(list(-used[1:]))
+    exact = Matrix(*companion.shape, [exact_number(entry) for entry in companion.ravel()])
+    return characteristic_polynomial(exact, symbols("q"))

@@ -1,0 +1,223 @@
+"""Target models G_f: what the intercalated transfer function is to become."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.arrays.validation import Read, instance_of, real_array, rounded
+from rcac_numeric.targets.filter_poles import require_no_pole_outside
+from rcac_numeric.targets.modelling import ModellingInformation, modelling_information
+
+if TYPE_CHECKING:
+    from sympy import Poly
+
+    from compensator_theory import TransferFunction, TransferMatrix
+    from rcac_numeric.plants.linear import Plant
+
+
+@dataclass(frozen=True, eq=False)
+class TargetModel:
+    """The filter G_f = D_f^{-1} N_f of (2.38), with coefficients in powers of q^{-1}.
+
+    Parameters
+    ----------
+    numerator : array, shape (n_f + 1, l_z, l_u)
+        numerator[i] multiplies q^{-i}; a 1-D array stands for a scalar filter.
+    denominator : array, shape (n_f + 1, l_z, l_z), optional
+        denominator[0] is the identity; an FIR filter by default.
+    exact : TransferFunction or TransferMatrix, optional
+        The filter that the coefficients were rounded from.
+
+    Raises
+    ------
+    InputError
+        If sizes do not fit, the filter is zero, or a pole lies outside the unit circle, which is
+        decided exactly: Phi_f of (2.40) would grow without bound. A pole on the circle is allowed.
+
+    Examples
+    --------
+    >>> from rcac_numeric import TargetModel
+    >>> delayed_gain = TargetModel([0.0, 2.0])
+    >>> delayed_gain.relative_degree, delayed_gain.n_f
+    (1, 1)
+    """
+
+    numerator: Read
+    denominator: Read = None
+    exact: TransferFunction | TransferMatrix | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        N = real_array(self.numerator, "numerator")
+        N = N.reshape(-1, 1, 1) if N.ndim == 1 else N
+        if N.ndim != 3 or N.size == 0:
+            raise InputError(
+                f"the numerator of the target model has shape {N.shape}; (n_f + 1, l_z, l_u), or "
+                "(n_f + 1,) for a scalar filter, is needed."
+            )
+        identity = np.eye(N.shape[1])[None]
+        D = identity if self.denominator is None else real_array(self.denominator, "denominator")
+        D = D.reshape(-1, 1, 1) if D.ndim == 1 else D
+        if D.ndim != 3 or len(D) == 0 or D.shape[1:] != identity.shape[1:]:
+            raise InputError(
+                f"the denominator of the target model has shape {D.shape}; (n_f + 1, l_z, l_z) "
+                f"with l_z = {N.shape[1]} is needed."
+            )
+        if not np.array_equal(D[0], identity[0]):
+            raise InputError(
+                "the leading coefficient of the target model's denominator must be the identity; "
+                "divide numerator and denominator by it."
+            )
+        order = max(len(N), len(D)) - 1
+        for name, value in (("numerator", N), ("denominator", D)):
+            padding = [(0, order + 1 - len(value)), (0, 0), (0, 0)]
+            object.__setattr__(self, name, real_array(np.pad(value, padding), name))
+        if not self.numerator.any():
+            raise InputError("the target model is zero: no controller could be adapted with it.")
+        exact = None
+        if self.exact is not None:
+            from compensator_theory import TransferFunction, TransferMatrix
+
+            instance_of(self.exact, "exact", TransferFunction | TransferMatrix)
+            exact = self.exact.denominator
+        require_no_pole_outside(self.denominator, exact)
+
+    @property
+    def l_z(self) -> int:
+        """Number of performance variables."""
+        return int(self.numerator.shape[1])
+
+    @property
+    def l_u(self) -> int:
+        """Number of control inputs."""
+        return int(self.numerator.shape[2])
+
+    @property
+    def n_f(self) -> int:
+        """Order of the filter."""
+        return int(self.numerator.shape[0]) - 1
+
+    @property
+    def relative_degree(self) -> int:
+        """Number of steps after which the output first reacts to the input."""
+        return int(np.flatnonzero(self.numerator.any(axis=(1, 2)))[0])
+
+    def frequency_response(self, omega: ArrayLike) -> NDArray[np.complex128]:
+        """G_f(exp(j omega)); shape (len(omega), l_z, l_u), omega in rad/sample."""
+        powers = np.exp(-1j * np.outer(real_array(omega, "omega"), np.arange(self.n_f + 1)))
+        numerator = np.einsum("wi,izu->wzu", powers, self.numerator)
+        return np.asarray(
+            np.linalg.solve(np.einsum("wi,izy->wzy", powers, self.denominator), numerator)
+        )
+
+
+def fir_target(information: ModellingInformation | Plant) -> TargetModel:
+    """The FIR target model (2.49), or (2.50) where there are NMP zeros.
+
+    G_f(q) = H N_zu,u(q) / q^(d_zu + deg N_zu,u)
+
+    Examples
+    --------
+    >>> from rcac_numeric import ModellingInformation, fir_target
+    >>> fir_target(ModellingInformation(d_zu=1, H=2.0, nmp_zeros=(1.5,))).numerator.ravel()
+    array([ 0.,  2., -3.])
+    """
+    return pole_placement_target(information, ())
+
+
+def pole_placement_target(
+    information: ModellingInformation | Plant, poles: Sequence[Any] | Poly | str
+) -> TargetModel:
+    """The pole-placement target model (4.38), or (4.39) where there are NMP zeros.
+
+    G_f(q) = H q^(n_p - d_zu - deg N_zu,u) N_zu,u(q) / D_p(q)
+
+    Parameters
+    ----------
+    information : ModellingInformation or Plant
+        What is known of G_zu.
+    poles : sequence of roots, or the polynomial D_p itself
+        The n_p poles to place; exact where they are given as strings or rationals.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ModellingInformation, pole_placement_target
+    >>> target = pole_placement_target(ModellingInformation(1, 1.0), ["1/2", "-1/2"])
+    >>> target.denominator.ravel()
+    array([ 1.  ,  0.  , -0.25])
+    """
+    from sympy import Poly, symbols
+
+    from compensator_theory import (
+        TransferFunction,
+        exact_number,
+    )
+
+    known = (
+        information
+        if isinstance(information, ModellingInformation)
+        else modelling_information(information)
+    )
+    if not isinstance(poles, str | Poly | Sequence | np.ndarray):
+        raise InputError(f"poles = {poles!r} must be a list of roots or the polynomial D_p.")
+    from compensator_theory.polynomials.from_roots import polynomial_or_roots
+
+    D_p = polynomial_or_roots(poles, "q")
+    if D_p.is_zero:
+        raise InputError("the polynomial D_p of the poles is zero.")
+    if D_p.free_symbols_in_domain:
+        raise InputError(f"D_p = {D_p.as_expr()} must be a polynomial in q without other symbols.")
+    D_p = D_p.monic()
+    N_u = known.nmp_polynomial()
+    q = Poly(symbols("q"), symbols("q"))
+    surplus = D_p.degree() - known.d_zu - N_u.degree()
+    numerator = N_u * exact_number(known.H) * q ** max(surplus, 0)
+    return from_transfer_function(TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
+
+
+def from_transfer_function(exact: TransferFunction) -> TargetModel:
+    """The target model with these exact coefficients, each rounded once.
+
+    Raises
+    ------
+    ImproperError, InputError
+        If it would use future values, or is not in q.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from rcac_numeric.targets.model import from_transfer_function
+    >>> from_transfer_function(transfer_function("1/(q - 1/3)")).denominator.ravel()
+    array([ 1.        , -0.33333333])
+    """
+    require_causal(exact)
+    order = exact.denominator.degree()
+    padded = [0] * (order - exact.numerator.degree()) + exact.numerator.all_coeffs()
+    return TargetModel(
+        rounded(padded, "the target model's numerator"),
+        rounded(exact.denominator.all_coeffs(), "the target model's denominator"),
+        exact=exact,
+    )
+
+
+def require_causal(exact: TransferFunction) -> None:
+    """Refuse a filter that is improper or not in q.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from rcac_numeric.targets.model import require_causal
+    >>> require_causal(transfer_function("q/(q - 1/3)"))
+    """
+    if exact.denominator.degree() < exact.numerator.degree():
+        raise ImproperError(
+            f"the target model {exact} has more zeros than poles; it would use future values. "
+            "Multiply its denominator by a power of q."
+        )
+    if str(exact.variable) not in ("q", "z"):
+        raise InputError(f"the target model {exact} is not a transfer function in q.")

@@ -1,0 +1,115 @@
+"""What RCAC must know of a plant: relative degree, leading coefficient and NMP zeros of G_zu."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import integer
+from rcac_numeric.plants.linear import Plant
+
+if TYPE_CHECKING:
+    from sympy import Poly
+
+
+@dataclass(frozen=True)
+class ModellingInformation:
+    """What RCAC needs to know about G_zu (section 2.4); scalar z and u.
+
+    Parameters
+    ----------
+    d_zu : int
+        Relative degree, in steps.
+    H : float
+        First nonzero Markov parameter, the leading numerator coefficient. For the servo problem
+        it is minus that of G_u, since G_zu = -G_u.
+    nmp_zeros : sequence of complex
+        Zeros on or outside the unit circle, in conjugate pairs, with multiplicity.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ModellingInformation
+    >>> ModellingInformation(d_zu=1, H=-1.0, nmp_zeros=(1.2,))
+    ModellingInformation(d_zu=1, H=-1.0, nmp_zeros=(1.2,))
+    """
+
+    d_zu: int
+    H: Any
+    nmp_zeros: Sequence[Any] = ()
+
+    def __post_init__(self) -> None:
+        from compensator_theory import exact_number  # sympy is imported on use
+
+        integer(self.d_zu, "d_zu", at_most=10_000)
+        if not isinstance(self.nmp_zeros, Sequence) or isinstance(self.nmp_zeros, str):
+            raise InputError(f"nmp_zeros = {self.nmp_zeros!r} must be a list of zeros.")
+        for name, value in (("H", self.H), *(("nmp_zeros", zero) for zero in self.nmp_zeros)):
+            if not exact_number(value).is_number:
+                raise InputError(f"{name} = {value} contains symbols; give numbers.")
+        if not exact_number(self.H):
+            raise InputError("H = 0: the first nonzero Markov parameter cannot be zero.")
+        for zero in self.nmp_zeros:
+            modulus = abs(complex(exact_number(zero)))
+            if modulus < 1 - 1e-12:  # a zero on the circle may have been rounded
+                raise InputError(
+                    f"the zero {zero} has modulus {modulus:.6g} < 1 and is minimum phase; only "
+                    "zeros on or outside the unit circle belong in nmp_zeros."
+                )
+
+    def nmp_polynomial(self) -> Poly:
+        """The monic polynomial N_zu,u in q with these zeros, exactly."""
+        from compensator_theory import polynomial_from_roots
+
+        return polynomial_from_roots(self.nmp_zeros, "q")
+
+
+def modelling_information(plant: Plant) -> ModellingInformation:
+    """Relative degree, leading coefficient and NMP zeros of a plant's G_zu; scalar z and u.
+
+    Which zeros are outside the unit circle is decided exactly, for the numerator over the unreduced
+    denominator det(qI - A), so an uncontrollable or unobservable unstable mode counts as one.
+
+    Examples
+    --------
+    >>> from rcac_numeric import modelling_information, servo_plant
+    >>> plant = servo_plant("(q - 0.9)*(q - 1.1)/((q - 0.99)*(q**2 - 1.9*q + 0.9925))")
+    >>> modelling_information(plant)
+    ModellingInformation(d_zu=1, H=-1, nmp_zeros=(11/10,))
+    """
+    numerator, denominator = plant.scalar_map("zu")
+    if numerator.is_zero:
+        raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
+    return ModellingInformation(
+        denominator.degree() - numerator.degree(), numerator.LC(), zeros_not_inside(numerator)
+    )
+
+
+def zeros_not_inside(polynomial: Poly) -> tuple[Any, ...]:
+    """The roots of a rational polynomial on or outside the unit circle, with multiplicity.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from rcac_numeric.targets.modelling import zeros_not_inside
+    >>> zeros_not_inside(polynomial("(q - 2)**2*(q - 1/2)"))
+    (2, 2)
+    """
+    zeros: list[Any] = []
+    for factor, multiplicity in polynomial.factor_list()[1]:
+        zeros += multiplicity * _of_irreducible(factor)
+    return tuple(zeros)
+
+
+def _of_irreducible(factor: Poly) -> list[Any]:
+    """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
+    from compensator_theory import certified_roots, locate_unit_disk_roots
+
+    count = locate_unit_disk_roots(factor)
+    wanted = count.boundary + count.unstable
+    if wanted and factor.degree() == 1:
+        return [-factor.monic().nth(0)]
+    # How many there are is exact, and they are the largest.
+    largest = sorted(certified_roots(factor), key=lambda root: -abs(root.value))[:wanted]
+    return [root.value.real if root.is_real else root.value for root in largest]

@@ -1,0 +1,199 @@
+"""Numbers and text become exact, and nothing in a text is ever executed."""
+
+from decimal import Decimal
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    InputError,
+    StandardProblem,
+    certified_roots,
+    closed_loop_matrix,
+    exact_number,
+    intercalated_transfer_function,
+    is_controllable,
+    lqg_poles,
+    monic,
+    parse_expression,
+    place_poles,
+    polynomial,
+    polynomial_from_roots,
+    reciprocal_polynomial,
+    regulator_gain,
+    split_at_unit_circle,
+    standard_problem,
+    sylvester_m,
+    target_characteristic_polynomial,
+)
+from compensator_theory.polynomials.expressions import parse_quotient
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_float_is_its_shortest_decimal_and_comes_back(x):
+    exact = exact_number(x)
+    assert Fraction(int(exact.p), int(exact.q)) == Fraction(repr(x))
+    assert int(exact.p) / int(exact.q) == x
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_binary_value_is_exact(x):
+    exact = exact_number(x, binary=True)
+    assert Fraction(int(exact.p), int(exact.q)) == Fraction(x)
+
+
+@given(st.fractions(), st.fractions())
+def test_fractions_strings_and_decimals(p, q):
+    assert exact_number(p) == sympy.Rational(p.numerator, p.denominator)
+    assert exact_number(f"({p}) - ({q})*j") == exact_number(p) - sympy.I * exact_number(q)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (True + 1, 2),
+        (Decimal("0.10"), "1/10"),
+        (np.float32(0.1), "1/10"),
+        (np.int8(-3), -3),
+        (np.array(0.3), "3/10"),
+        (0.5 - 0.8j, "1/2 - 4*I/5"),
+        (np.complex128(0.1 + 1j), "1/10 + I"),
+        (sympy.Float(0.1), "1/10"),
+        (0.1 * sympy.Symbol("a"), "a/10"),
+        (".5e1", 5),
+        ("2^3*a", "8*a"),
+        ("-0.8j", "-4*I/5"),
+        ("sqrt(8)", "2*sqrt(2)"),
+    ],
+)
+def test_readable_values(value, expected):
+    assert exact_number(value) == sympy.sympify(expected)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [float("nan"), float("inf"), -np.inf, np.float32("nan"), Decimal("NaN"), Decimal("-Infinity"),
+     sympy.nan, sympy.oo, sympy.zoo, complex("nan"), "nan", "-inf", "oo", "Infinity", True, None,
+     object(), np.array([1, 2]), [1]],
+)  # fmt: skip
+def test_not_a_finite_number(value):
+    with pytest.raises(InputError):
+        exact_number(value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["__import__('os').system('true')", "().__class__", "a.b", "x[0]", "f(x)", "eval(1)", "a__b",
+     "__a", "lambda: 1", "[1, 2]", "1, 2", "'s'", "1 if a else 2", "a < b", "a == b", "not a",
+     "a // b", "a % b", "a @ b", "a := 1", "9**9**9", "s**1001", "((s + 1)**500)**500",
+     "((s + 1)**900 + 1)*(s + 2)**900", "2**s", "1e99999999", "0x10", "1_000", "2s", "2(s + 1)", "",
+     "   ", "1/0", "s/(2 - 2)", "0**-1", "(" * 500, "+".join(["1"] * 9999), "1" * 30000, "i", "s;1",
+     "sqrt(1, 2)", "sqrt(x=2)", "\x00", "True", "yield", "s\n)"],
+)  # fmt: skip
+def test_refused_text(text):
+    with pytest.raises(InputError):
+        parse_expression(text)
+
+
+@given(st.text(max_size=40))
+def test_arbitrary_text_is_read_or_refused(text):
+    try:
+        parse_expression(text)
+    except InputError as error:
+        assert str(error)
+
+
+def test_sides_of_a_quotient_are_not_cancelled():
+    s = sympy.Symbol("s")
+    assert parse_quotient("(s + 1)/((s + 1)*(s + 2))") == (s + 1, (s + 1) * (s + 2))
+    numerator, denominator = parse_quotient("1/(s + 1) + 1/(s + 2)")
+    assert sympy.expand(numerator) == 2 * s + 3
+    assert sympy.expand(denominator - (s + 1) * (s + 2)) == 0
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: certified_roots(3),
+        lambda: split_at_unit_circle("q - 2"),
+        lambda: place_poles("1/(s - 1)", [-1, -2], 1.0, feedback=1),
+        lambda: place_poles("1/(s - 1)", [-1, -2], feedback=1, numerator_degree=0.5),
+        lambda: sylvester_m("s + 1", "1", 1.5, 1),
+        lambda: standard_problem("1/(q - sqrt(2))"),
+        lambda: StandardProblem([["sqrt(2)"]], [[1]], [[1]], [[1]], None, None, [[1]], None, None),
+    ],
+)
+def test_wrong_types_are_our_errors(call):
+    with pytest.raises(InputError):
+        call()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(a + b + c + d)**1000", "((a + b + c + d)**10)**20", "(a + b + c + d + e + f + g + h)**30",
+     "(sqrt(a + b) + sqrt(c) + sqrt(d) + 1)**500", "(a + b)**400*(a - b)**90",
+     "*".join(f"(a{i} + b{i})" for i in range(60)),
+     "+".join(f"1/(s + a{i})" for i in range(30)), "1/(a + b + c + d + e + f)**-40",
+     "(1/(a + b + c + d + e + f))**40"],
+)  # fmt: skip
+def test_expansions_without_end_are_refused(text):
+    with pytest.raises(InputError, match="terms"):
+        parse_expression(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(s + 1)**1000", "(a*s + b)**120", "(a + b + s)**30", "(sqrt(2) + s)**40",
+     "+".join(f"a{i}*s**{i}" for i in range(200)), "*".join(f"(s + {i})" for i in range(300)),
+     "+".join(f"1/(s + a{i})" for i in range(8)), "s*(a + b)*(c + d)*(e + f)*(g + h)"],
+)  # fmt: skip
+def test_what_fits_is_read(text):
+    parse_expression(text)
+
+
+@pytest.mark.parametrize(
+    "collect", [list, tuple, set, np.array, iter], ids=["list", "tuple", "set", "array", "iterator"]
+)
+def test_any_collection_holds_roots(collect):
+    """Not coefficients: a silent change of meaning would place other poles."""
+    placed = place_poles("4/((s+1)*(s+3))", collect([-6, -5, -4, -2]), feedback=-1)
+    assert placed.target == polynomial("(s+6)*(s+5)*(s+4)*(s+2)")
+    gain = regulator_gain([[0, 1], [0, 0]], [[0], [1]], collect([-1, -2]))
+    assert gain.tolist() == [[-2, -3]]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: polynomial_from_roots(["s"], "s"),
+        lambda: polynomial_from_roots(5, "s"),
+        lambda: monic("s + 1"),
+        lambda: reciprocal_polynomial([1, 2]),
+        lambda: parse_expression(5),
+        lambda: lqg_poles(None),
+        lambda: closed_loop_matrix("1/s", "1/s"),
+        lambda: intercalated_transfer_function(None, 1, "q"),
+        lambda: target_characteristic_polynomial(None, 1, "1/q"),
+        lambda: sylvester_m("s + 1", "1", "a", 1),
+        lambda: sylvester_m("s**2 + 1", "s + 3", 10**7, 1),
+        lambda: polynomial(sympy.Poly("s + 1", modulus=5)),
+    ],
+)
+def test_more_wrong_input_is_our_error(call):
+    with pytest.raises(InputError):
+        call()
+
+
+def test_float_polynomials_become_decimals_at_the_door():
+    s = sympy.Symbol("s")
+    assert polynomial(sympy.Poly(0.5 * s + 1.5, s)) == polynomial("s/2 + 3/2")
+    with pytest.raises(InputError, match="not exact"):
+        monic(sympy.Poly(1.0 * s + 1.5, s))
+
+
+def test_lists_are_matrices_everywhere():
+    assert is_controllable([[0, 1], [0, 0]], [[0], [1]]) is True

@@ -1,0 +1,122 @@
+"""Spectral factors and enclosures: residuals, planted roots, and NumPy's roots."""
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    Enclosure,
+    InputError,
+    NoSolutionError,
+    UnitCircleError,
+    decide_schur,
+    enclose_split_at_unit_circle,
+    monic_reciprocal_polynomial,
+    polynomial,
+    spectral_factor,
+    split_at_unit_circle,
+)
+from compensator_theory.roots.spectral_factors import factor_palindrome
+from compensator_theory.strategies import polynomials, rationals
+
+ONE_TENTH = sympy.Rational(1, 10)
+
+
+@given(polynomials("z", max_degree=4), polynomials("z", max_degree=4), rationals())
+def test_the_product_is_the_spectrum(N, D, r):
+    try:
+        found = spectral_factor(N, D, abs(r))
+    except UnitCircleError:
+        assume(False)
+    assert found.degree == max(N.degree(), D.degree()) == found.enclosure.degree
+    assert all(0 in ball for ball in found.residual)
+    assert max(found.enclosure.radius, found.constant.radius) < ONE_TENTH**20
+    assert np.all(np.abs(np.roots([float(c) for c in found.enclosure.coefficients])) < 1 + 1e-9)
+    if found.is_rational:
+        chi, z = found.polynomial, N.gen
+        spectrum = sum(
+            weight * p.as_expr() * p.as_expr().subs(z, 1 / z) for p, weight in ((N, 1), (D, abs(r)))
+        )
+        product = found.constant.centre * chi.as_expr() * chi.as_expr().subs(z, 1 / z)
+        assert sympy.cancel(product - spectrum) == 0
+        assert decide_schur(chi).by_roots
+
+
+@given(polynomials("z", max_degree=5))
+def test_without_weight_it_reflects_the_roots_outside(N):
+    try:
+        inside, outside = split_at_unit_circle(N)
+    except UnitCircleError:
+        with pytest.raises(UnitCircleError):
+            spectral_factor(N)
+        return
+    except NoSolutionError:
+        assert not spectral_factor(N).is_rational
+        return
+    found = spectral_factor(N)
+    assert found.polynomial == inside * monic_reciprocal_polynomial(outside)
+    # B'PB = H^2 times the squares of the nonminimum-phase zeros.
+    assert found.constant.centre == (N.LC() * outside.TC()) ** 2
+    assert found.constant.radius == 0
+
+
+@given(polynomials("z", min_degree=1, max_degree=6), st.sampled_from([5, 40]))
+def test_enclosed_splits(N, digits):
+    try:
+        inside, outside = enclose_split_at_unit_circle(N, digits)
+    except UnitCircleError:
+        assume(False)
+    assert max(inside.radius, outside.radius) <= ONE_TENTH**digits
+    difference = inside.centre * outside.centre - N.monic()
+    size = 1 + max(abs(c) for p in (inside, outside) for c in p.centre.all_coeffs())
+    assert all(abs(c) <= ONE_TENTH**digits * 30 * size for c in difference.all_coeffs())
+    try:
+        exact = split_at_unit_circle(N)
+    except NoSolutionError:
+        return
+    assert exact[0] in inside and exact[1] in outside and inside.radius == 0
+
+
+def test_an_irrational_split_is_where_the_radicals_are():
+    inside, outside = enclose_split_at_unit_circle(polynomial("q**2 - 3*q + 1"), 50)
+    for ball, root in ((inside, (3 - sympy.sqrt(5)) / 2), (outside, (3 + sympy.sqrt(5)) / 2)):
+        assert abs(sympy.N(ball.coefficients[1].centre + root, 80)) < ONE_TENTH**49
+    assert polynomial("q - 0.38") not in inside
+
+
+def test_they_print():
+    found = spectral_factor("(z - 2)*(z - 1/2)", "z**2", 3)
+    assert str(found).startswith("χ = z**2 - 0.507179")
+    for thing in (found, spectral_factor("z - 2"), found.enclosure, found.constant):
+        assert thing._repr_latex_().startswith(r"$\displaystyle")
+    assert repr(Enclosure(sympy.Rational(1, 3), sympy.Integer(0))) == "1/3"
+    assert repr(Enclosure(sympy.Integer(0), sympy.Rational(1, 1000))) == "0.000 ± 1.0e-3"
+
+
+def test_bad_input():
+    with pytest.raises(NoSolutionError):
+        spectral_factor(polynomial(0, "z"))
+    for arguments in (("z - 1",), ("z**2 + 1", "z**2 + 1", 2)):
+        with pytest.raises(UnitCircleError):
+            spectral_factor(*arguments)
+    for arguments in (("z - a",), ("z", "z - 2", -1), ("z", "s"), ("z", "z", "a"), ("1/z",),
+                      ("z", "z", float("nan"))):  # fmt: skip
+        with pytest.raises(InputError):
+            spectral_factor(*arguments)
+    for digits in (0, -1, 2.5, True, 10**6):
+        with pytest.raises(InputError):
+            spectral_factor("z - 2", digits=digits)
+        with pytest.raises(InputError):
+            enclose_split_at_unit_circle(polynomial("z - 2"), digits)
+    for bad, degree in (("z**2 - 2", 2), ("z**2 - 3*z + 1", 0)):
+        with pytest.raises(InputError):
+            factor_palindrome(polynomial(bad), degree)
+    for bad in (polynomial(0, "z"), polynomial("z - a", "z"), "z"):
+        with pytest.raises(InputError):
+            enclose_split_at_unit_circle(bad)
+    with pytest.raises(InputError):
+        assert "a" in Enclosure(sympy.Integer(0), sympy.Integer(1))
+    with pytest.raises(InputError):
+        assert 3 in enclose_split_at_unit_circle(polynomial("z - 2"))[0]

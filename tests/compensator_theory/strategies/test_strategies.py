@@ -1,0 +1,133 @@
+"""The public strategies: what they promise, how often they filter, what they shrink to."""
+
+from collections import Counter
+
+import pytest
+import sympy
+from hypothesis import HealthCheck, Phase, find, given, settings
+from hypothesis import strategies as st
+from hypothesis.statistics import collector
+from sympy import ImmutableMatrix
+
+from compensator_theory import InputError, decide_hurwitz, decide_schur, polynomial_from_roots
+from compensator_theory import strategies as ours
+from compensator_theory.matrices.linear_algebra import rank
+
+ALL = {
+    "rationals": ours.rationals(),
+    "nonzero_rationals": ours.nonzero_rationals(),
+    "polynomials": ours.polynomials(),
+    "coprime_pairs": ours.coprime_pairs(),
+    "spectra": ours.spectra(4),
+    "real spectra": ours.spectra(3, real_roots=True),
+    "hurwitz_spectra": ours.hurwitz_spectra(4),
+    "schur_spectra": ours.schur_spectra(4, real_roots=False),
+    "strictly_proper_plants": ours.strictly_proper_plants(),
+    "minimal_plants": ours.minimal_plants(3),
+    "compensators": ours.compensators(3),
+    "hidden modes": ours.compensators(4, ("uncontrollable", "unobservable", "both")),
+    "matrices": ours.matrices(2, 2),
+    "standard_problems": ours.standard_problems(2),
+}
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_almost_no_draw_is_filtered(name):
+    """Hypothesis itself counts: "invalid" is a filtered draw, "overrun" one that it cut short."""
+
+    @settings(max_examples=100, database=None, suppress_health_check=list(HealthCheck))
+    @given(ALL[name])
+    def run(_):
+        pass
+
+    seen = []
+    with collector.with_value(seen.append):
+        run()
+    statuses = Counter(case["status"] for case in seen[0]["generate-phase"]["test-cases"])
+    assert statuses["valid"] > 0
+    assert statuses["invalid"] <= 0.03 * statuses["valid"]
+
+
+def test_the_measure_of_filtering_sees_a_filter():
+    @settings(max_examples=100, database=None, suppress_health_check=list(HealthCheck))
+    @given(ours.rationals().filter(lambda x: x > 5))
+    def run(_):
+        pass
+
+    seen = []
+    with collector.with_value(seen.append):
+        run()
+    statuses = Counter(case["status"] for case in seen[0]["generate-phase"]["test-cases"])
+    assert statuses["invalid"] > 0.03 * statuses["valid"]
+
+
+def controllability(A, B):
+    return rank(ImmutableMatrix.hstack(*(A**k * B for k in range(max(A.rows, 1)))))
+
+
+@given(st.lists(st.sampled_from(["uncontrollable", "unobservable", "both"]), max_size=3),
+       st.integers(0, 2), st.data())  # fmt: skip
+def test_hidden_modes_are_hidden_as_asked(kinds, visible, data):
+    order = visible + len(kinds)
+    A, B, C = data.draw(ours.compensators(order, tuple(kinds)))
+    assert (A.shape, B.shape, C.shape) == ((order, order), (order, 1), (1, order))
+    if order:
+        lost = kinds.count("uncontrollable") + kinds.count("both")
+        assert controllability(A, B) == order - lost
+        assert controllability(A.T, C.T) == order - kinds.count("unobservable") - kinds.count(
+            "both"
+        )
+
+
+@pytest.mark.parametrize(
+    ("strategy", "decide"),
+    [(ours.hurwitz_spectra, decide_hurwitz), (ours.schur_spectra, decide_schur)],
+)
+@pytest.mark.parametrize("real_roots", [None, True, False])
+def test_spectra_lie_where_they_should(strategy, decide, real_roots):
+    @given(strategy(4, real_roots))
+    def check(roots):
+        assert len(roots) == 4 and decide(polynomial_from_roots(roots, "s")).is_stable
+        has_real = any(root.is_real for root in roots)
+        assert real_roots is None or has_real == real_roots
+
+    check()
+
+
+def occurs(strategy, condition):
+    """Find without shrinking."""
+    quick = settings(max_examples=300, database=None, phases=[Phase.generate], derandomize=True)
+    return find(strategy, condition, settings=quick)
+
+
+def shrunk(strategy, condition):
+    few = settings(max_examples=30, database=None, derandomize=True)
+    return find(strategy, condition, settings=few)
+
+
+def test_every_kind_of_spectrum_occurs():
+    for strategy in (ours.spectra, ours.hurwitz_spectra, ours.schur_spectra):
+        occurs(strategy(4), lambda roots: all(root.is_real for root in roots))
+        occurs(strategy(4), lambda roots: not any(root.is_real for root in roots))
+        occurs(strategy(4), lambda roots: len(set(roots)) < 4)
+
+
+def test_they_shrink_to_the_simplest():
+    s = sympy.Symbol("s")
+    a, b = shrunk(ours.coprime_pairs(), lambda pair: pair[0].degree() >= 2)
+    assert a.as_expr() == s**2 and b.as_expr() == 1
+    assert shrunk(ours.spectra(2), lambda r: True) == (0, 0)
+    plant = shrunk(ours.strictly_proper_plants(), lambda p: p.order == 3)
+    assert str(plant) == "(1)/(s**3)"
+    A, _, _ = shrunk(ours.minimal_plants(2), lambda plant: plant[0].rows == 2)
+    assert sympy.Matrix([[0, 1], [0, 0]]) == A
+
+
+def test_bad_input():
+    for arguments in ((3, False), (0, True)):
+        for strategy in (ours.spectra, ours.hurwitz_spectra, ours.schur_spectra):
+            with pytest.raises(InputError):
+                occurs(strategy(*arguments), lambda roots: True)
+    for order, hidden in ((1, ("both", "both")), (2, ("invisible",)), (-1, ())):
+        with pytest.raises(InputError):
+            occurs(ours.compensators(order, hidden), lambda c: True)

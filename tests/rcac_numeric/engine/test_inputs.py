@@ -1,0 +1,249 @@
+"""Whatever is out of range or does not fit is named, by one of this project's own errors."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import ImproperError, InputError
+from rcac_numeric import (
+    Change,
+    ControllerSettings,
+    CovarianceReset,
+    Decentralized,
+    DerivedSignal,
+    FunctionPlant,
+    Plant,
+    PlantSchedule,
+    Saturation,
+    SignalWeight,
+    Structure,
+    Tap,
+    TargetModel,
+    VariableRateForgetting,
+    difference,
+    feedforward,
+    fir,
+    fir_integrator,
+    iir,
+    integral,
+    pid,
+    quasi_fir,
+    servo_plant,
+    simulate,
+    standard_plant,
+)
+from rcac_numeric.arrays.definite_matrices import constant_weight, inverse
+
+GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
+SETTINGS = ControllerSettings(**GOOD)
+PLANT = standard_plant("1/(q - 0.5)")
+TWO = Plant(A=np.eye(2) / 2, B=np.ones((2, 1)), D_1=np.ones((2, 1)), C=np.ones((1, 2)))
+BOTH = Decentralized([SETTINGS] * 2)
+ONES = np.ones((5, 1))
+RATE = VariableRateForgetting(1, 2, 1.0)
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"freeze": 5}, "freeze = 5 must be a list"),
+        ({"freeze": (5, 6)}, "freeze has the entry 5; pairs"),
+        ({"freeze": [(3, 3)]}, r"empty interval \(3, 3\)"),
+        ({"freeze": [(-1, 2)]}, "start of freeze = -1"),
+        ({"freeze": [(1, 2.5)]}, "stop of freeze must be an integer, not 2.5"),
+        ({"reset": 5}, "reset = 5 is not a CovarianceReset"),
+        ({"forgetting": 0.9}, "forgetting = 0.9 is not a VariableRateForgetting"),
+        ({"forgetting": RATE, "lambda_": 0.9}, "either forgetting or lambda"),
+        ({"forgetting": RATE, "lambda_changes": {3: 0.9}}, "either forgetting or lambda"),
+        ({"lambda_": "0.9"}, "lambda must be a real number"),
+        ({"lambda_changes": 5}, "lambda_changes = 5 must map steps to values"),
+        ({"lambda_changes": {0: 0.9}}, "a step of lambda_changes = 0 must be at least 1"),
+        ({"lambda_changes": {"a": 0.9, 1: 0.5}}, "a step of lambda_changes must be an integer"),
+        ({"lambda_changes": {3: 2.0}}, r"lambda = 2.0 is not in \(0, 1\]"),
+        ({"target_changes": {3: 5}}, "target = 5: use fir_target"),
+        ({"target_changes": {3: TargetModel(np.ones((2, 2, 1)))}}, "have 1 and 2 rows"),
+        ({"target_changes": {3: TargetModel([0, 0, 1.0])}, "k_w": 1}, "k_w = 1 is shorter than"),
+        ({"R_z": None}, "R_z must be an array of real numbers, not None"),
+        ({"R_z": SignalWeight(1.0)}, "not positive definite at z = 0"),
+        ({"R_theta": SignalWeight(1.0)}, "R_theta must be an array"),
+        ({"process_noise": -1.0}, "process_noise has the eigenvalue -1"),
+        ({"process_noise": np.eye(3)}, r"process_noise has shape \(3, 3\)"),
+        ({"process_noise": 1.0, "lambda_": 0.9}, r"process_noise belongs to \(2.46\)"),
+        ({"process_noise": 1.0, "lambda_changes": {3: 0.9}}, "process_noise belongs"),
+        ({"process_noise": 1.0, "update": "instantaneous"}, "process_noise belongs"),
+        ({"update": "gradient"}, "step_size > 0 belong together"),
+        ({"update": "gradient", "step_size": np.inf}, "step_size has the entry inf"),
+        ({"step_size": 1.0}, "step_size > 0 belong together"),
+        ({"window": 3}, "window >= 1 belong together"),
+        ({"update": "sliding window"}, "window >= 1 belong together"),
+        ({"update": "sliding window", "window": -2}, "window = -2 must be at least 0"),
+        ({"update": "sliding window", "window": 2, "lambda_changes": {1: 0.9}}, "constant lambda"),
+        ({"update": "sliding window", "window": 2, "reset": CovarianceReset(every=2)}, "no covar"),
+        ({"update": "instantaneous", "lambda_": 0.9}, "keeps no past"),
+        ({"update": ["ud"]}, "is not known; choose one of ud"),
+        ({"form": "smoother"}, "form = 'smoother' is not known; choose one of predictor, filter"),
+        ({"form": "filter", "target": TargetModel([1.0])}, "must be strictly proper"),
+        ({"form": "filter", "target_changes": {3: TargetModel([1.0])}}, "must be strictly proper"),
+        ({"reflect_poles": True, "structure": fir(1), "theta_0": [0]}, r"has the lags \[\] of u"),
+        ({"reflect_poles": True, "structure": Structure([Tap("u", 0, 2)])}, r"the lags \[2\] of u"),
+        ({"reflect_poles": "no"}, "reflect_poles = 'no' is not a bool"),
+        ({"k_filter": -1}, "k_filter = -1 must be at least 0"),
+        ({"structure": 5}, r"structure = 5: use iir\(...\)"),
+    ],
+)
+def test_a_setting_that_does_not_fit(change, message):
+    with pytest.raises((InputError, ImproperError), match=message):
+        ControllerSettings(**{**GOOD, **change})
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: CovarianceReset(at=5), "at = 5 must be a list"),
+        (lambda: CovarianceReset(at=[1.5]), "the step of a covariance reset must be an integer"),
+        (lambda: CovarianceReset(every=-1), "every = -1"),
+        (lambda: CovarianceReset(trace_below=1.0), "would reset at every step"),
+        (lambda: CovarianceReset(trace_below=NAN), "trace_below has the entry nan"),
+        (lambda: CovarianceReset(growth=0.5), "growth = 0.5 must exceed 1"),
+        (lambda: CovarianceReset(short=5, long=5), "short = 5 must be less than long = 5"),
+        (lambda: VariableRateForgetting(3, 2, 1.0), "short = 3 must be less than long = 2"),
+        (lambda: VariableRateForgetting(1, 2, 0.0), "gain = 0.0 must be positive"),
+        (lambda: VariableRateForgetting(1, 2, 1.0, 0.0), r"smallest = 0.0 is not in \(0, 1\]"),
+        (lambda: SignalWeight(-1.0), "z_squared = -1.0 must not be negative"),
+        (lambda: SignalWeight(1.0, "x"), "constant must be a real number"),
+        (lambda: iir(10**9), "n_c = 1000000000 must be at most 100000"),
+        (
+            lambda: TargetModel([0, 1.0], []),
+            r"denominator of the target model has shape \(0, 1, 1\)",
+        ),
+        (lambda: TargetModel([0, 1.0]).frequency_response("fast"), "omega must be an array"),
+        (lambda: Structure([]), "no taps"),
+        (lambda: Structure(5), "taps = 5 must be a list"),
+        (lambda: Structure([("u", 0, 1)]), "is not a Tap"),
+        (lambda: Structure([Tap("u", 0, 0)]), r"reads u\(k\) to compute u\(k\)"),
+        (lambda: Structure([Tap("v", 0, 0)]), "the signal of a tap = 'v' is not known"),
+        (lambda: Structure([Tap("y", 1, 0)]), "component 1 of y, which has 1"),
+        (lambda: Structure([Tap("y", 0, -1)]), "the delay of a tap = -1"),
+        (lambda: Structure([Tap("y", 0, 1)] * 2), "the same entry twice"),
+        (lambda: Structure([Tap("derived", 0, 1)], derived=[5]), "5 is not a DerivedSignal"),
+        (lambda: Structure([Tap("derived", 0, 1)], derived=[integral([1, 2])]), "weighs 2 comp"),
+        (lambda: Structure([Tap("y", 0, 3)], n_c=2), "less than the longest delay 3"),
+        (lambda: DerivedSignal(5, 5), "now = 5 must be a list of numbers"),
+        (lambda: DerivedSignal([1], [1, 2]), "1 weights now and 2 before"),
+        (lambda: DerivedSignal([1], [0], 1.5), r"pole 1.5 of a derived signal is outside"),
+        (lambda: difference(5), "weights = 5 must be a list"),
+        (lambda: integral("ab"), "now must be an array of real numbers"),
+        (lambda: pid(5), "name each of the terms"),
+        (lambda: pid("PP"), "at most once"),
+        (lambda: iir(1, k_c=2), "k_c = 2 exceeds n_c = 1"),
+        (lambda: quasi_fir(2, 3), "free_poles = 3 must be at most 2"),
+        (lambda: fir_integrator(2, F=np.ones((1, 2))), r"F has shape \(1, 2\)"),
+        (lambda: fir_integrator(2, F=np.zeros((0, 1))), "F has no rows"),
+        (lambda: feedforward(2, feedback="pid"), "feedback = 'pid' is not known"),
+        (lambda: feedforward(2, first_r=3), "first_r = 3 must be at most 2"),
+        (Saturation, "needs low, high or rate"),
+        (lambda: Saturation(low=1, high=0), "low = .* exceeds high"),
+        (lambda: Saturation(low=[1, 2], high=[1, 2, 3]), r"different sizes: \[2, 3\]"),
+        (lambda: Saturation(rate=0), "rate = .* must be positive"),
+        (lambda: Saturation(low=NAN), "low has the entry nan"),
+        (lambda: Decentralized(5), "controllers = 5 must be a list"),
+        (lambda: Decentralized([]), "needs a list of ControllerSettings"),
+        (lambda: Decentralized(SETTINGS), "must be a list"),
+        (lambda: Decentralized([SETTINGS]).compensator([1.0]), "theta has 1 entries; 2"),
+    ],
+)
+def test_a_rule_or_a_structure_that_does_not_fit(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+@pytest.mark.parametrize("name", ["R_theta", "R_z"])
+@pytest.mark.parametrize(
+    "weight",
+    [
+        scipy.linalg.hilbert(12),
+        np.full((12, 12), 1e-200),
+        np.ones((12, 12)) + 2**-51 * np.eye(12),
+    ],
+)
+def test_a_weight_whose_definiteness_is_decided_by_rounding(name, weight):
+    """Its inverse has no UD factors, or none that mean anything."""
+    change = {name: weight, "structure": iir(6)}
+    if name == "R_z":
+        change["target"] = TargetModel(np.ones((2, 12, 1)))
+    with pytest.raises(InputError, match=f"{name} (cannot be told from a singular|has the eigenv)"):
+        ControllerSettings(**{**GOOD, **change})
+
+
+@given(st.integers(2, 8), st.integers(0, 40), st.integers(0, 2**32 - 1))
+def test_a_graded_weight_keeps_its_digits(size, decades, seed):
+    """diag(g) C diag(g) with a well conditioned C: its inverse is that of C, scaled."""
+    rng = np.random.default_rng(seed)
+    root = np.eye(size) + 0.3 * rng.uniform(-1, 1, (size, size)) / size
+    grade = 10.0 ** rng.uniform(-decades / 2, 0, size)
+    correlation = root @ root.T
+    weight = (correlation + correlation.T) / 2 * np.outer(grade, grade)
+    found = inverse(constant_weight(weight, "R_theta", size, definite=True))
+    assert np.array_equal(found, found.T)
+    assert found * np.outer(grade, grade) @ correlation == pytest.approx(np.eye(size), abs=1e-11)
+
+
+def test_a_setting_may_be_a_fraction():
+    weight = SignalWeight(z_squared=Fraction(1, 10), constant=Fraction(1, 3))
+    run = simulate(PLANT, ControllerSettings(**{**GOOD, "R_u": weight}), ONES)
+    floats = ControllerSettings(**{**GOOD, "R_u": SignalWeight(0.1, 1 / 3)})
+    assert (run.u == simulate(PLANT, floats, ONES).u).all()
+
+
+def test_a_masked_entry_is_no_number():
+    w = np.ma.masked_array(ONES, mask=[[0], [1], [0], [0], [0]])
+    with pytest.raises(InputError, match="some of its entries are masked"):
+        simulate(PLANT, SETTINGS, w)
+
+
+def at(start, plant=PLANT, **more):
+    return Change(start=start, plant=plant, **more)
+
+
+def functions(advance=abs, output=abs, n=1, blocks=None):
+    return FunctionPlant(
+        advance=advance, output=output, n=n, l_u=1, l_w=1, l_y=1, l_z=1, blocks=blocks or {}
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: PlantSchedule([]), "needs a list of Change"),
+        (lambda: PlantSchedule([PLANT]), "is not a Change"),
+        (lambda: PlantSchedule([at(1)]), "first change must begin at step 0"),
+        (lambda: PlantSchedule([at(0.0)]), "start must be an integer, not 0.0"),
+        (lambda: PlantSchedule([at(0, 5)]), "the plant of a change = 5 is not a Plant"),
+        (lambda: PlantSchedule([at(0), at(0)]), "the change at 0 does not follow that at 0"),
+        (lambda: PlantSchedule([at(0, ramp=True)]), "nothing to ramp to"),
+        (lambda: PlantSchedule([at(0), at(3, TWO)]), "has 2 states after 1; say by state_map"),
+        (lambda: PlantSchedule([at(0), at(3, TWO, state_map=np.eye(2))]), "state_map has shape"),
+        (
+            lambda: PlantSchedule([at(0, ramp=True), at(3, TWO, state_map=np.ones((2, 1)))]),
+            "joins plants of different order",
+        ),
+        (lambda: PlantSchedule([at(0, delay=-1)]), "delay = -1"),
+        (lambda: PlantSchedule([at(0), at(3, servo_plant("1/(q-0.5)"))]), "other inputs"),
+        (lambda: functions(advance=5), "advance = 5 is not a function"),
+        (lambda: functions(n=-1), "n = -1"),
+        (lambda: functions(blocks={"r": 2}), "do not add up to l_w = 1"),
+        (lambda: functions(blocks=5), "blocks = 5 is not a Mapping"),
+        (lambda: functions(blocks={"r": "wide"}), "the width of 'r' must be an integer"),
+        (lambda: functions(blocks={"r": -1, "w": 2}), "the width of 'r' = -1 must be at least 0"),
+        (lambda: Plant(A=[[0]], B=[[1]], D_1=[[1]], C=[[1]], blocks=5), "is not a Mapping"),
+        (lambda: Plant(A=[[0]], B=[[1]], D_1=[[1]], C=[[1]], blocks={5: 1}), "5 is not a str"),
+    ],
+)
+def test_a_plant_that_does_not_fit(make, message):
+    with pytest.raises(InputError, match=message):
+        make()

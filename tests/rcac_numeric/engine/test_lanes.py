@@ -1,0 +1,221 @@
+"""Runs in lanes: as accurate as `simulate`, the same in any company, refused where they must be."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from compensator_theory import InputError
+from rcac_numeric import (
+    Case,
+    ControllerSettings,
+    SignalWeight,
+    TargetModel,
+    fir_target,
+    iir,
+    simulate,
+    simulate_many,
+    simulate_reference,
+    standard_plant,
+)
+from rcac_numeric.engine import _kernel
+from rcac_numeric.engine.jobs import PreparedRun
+from rcac_numeric.plants.linear import MATRICES
+from tests.rcac_numeric.engine.test_batches import same
+from tests.support.engine_cases import engine_plants, settings_for, structures
+from tests.support.strategies import seeds, sizes
+
+KINDS = ("iir", "fir", "quasi_fir", "centralised", "fb_fir", "ff")
+SIGNALS = ("u", "y", "z", "theta", "theta_final")
+EPSILON = np.finfo(float).eps
+
+
+@st.composite
+def batches(draw, most=10):
+    """Cases that share a structure and sizes, and nothing else."""
+    l_u, l_y, l_z, l_r = draw(sizes), draw(sizes), draw(sizes), draw(st.integers(0, 1))
+    structure, _ = draw(structures(l_u, l_y, l_r, KINDS))
+    weights = {}
+    if l_z == 1 and draw(st.booleans()):
+        weights = {"R_u": SignalWeight(0.1, 0.5), "R_z": SignalWeight(1.0, 0.2)}
+    common = draw(settings_for(structure, l_z, k_filter=0, **weights))
+    n, rng = draw(st.integers(1, 3)), np.random.default_rng(draw(seeds))
+    cases = []
+    for _ in range(draw(st.integers(1, most))):
+        plant = draw(engine_plants(l_u, l_y, l_z, structure.l_r, n))
+        if not structure.measures_first and draw(st.booleans()):
+            plant = replace(
+                plant, D_0=rng.standard_normal((l_y, l_u)) / 4, E_2=rng.standard_normal((l_z, l_u))
+            )
+        settings = replace(
+            common,
+            R_theta=np.asarray(common.R_theta) * 10 ** rng.uniform(-1, 1),
+            theta_0=0.1 * rng.standard_normal(structure.l_theta),
+            target=TargetModel(
+                np.asarray(common.target.numerator) * rng.uniform(0.5, 1),
+                common.target.denominator,
+            ),
+            lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
+        )
+        w = rng.standard_normal((int(rng.integers(1, 40)), plant.l_w))
+        options = {"stride": draw(st.integers(1, 4)), "x_0": rng.standard_normal(n)}
+        cases.append(Case(plant, settings, w, options))
+    return cases
+
+
+def perturbed(case, rng, relative):
+    """The case with every number that it begins with moved by about `relative` of its size."""
+    move = lambda a: a * (1 + relative * rng.choice([-1.0, 1.0], np.shape(a)))  # noqa: E731
+    matrices = {name: move(getattr(case.plant, name)) for name in MATRICES}
+    settings = replace(
+        case.settings,
+        theta_0=move(case.settings.theta_0),
+        R_theta=np.asarray(case.settings.R_theta) * move(1.0),
+    )
+    options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
+    return Case(replace(case.plant, exact=None, **matrices), settings, move(case.w), options)
+
+
+def uncertainty(case, run, limit=100.0):
+    """What rounding may do to each signal.
+
+    In a step each number is rounded after sums of no more than `terms` products, in either loop.
+    Both are then exact for data moved by so much at every step; what such a move does is measured
+    by moving the data of the whole run. None where the digits of neither are certain: where the
+    run hangs on its data by more than that measures, or grows, so that a late step's rounding
+    outweighs all that the first data do.
+    """
+    if np.abs(run.u).max(initial=0) > limit:
+        return None
+    rng, relative = np.random.default_rng(0), 1e-9
+    others = [simulate(**arguments(perturbed(case, rng, relative))) for _ in range(4)]
+    if any(other.steps != run.steps for other in others):
+        return None
+    terms = 4 * (run.settings.structure.l_theta + case.plant.n + case.plant.l_w + 8)
+    result = {}
+    for name in SIGNALS:
+        value = getattr(run, name)
+        moved = max(np.abs(getattr(other, name) - value).max(initial=0) for other in others)
+        size = 1.0 + np.abs(value).max(initial=0)
+        result[name] = EPSILON * terms * max(1, run.steps) * (moved / relative + size)
+        if moved > 1e-3 * size:
+            return None
+    return result
+
+
+def arguments(case):
+    return {"plant": case.plant, "settings": case.settings, "w": case.w, **case.options}
+
+
+def assert_close(run, other, bounds):
+    for name in SIGNALS if bounds else ():
+        difference = np.abs(getattr(run, name) - getattr(other, name)).max(initial=0)
+        assert difference <= bounds[name], (name, difference, bounds[name])
+
+
+def identical(a, b):
+    states = [run.state.values.tobytes() if run.state else b"" for run in (a, b)]
+    return same(a, b) and states[0] == states[1] and a.guard_first_step == b.guard_first_step
+
+
+@given(batches(), st.integers(1, 2))
+def test_lanes_differ_from_single_runs_by_rounding(cases, threads):
+    for case, run in zip(cases, simulate_many(cases, threads=threads, lanes=True), strict=True):
+        single = simulate(**arguments(case))
+        bounds = uncertainty(case, single)
+        if bounds:
+            assert (run.outcome, run.guard_count) == (single.outcome, single.guard_count)
+            assert_close(run, single, bounds)
+
+
+@given(st.data(), batches(most=20), st.integers(1, 3), seeds)
+def test_a_case_is_the_same_in_any_company(data, cases, threads, seed):
+    # Guarded, diverging and ending lanes among the others.
+    wild = [
+        replace(case, settings=replace(case.settings, **change), options={"divergence_limit": 1e12})
+        for case in cases[:3]
+        for change in ({"R_theta": 1e-25}, {"theta_0": 1e3 * np.ones_like(case.settings.theta_0)})
+    ]
+    everything = [*cases, *wild]
+    order = np.random.default_rng(seed).permutation(len(everything))
+    together = simulate_many([everything[i] for i in order], threads=threads, lanes=True)
+    for i, run in zip(order, together, strict=True):
+        (alone,) = simulate_many([everything[i]], lanes=True)
+        assert identical(run, alone)
+
+
+@given(batches(most=3), st.data())
+@hypothesis_settings(max_examples=20)
+def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
+    whole = simulate_many(cases, lanes=True)
+    assume(all(run.outcome == "completed" for run in whole))
+    cuts = [data.draw(st.integers(0, len(case.w))) for case in cases]
+    pieces = [
+        replace(case, w=case.w[:cut], options={**case.options, "stride": 1})
+        for case, cut in zip(cases, cuts, strict=True)
+    ]
+    first = simulate_many(pieces, lanes=True)
+    rest = [
+        replace(case, w=case.w[cut:], options={"start": run.state})
+        for case, cut, run in zip(cases, cuts, first, strict=True)
+    ]
+    for run, half, cut, case in zip(
+        whole, simulate_many(rest, lanes=True), cuts, cases, strict=True
+    ):
+        assert half.first_step == cut and half.state.k == len(case.w)
+        assert np.array_equal(half.z, run.z[cut:])
+        assert half.state.values.tobytes() == run.state.values.tobytes()
+    # The ordinary loop goes on from there too, and the other way round.
+    for case, half, cut in zip(cases, first, cuts, strict=True):
+        single = simulate(**arguments(case))
+        mixed = simulate(case.plant, case.settings, case.w[cut:], start=half.state)
+        bounds = uncertainty(case, single)
+        if bounds:
+            assert np.abs(mixed.z - single.z[cut:]).max(initial=0) <= bounds["z"]
+            assert np.abs(mixed.theta_final - single.theta_final).max() <= bounds["theta_final"]
+
+
+@given(batches(most=9))
+@hypothesis_settings(max_examples=20)
+def test_every_instruction_set_does_the_same(cases):
+    singles = [simulate(**arguments(case)) for case in cases]
+    for level in _kernel.levels():
+        prepared = [PreparedRun(**arguments(case)) for case in cases]
+        while _kernel.run_jobs([one.job for one in prepared], 2, 7, True, level):
+            pass
+        for case, single, one in zip(cases, singles, prepared, strict=True):
+            assert_close(one.result(), single, uncertainty(case, single))
+
+
+PLANT = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+GOOD = ControllerSettings(structure=iir(3), target=fir_target(PLANT), R_theta=1.0)
+
+
+def white(steps, seed=0, width=1):
+    return np.random.default_rng(seed).standard_normal((steps, width))
+
+
+def test_eligible_runs_are_not_the_ordinary_loop():
+    """Else the tests above would show nothing."""
+    case = Case(PLANT, GOOD, white(200))
+    (run,) = simulate_many([case], lanes=True)
+    assert not same(run, simulate(**arguments(case)))
+    assert identical(simulate_many([case])[0], simulate(**arguments(case)))
+
+
+@pytest.mark.parametrize("R_theta", [1.0, 1e-10, 1e-20])
+def test_lanes_beside_ball_arithmetic(R_theta):
+    settings = replace(GOOD, R_theta=R_theta)
+    cases = [Case(PLANT, settings, white(40, seed)) for seed in range(3)]
+    for case, run in zip(cases, simulate_many(cases, lanes=True), strict=True):
+        exact, bounds = simulate_reference(**arguments(case)), uncertainty(case, run, np.inf)
+        assert exact.digits > 50 and run.guard_count == 0 and bounds
+        assert_close(run, exact, bounds)
+
+
+def test_lanes_is_a_truth_value():
+    with pytest.raises(InputError, match="lanes = 8 is not a bool"):
+        simulate_many([], lanes=8)

@@ -1,0 +1,246 @@
+"""Runs that are cut, saved, restored, frozen or driven step by step are the same runs."""
+
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import FunctionFailedError, InputError
+from rcac_numeric import (
+    Controller,
+    ControllerSettings,
+    CovarianceReset,
+    Decentralized,
+    Saturation,
+    SavedState,
+    TargetModel,
+    VariableRateForgetting,
+    frozen_twin,
+    iir,
+    simulate,
+    standard_plant,
+)
+from tests.rcac_numeric.engine.test_changing_plants import as_functions, schedules
+from tests.rcac_numeric.engine.test_structures import noise
+from tests.support.engine_cases import cases, engine_plants, positive
+from tests.support.strategies import seeds, sizes
+
+SIGNALS = ("w", "u", "u_applied", "y", "z", "theta")
+
+
+@st.composite
+def rules(draw):
+    """Every update with something that it must remember."""
+    update = draw(
+        st.sampled_from(["ud", "covariance", "sliding window", "instantaneous", "gradient"])
+    )
+    if update == "sliding window":
+        return {"update": update, "window": draw(st.integers(1, 6)), "lambda_": 0.9}
+    if update == "instantaneous":
+        return {"update": update, "form": "filter", "strictly_proper": True}
+    if update == "gradient":
+        return {"update": update, "step_size": 0.01, "freeze": ((5, 9), (14, None))}
+    extra = draw(
+        st.sampled_from(
+            [
+                {"lambda_changes": {6: 0.9, 12: 1.0}},
+                {"forgetting": VariableRateForgetting(2, 7, 0.5)},
+                {"reset": CovarianceReset(at=[8, 13], every=5, trace_below=0.3)},
+                {"reset": CovarianceReset(growth=1.2, short=2, long=5)},
+                {"freeze": ((4, 7), (11, 15))},
+            ]
+        )
+    )
+    return {"update": update, **extra}
+
+
+@given(st.data(), sizes, sizes, sizes, st.sampled_from(["linear", "schedule", "functions"]), seeds)
+def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
+    l_r = data.draw(st.integers(0, 1)) if kind == "linear" else 0
+    settings, _ = data.draw(cases(l_u, l_y, l_z, l_r, **data.draw(rules())))
+    if (
+        data.draw(st.booleans())
+        and settings.update == "ud"
+        and not (settings.later_lambdas or settings.forgetting)
+    ):
+        Q = positive(np.random.default_rng(seed), settings.structure.l_theta) / 50
+        settings = replace(settings, process_noise=Q)
+    plant = data.draw(
+        schedules(l_u, l_y, l_z)
+        if kind == "schedule"
+        else engine_plants(l_u, l_y, l_z, settings.structure.l_r)
+    )
+    plant = as_functions(plant) if kind == "functions" else plant
+    saturation = data.draw(st.sampled_from([None, Saturation(low=-0.5, high=0.4, rate=0.2)]))
+    w, steps = noise(seed, 20, plant.l_w), 20
+    whole = simulate(plant, settings, w, saturation=saturation)
+    if whole.outcome != "completed":
+        return
+    cut = data.draw(st.integers(1, steps - 1))
+    first = simulate(plant, settings, w[:cut], saturation=saturation)
+    rest = simulate(plant, settings, w[cut:], saturation=saturation, start=first.state)
+    assert rest.first_step == cut and rest.state.k == steps
+    for name in SIGNALS:
+        pieces = np.concatenate([getattr(first, name), getattr(rest, name)])
+        assert np.array_equal(pieces, getattr(whole, name)), name
+    assert np.array_equal(rest.theta_final, whole.theta_final)
+    assert rest.state.values.tobytes() == whole.state.values.tobytes()
+    assert (rest.resets, rest.guard_count) == (whole.resets, whole.guard_count)
+
+
+@given(st.data(), sizes, sizes, sizes, seeds)
+def test_a_restored_controller_goes_on_bit_for_bit(data, l_u, l_y, l_z, seed):
+    l_r = data.draw(st.integers(0, 1))
+    settings, _ = data.draw(cases(l_u, l_y, l_z, l_r, **data.draw(rules())))
+    l_r = settings.structure.l_r
+    rng = np.random.default_rng(seed)
+    inputs = [
+        (
+            rng.standard_normal(l_y),
+            rng.standard_normal(l_z),
+            rng.standard_normal(l_r) if l_r else None,
+        )
+        for _ in range(20)
+    ]
+    one, other = Controller(settings), Controller(settings)
+    cut = data.draw(st.integers(0, 19))
+    for step in inputs[:cut]:
+        one.step(*step)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "state.npz"
+        one.state.save(path)
+        state = SavedState.load(path)
+    assert state.values.tobytes() == one.state.values.tobytes() and state.k == cut
+    for step in inputs[: data.draw(st.integers(0, 19))]:  # whatever it did before is forgotten
+        other.step(*step)
+    other.restore(state)
+    for step in inputs[cut:]:
+        assert np.array_equal(one.step(*step), other.step(*step))
+    assert np.array_equal(one.theta, other.theta) and np.array_equal(one.P, other.P)
+
+
+@given(st.data(), sizes, sizes, sizes, seeds)
+def test_step_by_step_with_r_is_the_run(data, l_u, l_y, l_z, seed):
+    settings, _ = data.draw(cases(l_u, l_y, l_z, 2, ["centralised", "fb_fir", "ff"]))
+    plant = data.draw(engine_plants(l_u, l_y, l_z, 2))
+    run = simulate(plant, settings, noise(seed, 15, plant.l_w))
+    controller = Controller(settings)
+    for k in range(run.steps):
+        assert np.array_equal(controller.theta, run.theta[k])
+        assert np.array_equal(controller.step(run.y[k], run.z[k], run.w[k, 1:]), run.u[k])
+
+
+@given(st.data(), sizes, sizes, st.integers(0, 16), seeds)
+def test_a_frozen_twin_is_the_run_until_it_stops_adapting(data, l_u, l_z, k, seed):
+    freeze = data.draw(st.sampled_from([(), ((2, 10),), ((3, 6), (12, 14))]))
+    parts = [data.draw(cases(l_u, 1, l_z, kinds=["fir", "iir"], freeze=freeze)) for _ in range(2)]
+    plant = data.draw(engine_plants(l_u, 1, l_z))
+    for settings in (parts[0][0], Decentralized([part[0] for part in parts])):
+        run = simulate(plant, settings, noise(seed, 16, plant.l_w), x_0=np.ones(plant.n))
+        twin = frozen_twin(run, k)
+        if run.outcome != "completed" or twin.outcome != "completed":
+            return
+        until = min(k + 1, 16)
+        assert np.array_equal(twin.u[:until], run.u[:until])
+        assert np.array_equal(twin.theta[:until], run.theta[:until])
+        assert (twin.theta[k:] == twin.theta[k : k + 1]).all()
+        assert k == 16 or np.array_equal(twin.theta_final, run.theta[k])
+
+
+def test_the_coefficients_of_a_filter_run_are_those_that_made_u():
+    """In the filter form theta(k) has seen z(k); `compensator_at` is the controller of step k."""
+    plant_settings = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, 1.0]), R_theta=0.1, form="filter", k_w=1
+    )
+    rng = np.random.default_rng(0)
+    run = simulate(standard_plant("1/(q - 0.5)"), plant_settings, rng.standard_normal((9, 1)))
+    phi = np.array([run.u[4, 0], run.y[4, 0]])
+    assert run.u[5, 0] == pytest.approx(phi @ run.theta[5], rel=1e-14)
+    assert run.compensator_at(5).Q[1, 0, 0] == run.theta[5, 1]
+
+
+SIMPLE = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), R_theta=1.0)
+
+
+def test_a_state_of_another_controller_or_loop_is_refused():
+    controller = Controller(SIMPLE)
+    controller.step(1.0, 1.0)
+    longer = ControllerSettings(structure=iir(2), target=TargetModel([0, 1.0]), R_theta=1.0)
+    changes = [{"R_theta": 2.0}, {"update": "covariance"}, {"freeze": ((3, 4),)}]
+    for other in (longer, *(replace(SIMPLE, **change) for change in changes)):
+        fresh = Controller(other)
+        with pytest.raises(InputError, match="belongs to a controller with other settings"):
+            fresh.restore(controller.state)
+        assert fresh.k == 0
+    plant = standard_plant("1/(q - 0.5)")
+    run = simulate(plant, SIMPLE, np.ones((5, 1)))
+    with pytest.raises(
+        InputError, match="a controller cannot be restored from the state of a loop"
+    ):
+        controller.restore(run.state)
+    with pytest.raises(
+        InputError, match="a loop cannot be restored from the state of a controller"
+    ):
+        simulate(plant, SIMPLE, np.ones((5, 1)), start=controller.state)
+    with pytest.raises(InputError, match="is not a SavedState"):
+        simulate(plant, SIMPLE, np.ones((5, 1)), start="state.npz")
+    with pytest.raises(InputError, match="is not a SavedState"):
+        controller.restore(run.theta)
+    for changed in (standard_plant("1/(q - 0.6)"), standard_plant("1/(q^2 - 0.5*q)")):
+        with pytest.raises(InputError, match="other settings"):
+            simulate(changed, SIMPLE, np.ones((5, 1)), start=run.state)
+    with pytest.raises(InputError, match="other settings"):
+        simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, saturation=Saturation(low=0))
+    with pytest.raises(InputError, match="give either x_0 or start"):
+        simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, x_0=[1.0])
+    short = SavedState("loop", 5, run.state.values[:-1], run.state.fingerprint)
+    with pytest.raises(InputError, match="the state of this loop is damaged"):
+        simulate(plant, SIMPLE, np.ones((5, 1)), start=short)
+
+
+def test_a_file_that_holds_no_state_is_named(tmp_path):
+    path = tmp_path / "state.npz"
+    Controller(SIMPLE).state.save(path)
+    whole = path.read_bytes()
+    for length in (0, 3, 10, len(whole) // 2, len(whole) - 5):
+        path.write_bytes(whole[:length])
+        with pytest.raises(InputError, match=r"holds no saved state|cannot be read"):
+            SavedState.load(path)
+    np.savez(tmp_path / "foreign.npz", theta=np.zeros(3))
+    np.savez(
+        tmp_path / "shapes.npz", kind="loop", k=np.zeros(2), bits=np.zeros(2, "i8"), fingerprint=""
+    )
+    np.savez(tmp_path / "types.npz", kind="loop", k=0, bits=np.zeros(3, "i4"), fingerprint="")
+    np.savez(tmp_path / "pickled.npz", kind=np.array([{}], object), k=0, bits=[1], fingerprint="")
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    (tmp_path / "text.npz").write_text("not a state")
+    for name in ("foreign.npz", "shapes.npz", "types.npz", "pickled.npz", "array.npy", "text.npz"):
+        with pytest.raises(InputError, match="holds no saved state"):
+            SavedState.load(tmp_path / name)
+    with pytest.raises(InputError, match="cannot be read"):
+        SavedState.load(tmp_path / "missing.npz")
+
+
+def test_a_restored_controller_forgets_that_a_weight_failed():
+    broken = []
+
+    def R_u(k, y, z, u):
+        if broken:
+            raise OSError("the table is gone")
+        return 0.1
+
+    controller = Controller(replace(SIMPLE, R_u=R_u))
+    controller.step(1.0, 1.0)
+    controller.step(1.0, 1.0)
+    state = controller.state
+    broken.append(1)
+    with pytest.raises(FunctionFailedError, match="the table is gone"):
+        controller.step(1.0, 1.0)
+    broken.clear()
+    controller.restore(state)
+    controller.step(1.0, 1.0)
+    assert controller.k == 3

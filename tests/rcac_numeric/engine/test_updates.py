@@ -1,0 +1,244 @@
+"""Every update and every rule that changes it, against batch minimisers of the stated costs."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from rcac_numeric import (
+    Controller,
+    ControllerSettings,
+    CovarianceReset,
+    Saturation,
+    SignalWeight,
+    TargetModel,
+    VariableRateForgetting,
+    fir,
+    iir,
+    simulate,
+    standard_plant,
+)
+from tests.rcac_numeric.engine.test_structures import noise, tame
+from tests.support.engine_cases import cases, engine_plants, positive, settings_for, structures
+from tests.support.strategies import seeds, sizes, targets
+from tests.support.textbook_loop import assert_follows
+
+RECURSIVE = st.sampled_from(["ud", "covariance"])
+PLAIN = ["iir", "fir", "pid"]
+STEPS = 18
+
+
+def follows(data, seed, l_u, l_y, l_z, kinds=PLAIN, l_r=0, saturation=None, **fixed):
+    case = data.draw(cases(l_u, l_y, l_z, l_r, kinds, **fixed))
+    plant = data.draw(engine_plants(l_u, l_y, l_z, l_r))
+    run = simulate(plant, case[0], noise(seed, STEPS, plant.l_w), saturation=saturation)
+    return tame(run), assert_follows(run, [case])["books"][0]
+
+
+@given(st.data(), sizes, sizes, sizes, RECURSIVE, st.sampled_from([1.0, 0.98, 0.8]), seeds)
+def test_the_recursions_minimise_2_41(data, l_u, l_y, l_z, update, lambda_, seed):
+    follows(data, seed, l_u, l_y, l_z, update=update, lambda_=lambda_)
+
+
+@given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
+def test_forgetting_may_change_on_schedule(data, l_u, l_y, l_z, update, seed):
+    changes = {7: 0.9, 12: 1.0, 15: 0.95}
+    follows(data, seed, l_u, l_y, l_z, update=update, lambda_=0.97, lambda_changes=changes)
+
+
+@given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
+def test_variable_rate_forgetting_is_its_formula(data, l_u, l_y, l_z, update, seed):
+    short = data.draw(st.integers(1, 3))
+    rule = VariableRateForgetting(short, data.draw(st.integers(short + 1, 9)), gain=0.3)
+    follows(data, seed, l_u, l_y, l_z, update=update, forgetting=rule)
+
+
+@given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
+def test_weights_follow_the_signals(data, l_u, l_y, l_z, update, seed):
+    R_u = data.draw(
+        st.sampled_from(
+            [SignalWeight(0.3, 0.1), SignalWeight(0.2), lambda k, y, z, u: 0.1 * k + y @ y + u @ u]
+        )
+    )
+    R_z = data.draw(
+        st.sampled_from([SignalWeight(0.1, 0.5), lambda k, y, z, u: 1 + abs(z[0]) + u @ u])
+    )
+    form = data.draw(st.sampled_from(["predictor", "filter"]))
+    follows(
+        data, seed, l_u, l_y, l_z, update=update, R_u=R_u, R_z=R_z,
+        form=form, strictly_proper=form == "filter",
+    )  # fmt: skip
+
+
+@given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
+def test_a_covariance_reset_is_a_new_prior(data, l_u, l_y, l_z, update, seed):
+    rule = data.draw(
+        st.sampled_from(
+            [
+                CovarianceReset(at=[9, 3, 14]),
+                CovarianceReset(every=4),
+                CovarianceReset(trace_below=0.5),
+                CovarianceReset(growth=1.1, short=1, long=4),
+                CovarianceReset(at=[10], every=5, trace_below=0.3),
+            ]
+        )
+    )
+    run, book = follows(data, seed, l_u, l_y, l_z, update=update, lambda_=0.95, reset=rule)
+    assert run.resets == book.resets
+
+
+@given(st.data(), sizes, sizes, sizes, seeds)
+def test_frozen_steps_are_no_data(data, l_u, l_y, l_z, seed):
+    freeze = data.draw(
+        st.sampled_from(
+            [
+                ((5, 9),),
+                ((4, 8), (8, 10)),
+                ((4, 12), (6, 9)),
+                ((6, 9), (4, 12)),
+                ((10, None), (3, 12)),
+            ]
+        )
+    )
+    update, extra = data.draw(
+        st.sampled_from(
+            [("ud", {}), ("sliding window", {"window": 4}), ("instantaneous", {}),
+             ("gradient", {"step_size": 0.01})]
+        )
+    )  # fmt: skip
+    run, _ = follows(data, seed, l_u, l_y, l_z, update=update, freeze=freeze, **extra)
+    for start, stop in freeze:
+        end = STEPS if stop is None else stop
+        assert (run.theta[start:end] == run.theta[start]).all()
+
+
+@given(st.data(), sizes, sizes, sizes, RECURSIVE, st.sampled_from(["predictor", "filter"]), seeds)
+def test_process_noise_is_a_random_walk_of_theta(data, l_u, l_y, l_z, update, form, seed):
+    """(2.46) and (2.47)-(2.48) are Kalman filters; Q may be singular."""
+    structure, regressor = data.draw(structures(l_u, l_y, 0, PLAIN))
+    rng = np.random.default_rng(seed)
+    Q = 0.1 * positive(rng, structure.l_theta)
+    if data.draw(st.booleans()):
+        Q[0], Q[:, 0] = 0, 0
+    settings = data.draw(
+        settings_for(structure, l_z, strictly_proper=form == "filter", update=update, form=form,
+                     process_noise=Q)
+    )  # fmt: skip
+    plant = data.draw(engine_plants(l_u, l_y, l_z))
+    run = tame(simulate(plant, settings, noise(seed, STEPS, plant.l_w)))
+    assert_follows(run, [(settings, regressor)])
+
+
+@given(st.data(), sizes, sizes, sizes, st.sampled_from([1.0, 0.9]), seeds)
+def test_the_filter_form_uses_z_before_u(data, l_u, l_y, l_z, lambda_, seed):
+    update = data.draw(st.sampled_from(["ud", "covariance", "instantaneous"]))
+    lambda_ = 1.0 if update == "instantaneous" else lambda_
+    follows(
+        data, seed, l_u, l_y, l_z, kinds=["iir", "fir", "pid", "table"], update=update,
+        lambda_=lambda_, form="filter", strictly_proper=True,
+    )  # fmt: skip
+
+
+@given(st.data(), sizes, sizes, sizes, st.integers(1, 20), st.sampled_from([1.0, 0.8]), seeds)
+def test_the_sliding_window_is_its_batch(data, l_u, l_y, l_z, window, lambda_, seed):
+    extra = {"update": "sliding window", "window": window, "lambda_": lambda_}
+    follows(data, seed, l_u, l_y, l_z, **extra)
+
+
+def test_a_window_longer_than_float64_remembers():
+    """0.5^-2000 is infinite: what is older than that is forgotten, and the run goes on."""
+    plant, w = standard_plant("1/(q - 0.9)"), noise(1, 1500, 1)
+    settings = {
+        "structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0,
+        "update": "sliding window", "lambda_": 0.5,
+    }  # fmt: skip
+    longer, long = (
+        simulate(plant, ControllerSettings(window=window, **settings), w) for window in (1400, 1000)
+    )
+    assert longer.outcome == long.outcome == "completed"
+    assert longer.theta == pytest.approx(long.theta, rel=1e-9)
+
+
+@given(st.data(), sizes, sizes, sizes, st.sampled_from(["instantaneous", "gradient"]), seeds)
+def test_the_memoryless_updates(data, l_u, l_y, l_z, update, seed):
+    extra = {"step_size": 0.02} if update == "gradient" else {}
+    follows(data, seed, l_u, l_y, l_z, update=update, **extra)
+
+
+@given(st.data(), sizes, sizes, sizes, st.sampled_from(["predictor", "filter"]), seeds)
+def test_the_target_may_change(data, l_u, l_y, l_z, form, seed):
+    later = {k: data.draw(targets(l_z, l_u)) for k in (6, 11)}
+    if form == "filter":
+        later = {
+            k: TargetModel(np.concatenate([0 * t.numerator[:1], t.numerator]), t.denominator)
+            for k, t in later.items()
+        }
+    follows(data, seed, l_u, l_y, l_z, target_changes=later, form=form,
+            strictly_proper=form == "filter")  # fmt: skip
+
+
+@given(st.data(), sizes, sizes, seeds)
+def test_reflected_poles_are_inside(data, l_y, l_z, seed):
+    update, extra = data.draw(
+        st.sampled_from(
+            [("ud", {}), ("covariance", {"lambda_": 0.9}), ("gradient", {"step_size": 0.01})]
+        )
+    )
+    structure, regressor = data.draw(structures(1, l_y, 0, ["iir"]))
+    settings = data.draw(settings_for(structure, l_z, update=update, reflect_poles=True, **extra))
+    plant = data.draw(engine_plants(1, l_y, l_z))
+    run = simulate(plant, settings, noise(seed, STEPS, plant.l_w))
+    of_u = slice(0, structure.n_c)
+    sizes_of_poles = [np.abs(np.roots([1.0, *-row])) for row in run.theta[:, of_u]]
+    moved = run.theta[settings.k_update + 1 :]
+    assert all((p <= 1 + 1e-7).all() for p in sizes_of_poles[settings.k_update + 1 :]) or not len(
+        moved
+    )
+    # Where a pole is on the circle to rounding, or double, either answer is right.
+    assume(all((np.abs(p - 1) > 1e-6).all() for p in sizes_of_poles))
+    book = assert_follows(tame(run), [(settings, regressor)], tolerance=1e-7)["books"][0]
+    assert run.reflections == book.reflections
+
+
+@given(st.data(), sizes, sizes, sizes, seeds)
+def test_the_regressor_holds_what_was_applied(data, l_u, l_y, l_z, seed):
+    """Figure 2.13: u_a in Phi and u_f; the step-by-step door learns of it one step later."""
+    bounds = data.draw(
+        st.sampled_from([{"low": -0.2, "high": 0.1}, {"rate": 0.05}, {"high": 0.1, "rate": 0.1}])
+    )
+    run, book = follows(
+        data, seed, l_u, l_y, l_z, kinds=["iir", "quasi_fir", "table"], strictly_proper=True,
+        saturation=Saturation(**bounds),
+    )  # fmt: skip
+    if "low" in bounds:
+        assert run.u_applied.min() >= -0.2 and run.u_applied.max() <= 0.1
+    controller, applied = Controller(book.c), None
+    for k in range(run.steps):
+        assert np.array_equal(controller.theta, run.theta[k])
+        assert np.array_equal(controller.step(run.y[k], run.z[k], u_applied=applied), run.u[k])
+        applied = run.u_applied[k]
+    assert np.array_equal(controller.theta, run.theta_final)
+
+
+@given(st.data(), sizes, sizes, sizes, st.floats(1e-3, 1), seeds)
+def test_the_covariance_stays_positive_definite(data, l_u, l_y, l_z, size, seed):
+    case, _ = data.draw(cases(l_u, l_y, l_z, lambda_=data.draw(st.sampled_from([1.0, 0.9]))))
+    controller, rng = Controller(case), np.random.default_rng(seed)
+    for _ in range(25):
+        controller.step(rng.standard_normal(l_y), size * rng.standard_normal(l_z))
+        P = controller.P
+        scale = 1 / np.sqrt(np.diag(P))
+        correlation = P * scale * scale[:, None]
+        assert np.array_equal(P, P.T) and (np.diag(P) > 0).all()
+        assert np.linalg.eigvalsh(correlation).min() > -1e-15 * len(P)
+
+
+def test_a_gradient_step_by_hand():
+    """theta = 0, z = 1, phi_f = 2, R_z = 1: half the gradient of (1 + 2 theta)^2 is 2."""
+    controller = Controller(
+        ControllerSettings(structure=fir(1), target=TargetModel([0, 1.0]), R_theta=1.0,
+                           update="gradient", step_size=0.25)
+    )  # fmt: skip
+    for y, z in ((2.0, 0.0), (0.0, 0.0), (0.0, 1.0)):
+        controller.step(y, z)
+    assert controller.theta == pytest.approx([-0.5], abs=1e-15)

@@ -1,0 +1,321 @@
+"""From tables to experiments: what each key becomes, and which ones are refused."""
+
+import copy
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from compensator_theory import InputError
+from rcac_numeric import (
+    CovarianceReset,
+    Decentralized,
+    DerivedSignal,
+    PlantSchedule,
+    SignalWeight,
+    Tap,
+    VariableRateForgetting,
+    feedforward,
+    fir,
+    fir_integrator,
+    iir,
+    pid,
+    quasi_fir,
+    simulate,
+    verify,
+)
+from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.files.sections import KEYS
+
+CASE = {
+    "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.3))"},
+    "signals": {"r": 1},
+    "target": {"model": "fir"},
+    "controller": {"n_c": 3, "R_theta": 0.1},
+    "run": {"steps": 100},
+}
+
+
+def case(**tables):
+    """CASE with the entries of some tables added; None takes a key away."""
+    table = copy.deepcopy(CASE)
+    for name, entries in tables.items():
+        if isinstance(entries, dict):
+            joined = {**table.get(name, {}), **entries}
+            table[name] = {key: value for key, value in joined.items() if value is not None}
+        else:
+            table[name] = entries
+    return table
+
+
+def main_run(**tables):
+    return build(case(**tables), "case").main_run
+
+
+def settings(**controller):
+    return main_run(controller=controller).settings
+
+
+@pytest.mark.parametrize(
+    ("keys", "structure"),
+    [
+        ({}, iir(3)),
+        ({"k_c": 0}, iir(3, k_c=0)),
+        ({"structure": "fir"}, fir(3)),
+        ({"structure": "pid", "n_c": None}, pid()),
+        ({"structure": "pid", "n_c": None, "terms": "PI"}, pid("PI")),
+        ({"structure": "quasi-fir"}, quasi_fir(3)),
+        ({"structure": "quasi-fir", "free_poles": 1}, quasi_fir(3, 1)),
+        ({"structure": "fir + integrator"}, fir_integrator(3)),
+        ({"structure": "fir + integrator", "F": [[2.0]]}, fir_integrator(3, [[2.0]])),
+        ({"structure": "feedforward"}, feedforward(3)),
+        (
+            {"structure": "feedforward", "feedback": "fir", "first_r": 0},
+            feedforward(3, feedback="fir", first_r=0),
+        ),
+    ],
+)
+def test_structures(keys, structure):
+    built = settings(**keys).structure
+    assert built.taps == structure.taps and built.derived == structure.derived
+    assert (built.n_c, built.l_r) == (structure.n_c, structure.l_r)
+
+
+def test_a_table_of_taps():
+    taps = [["u", 0, 2], ["y", 0, 1], ["derived", 0, 0]]
+    derived = [{"now": [1.0, -1.0], "pole": 0.5}]
+    structure = settings(structure="taps", taps=taps, derived=derived, n_c=None).structure
+    assert structure.taps == (Tap("u", 0, 2), Tap("y", 0, 1), Tap("derived", 0, 0))
+    assert structure.derived == (DerivedSignal((1.0, -1.0), (0.0, 0.0), 0.5),)
+    assert (structure.l_r, structure.n_c) == (1, 2)
+    plain = settings(structure="taps", taps=[["y", 0, 1]], n_c=4).structure
+    assert (plain.l_r, plain.n_c) == (0, 4)
+
+
+def test_updates_and_rules():
+    assert settings().update == "ud"
+    assert settings(update="covariance").update == "covariance"
+    assert main_run(run={"arithmetic": "covariance"}).settings.update == "covariance"
+    assert main_run(run={"arithmetic": "reference"}).settings.update == "ud"
+    window = main_run(controller={"update": "sliding window", "window": 50})
+    assert (window.settings.window, window.arithmetic) == (50, "sliding window")
+    assert settings(update="gradient", step_size=0.01).step_size == 0.01
+    assert settings(update="instantaneous", form="filter").form == "filter"
+    assert settings(process_noise=1e-3).process_noise[0, 0] == 1e-3
+    rule = {"short": 5, "long": 50, "gain": 0.2}
+    assert settings(forgetting=rule).forgetting == VariableRateForgetting(5, 50, 0.2)
+    assert settings(reset={"at": [50], "every": 20}).reset == CovarianceReset(at=[50], every=20)
+    assert settings(freeze=[[20, 30], [60]]).freeze == ((20, 30), (60, None))
+    assert settings(reflect_poles=True).reflect_poles
+    assert settings(stop_where_unsupported=True).stop_where_unsupported
+    changed = settings(**{"lambda": 0.9, "lambda_changes": [[50, 1.0]]})
+    assert (changed.lambda_, changed.later_lambdas) == (0.9, {50: 1.0})
+    later = settings(target_changes=[[40, {"model": "filter", "G_f": "-2/q"}]]).later_targets
+    assert list(later) == [40] and later[40].numerator.ravel().tolist() == [0, -2]
+    weights = settings(R_z={"z_squared": 1, "constant": 2}, R_u={"z_squared": 3})
+    assert weights.R_z == SignalWeight(1, 2) and weights.R_u == SignalWeight(3)
+
+
+def test_several_controllers_share_what_they_do_not_say():
+    both = [
+        {"structure": "fir", "R_theta": 5},
+        {"structure": "feedforward", "feedback": "none", "target": {"H": -2}},
+    ]
+    built = main_run(controllers=both).settings
+    assert isinstance(built, Decentralized) and not built.shared_u
+    first, second = built.controllers
+    assert first.structure.taps == fir(3).taps and first.R_theta[0, 0] == 5
+    assert second.R_theta[0, 0] == 0.1 and second.structure.l_r == 1
+    assert (first.target.numerator[1], second.target.numerator[1]) == (-1, -2)
+    assert main_run(controller={"shared_u": True}, controllers=both).settings.shared_u
+
+
+def test_saturation_is_applied():
+    run = main_run(saturation={"high": 0.01}).execute().first.run
+    assert run.u.max() > 0.01 and run.u_applied.max() == 0.01
+
+
+def test_plant_changes_go_on_from_each_other():
+    changes = [
+        {"start": 20, "gain": "5/2"},
+        {"start": 40, "delay": 3, "ramp": True},
+        {"start": 60, "G": "(q - 1.5)/((q - 0.9)*(q - 0.3))"},
+    ]
+    plant = main_run(plant={"changes": changes}).plant
+    assert isinstance(plant, PlantSchedule)
+    first, louder, late, moved = plant.changes
+    assert (louder.plant.B == 2.5 * first.plant.B).all() and louder.plant.blocks == plant.blocks
+    assert (louder.plant.D_1 == first.plant.D_1).all(), "only the control acts more strongly"
+    assert (late.delay, late.ramp, moved.delay, moved.ramp) == (3, True, 3, False)
+    assert (late.plant.B == louder.plant.B).all() and (moved.plant.B == louder.plant.B).all()
+    assert not np.array_equal(moved.plant.C, first.plant.C)
+    at_once = main_run(plant={"changes": [{"start": 0, "delay": 2}]})
+    assert [c.delay for c in at_once.plant.changes] == [2]
+    assert at_once.settings.target.relative_degree == 3, "the delay at step 0 is known to RCAC"
+
+
+def test_a_run_may_have_a_plant_of_its_own():
+    runs = [
+        {"name": "a"},
+        {"name": "b", "plant": {"changes": [{"start": 50, "gain": 2}]}},
+        {"name": "c", "plant": {"problem": "servo", "A": [[0.5]], "B": [[1]], "C": [[1]]}},
+    ]
+    built = build(case(runs=runs), "case").runs
+    assert built["a"].plant.n == 2 and built["c"].plant.n == 1
+    assert [c.start for c in built["b"].plant.changes] == [0, 50]
+
+
+def test_a_changing_plant_is_analysed_as_it_ends():
+    """The last plant with its delay as states: the frozen loop repeats the end of the run."""
+    table = case(plant={"changes": [{"start": 30, "gain": 1.5, "delay": 2}]})
+    repetition = build(table, "case").main_run.execute().first
+    plant = repetition.loop.plant
+    assert plant.n == 4 and plant.blocks == {"r": 1, "d": 1, "v": 1}
+    run, rng = repetition.run, np.random.default_rng(0)
+    w = rng.standard_normal((40, 3))
+    shifted = main_run(plant={"changes": [{"start": 0, "gain": 1.5, "delay": 2}]}).plant
+    fixed = simulate(plant, run.settings, w).z
+    assert np.abs(fixed - simulate(shifted, run.settings, w).z).max() < 1e-12
+    with pytest.raises(InputError, match="changes during the run"):
+        repetition.split  # noqa: B018
+
+
+def test_the_split_and_the_zeros_of_a_controller_that_reads_the_command():
+    repetition = main_run(controller={"structure": "feedforward"}).execute().first
+    assert not repetition.is_scalar and "the command too" in repetition.obstacle
+    assert repetition.split.identity_error < 1e-10
+    # A zero stops its frequency, and at it only that channel's.
+    zero = repetition.zeros["r"][np.abs(repetition.zeros["r"].imag).argmax()]
+    loop = repetition.loop
+    A, B, C, D = loop.matrices
+    value = C[:1] @ np.linalg.solve(zero * np.eye(len(A)) - A, B[:, :1]) + D[:1, :1]
+    assert abs(value[0, 0]) < 1e-9
+    with pytest.raises(InputError, match="no exact comparison"):
+        repetition.comparison  # noqa: B018
+
+
+def test_zeros_in_float64_are_those_of_the_exact_half():
+    repetition = main_run().execute().first
+    rounded = repetition.loop.zeros()
+    assert rounded.keys() == repetition.zeros.keys() == {"r", "d", "v"}
+    for channel, exact in repetition.zeros.items():
+        gaps = np.abs(np.asarray(exact)[:, None] - rounded[channel][None, :])
+        assert len(exact) == len(rounded[channel])
+        assert gaps.min(axis=1).max() < 1e-5  # zeros at 0 are multiple
+
+
+def test_a_ratio_to_nothing_is_no_defect():
+    """A measure that is 0 in the other run: the ratio is infinite or not a number."""
+    check = {"measure": "guard_count", "relative_to": "main", "at_most": 1}
+    table = case(claims=[{"text": "none", "checks": [check]}])
+    (verdict,) = verify(build(table, "case")).verdicts
+    assert verdict.verdict == "not reproduced" and "nan" in verdict.measured
+
+
+DIVERGING = {"controller": {"R_theta": 1e-6}, "target": {"H": 1}, "run": {"steps": 400}}
+
+
+@pytest.mark.parametrize(
+    ("expected", "tables", "status"),
+    [
+        ("completed", {}, 0),
+        ("diverged", {}, 1),
+        ("completed", DIVERGING, 3),
+        ("diverged", DIVERGING, 0),
+    ],
+)
+def test_an_expected_divergence_is_no_surprise(expected, tables, status):
+    run = {**tables.get("run", {}), "expected": expected}
+    verification = verify(build(case(**{**tables, "run": run}), "case"))
+    assert verification.exit_status == status
+    assert verification.diverged == (["main"] if tables else [])
+
+
+@pytest.mark.parametrize(
+    ("tables", "message"),
+    [
+        ({"controller": {"terms": "PI"}}, "sets 'terms', which structure = \"iir\" does not read"),
+        ({"controller": {"structure": "pid"}}, "sets 'n_c', which structure = \"pid\""),
+        ({"controller": {"structure": "pdi"}}, "structure = 'pdi' is not known"),
+        ({"controller": {"structure": "taps", "n_c": None}}, "needs the key 'taps'"),
+        ({"controller": {"structure": "taps", "taps": ["u"]}}, "taps has the entry 'u'"),
+        ({"controller": {"structure": "taps", "taps": [["x", 0, 1]]}}, "'x' is not known"),
+        ({"controller": {"n_c": None}}, "needs the key 'n_c'"),
+        ({"controller": {"structure": "pid", "n_c": None, "terms": 3}}, "terms = 3: name each"),
+        (
+            {
+                "controller": {
+                    "structure": "taps",
+                    "n_c": None,
+                    "taps": [["derived", 0, 1]],
+                    "derived": [{"now": [[1, 2]]}],
+                }
+            },
+            "must be a list of numbers",
+        ),
+        ({"controller": {"shared_u": True}}, "which only [[controllers]] read"),
+        ({"controller": {"reflect_poles": 1}}, "must be true or false"),
+        ({"controller": {"freeze": 5}}, "freeze = 5 must be a list"),
+        ({"controller": {"freeze": [5]}}, "freeze has the entry 5"),
+        ({"controller": {"lambda_changes": [[5]]}}, "pairs [step, value] are needed"),
+        ({"controller": {"lambda_changes": [[5, 0.9], [5, 1.0]]}}, "names the step 5"),
+        ({"controller": {"target_changes": [[5, {"model": "fri"}]]}}, "model = 'fri'"),
+        ({"controller": {"forgetting": {"short": 5, "long": 9}}}, "needs the key 'gain'"),
+        ({"controller": {"forgetting": {"shrt": 5}}}, "Did you mean 'short'"),
+        ({"controller": {"reset": {"at": 3}}}, "at = 3 must be a list"),
+        ({"controller": {"R_u": {"z": 3}}}, "R_u = {'z': 3} is not known"),
+        ({"controller": {"window": 3}}, "window >= 1 belong together"),
+        (
+            {"controller": {"update": "gradient"}, "run": {"arithmetic": "ud"}},
+            "contradict each other",
+        ),
+        ({"run": {"arithmetic": "gradient"}}, "arithmetic = 'gradient' is not known"),
+        (
+            {"controller": {"reflect_poles": True}, "run": {"arithmetic": "reference"}},
+            "the reference does not know reflect_poles",
+        ),
+        (
+            {"saturation": {"low": -1}, "run": {"arithmetic": "reference"}},
+            "the reference runs without saturation",
+        ),
+        ({"run": {"expected": "unstable"}}, "expected = 'unstable' is not known"),
+        ({"saturation": {}}, "a saturation needs low, high or rate"),
+        ({"saturation": {"lo": 1}}, "unknown key 'lo' in [saturation]"),
+        ({"saturation": {"low": [1, 2]}}, "low has 2 entries"),
+        ({"controllers": {"structure": "fir"}}, "must be an array of tables"),
+        ({"controllers": [{"shared_u": True}]}, "unknown key 'shared_u' in [controllers]"),
+        (
+            {"controllers": [{}, {"structure": "fir"}], "saturation": {"high": 1}},
+            "Use Decentralized(..., shared_u=True)",
+        ),
+        ({"plant": {"changes": [{"gain": 2}]}}, "needs the key 'start'"),
+        ({"plant": {"changes": [{"start": 5, "gian": 2}]}}, "Did you mean 'gain'"),
+        ({"plant": {"changes": [{"start": 5, "gain": "g"}]}}, "gain = 'g' is not a real number"),
+        ({"plant": {"changes": [{"start": 5, "ramp": True}]}}, "nothing to ramp to"),
+        ({"plant": {"changes": [{"start": 5}, {"start": 5}]}}, "does not follow"),
+        ({"plant": {"changes": [{"start": 5, "G": "1/(q - 0.5)"}]}}, "say by state_map"),
+        ({"plant": {"changes": [{"start": 5, "C": [[1, 2]]}]}}, "needs the key 'A'"),
+        ({"signals": {"r": {"piecewise": []}}}, "increasing steps are needed"),
+        ({"signals": {"r": {"piecewise": [1]}}}, "must be a list of pairs [start, signal]"),
+        ({"signals": {"r": {"piecewise": [[5, 1], [5, 2]]}}}, "increasing steps are needed"),
+    ],
+)
+def test_what_is_refused(tables, message):
+    with pytest.raises(InputError) as error:
+        build(case(**tables), "case")
+    assert message in str(error.value) and str(error.value).startswith("case: ")
+
+
+def test_a_command_needs_a_plant_that_has_one():
+    table = case(controller={"structure": "feedforward"})
+    table["plant"]["problem"], table["signals"] = "standard", {"w": 1}
+    with pytest.raises(InputError, match="this plant's exogenous input has w"):
+        build(table, "case")
+
+
+def test_every_key_is_described():
+    """docs/experiment-files.md names every key of every table."""
+    text = (Path(__file__).parents[4] / "docs" / "experiment-files.md").read_text()
+    words = set(re.findall(r"\w+", text))
+    assert not {key for keys in KEYS.values() for key in keys} - words

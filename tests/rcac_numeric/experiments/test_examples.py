@@ -1,0 +1,82 @@
+"""The numbered examples: verdicts of record, and what the issue of rounding is about."""
+
+import numpy as np
+import pytest
+
+from rcac_numeric import load_example, verify
+from rcac_numeric.experiments.files.sections import example_ids
+from rcac_numeric.experiments.verdicts import VERDICTS
+
+
+@pytest.fixture(scope="module")
+def verifications():
+    return {number: verify(load_example(number)) for number in example_ids()}
+
+
+@pytest.mark.parametrize("number", example_ids())
+def test_every_verdict_of_record_holds(number, verifications):
+    verification = verifications[number]
+    assert verification.exit_status == 0
+    assert verification.verdicts, "an example without claims verifies nothing"
+    for verdict in verification.verdicts:
+        assert verdict.claim.recorded in VERDICTS
+        assert verdict.verdict == verdict.claim.recorded, verdict.measured
+
+
+def test_4_7_places_four_poles_and_leaves_three(verifications):
+    comparison = verifications["4.7"].main.first.comparison
+    assert comparison.worst_distance < 1e-5
+    rest = sorted(comparison.unassigned, key=lambda p: p.imag)
+    assert np.abs(np.array(rest) - [0.72 - 0.54j, 0.0, 0.72 + 0.54j]).max() < 1e-5
+
+
+def test_4_6_rounding_makes_the_ordering(verifications):
+    results = verifications["4.6"].results
+
+    def distances(name):
+        return [r.comparison.worst_distance for r in results[name].repetitions]
+
+    assert distances("k_w = 50, 1e-20, UD")[0] < 1e-7
+    # In exact arithmetic R_theta = 1e-20 and 1e-40 give the same poles; UD follows it.
+    exact = [distances(f"k_w = 5, {R}, exact")[0] for R in ("1e-20", "1e-40")]
+    assert exact[0] == pytest.approx(exact[1], rel=1e-12)
+    for R in ("1e-20", "1e-40"):
+        pair = [results[f"k_w = 5, {R}, {a}"].first.run.theta_final for a in ("UD", "exact")]
+        assert np.abs(pair[0] - pair[1]).max() < 1e-10 * np.abs(pair[1]).max()
+        # The text's arithmetic is off in the first digit and hangs on the last bit of the input.
+        plain = distances(f"k_w = 5, {R}, plain")
+        assert max(plain) > 10 * min(plain) and np.median(plain) < 0.5 * exact[0]
+
+
+def test_2_8_diverges_as_written_and_says_so(verifications):
+    verification = verifications["2.8"]
+    assert verification.diverged == ["as written", "as written, R_theta = 1e6"]
+    assert not verification.surprising
+
+
+def test_2_6_adaptation_is_what_avoids_the_windup(verifications):
+    """With the gains of step 2000 kept, the integrator runs on and holds the wrong bound."""
+    adaptive, fixed = (
+        verifications["2.6"].results[name].first.run
+        for name in ("0.4 before 1", "gains fixed at 2000")
+    )
+    assert (adaptive.theta[:2001] == fixed.theta[:2001]).all()
+    assert (fixed.theta[2000:] == fixed.theta[2000]).all()
+    held = [np.flatnonzero(run.u_applied[2500:2999, 0] < 0.0)[0] for run in (adaptive, fixed)]
+    assert held[0] < 10 and held[1] > 50
+
+
+def test_a_radius_below_1_is_not_printed_as_1(verifications):
+    """Reflection pins the poles of example 6.2 just inside the circle, and the report shows it."""
+    (stable,) = [v for v in verifications["6.2"].verdicts if v.claim.text.endswith("is stable.")]
+    assert "radius (seed 0): 0.9999" in stable.measured
+
+
+@pytest.mark.long
+def test_2_3_fir_never_settles(in_full):
+    """The FIR controller of Example 2.3 keeps an error of order one however long it runs."""
+    from dataclasses import replace
+
+    fir_run = load_example("2.3").runs["FIR"]
+    result = replace(fir_run, steps=200_000 if in_full else 10_000, stride=100).execute()
+    assert np.sqrt(np.mean(result.first.run.z[-2000:] ** 2)) > 0.3
