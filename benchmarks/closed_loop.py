@@ -20,8 +20,8 @@ from update_step import dgemm  # first: it keeps NumPy to one thread
 import numpy as np
 
 from rcac_numeric import (
-    Case,
     ControllerSettings,
+    SimulationCase,
     fir_target,
     iir,
     simulate,
@@ -117,7 +117,8 @@ def beside_numpy(repetitions):
 def threads(repetitions):
     for l_theta in (20, 80):
         cases = [
-            Case(PLANT, settings(l_theta), noise(20_000, i), {"stride": 20_000}) for i in range(32)
+            SimulationCase(PLANT, settings(l_theta), noise(20_000, i), {"stride": 20_000})
+            for i in range(32)
         ]
         t = side_by_side(
             repetitions,
@@ -139,7 +140,8 @@ def lanes(repetitions):
     steps, count, rates = 50_000, 16, []
     for l_theta in (8, 20, 40):
         cases = [
-            Case(PLANT, settings(l_theta), noise(steps, i), {"stride": steps}) for i in range(count)
+            SimulationCase(PLANT, settings(l_theta), noise(steps, i), {"stride": steps})
+            for i in range(count)
         ]
         t = side_by_side(
             repetitions,

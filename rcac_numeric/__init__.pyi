@@ -1,8 +1,8 @@
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
-from .analysis.closed_loop import Match as Match
+from .analysis.closed_loop import IntercalatedMatch as IntercalatedMatch
 from .analysis.closed_loop import intercalated_match as intercalated_match
-from .analysis.exact_comparison import Comparison as Comparison
-from .analysis.exact_comparison import compare as compare
+from .analysis.exact_comparison import ExactComparison as ExactComparison
+from .analysis.exact_comparison import compare_exactly as compare_exactly
 from .analysis.observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import PlacementConditioning as PlacementConditioning
@@ -13,7 +13,7 @@ from .checks.check import ControllerCheck as ControllerCheck
 from .checks.check import check_controller as check_controller
 from .checks.logs import ControllerLog as ControllerLog
 from .checks.logs import read_log as read_log
-from .checks.replays import Replay as Replay
+from .checks.replays import ControlReplay as ControlReplay
 from .checks.replays import replay as replay
 from .controllers.compensator import Compensator as Compensator
 from .controllers.decentralized import Decentralized as Decentralized
@@ -32,7 +32,7 @@ from .controllers.structure import Structure as Structure
 from .controllers.structure import Tap as Tap
 from .controllers.structure import difference as difference
 from .controllers.structure import integral as integral
-from .engine.batches import Case as Case
+from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
 from .engine.reference.run import ReferenceRun as ReferenceRun
@@ -65,7 +65,7 @@ from .identification.modelling import (
 )
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.mu_markov import identify_markov_parameters as identify_markov_parameters
-from .margins.boundaries import Boundary as Boundary
+from .margins.boundaries import StabilityBoundary as StabilityBoundary
 from .margins.classical import Margins as Margins
 from .margins.classical import stability_margins as stability_margins
 from .margins.disk import DiskMargin as DiskMargin
@@ -75,7 +75,7 @@ from .plants.linear import Plant as Plant
 from .plants.linear import servo_plant as servo_plant
 from .plants.linear import standard_plant as standard_plant
 from .plants.saturation import Saturation as Saturation
-from .plants.schedules import Change as Change
+from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
 from .plots.run import plot_sheet as plot_sheet
@@ -92,7 +92,7 @@ from .signals.signal import sequence as sequence
 from .signals.signal import step as step
 from .signals.signal import white_noise as white_noise
 from .targets.filters import target_model as target_model
-from .targets.high_authority import high_authority_target as high_authority_target
+from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters
 from .targets.markov import markov_target as markov_target
 from .targets.model import TargetModel as TargetModel

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
-from rcac_numeric.arrays.validation import Array, integer, signal_array
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.validation import integer, signal_array
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
-
-ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +39,7 @@ class ClosedLoop:
     --------
     >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
     >>> plant = standard_plant("1/(q - 2)")
-    >>> loop = ClosedLoop(plant, Compensator(P=[[[-1.0]]], Q=[[[0.0]], [[-2.5]]]))
+    >>> loop = ClosedLoop(plant, Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
     >>> loop.poles().round(6)
     array([0.5+0.5j, 0.5-0.5j])
     >>> loop.is_stable
@@ -57,7 +56,7 @@ class ClosedLoop:
                 f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "
                 f"l_u = {compensator.l_u}, l_y = {compensator.l_y}."
             )
-        loop = np.eye(plant.l_u) - compensator.Q[0] @ plant.D_0
+        loop = np.eye(plant.l_u) - compensator.past_y[0] @ plant.D_0
         if np.linalg.matrix_rank(loop) < plant.l_u:
             raise ImproperError(
                 "I - Q_0 D_0 is singular: u and y depend on each other in a circle."
@@ -68,7 +67,7 @@ class ClosedLoop:
         """(A, B, C, D) from [w; u_tilde] to [z; u]."""
         p = self.plant
         S, H, P, Q = self.compensator.observer_form()
-        Q_0 = self.compensator.Q[0]
+        Q_0 = self.compensator.past_y[0]
         n, n_c, l_w = p.n, len(S), p.l_w
         # u = M (Q_0 C x + H x_c + Q_0 D_2 w + u_tilde)
         M = np.linalg.inv(np.eye(p.l_u) - Q_0 @ p.D_0)
@@ -160,7 +159,7 @@ def _solved(pencil: ComplexArray, B: Array) -> ComplexArray:
 
 
 @dataclass(frozen=True, eq=False)
-class Match:
+class IntercalatedMatch:
     """How far the intercalated transfer function is from the target model, over frequency.
 
     Attributes
@@ -193,20 +192,24 @@ class Match:
         return float(np.median(self.error))
 
     def __repr__(self) -> str:
-        return f"Match(worst={self.worst:.3g}, median={self.median:.3g})"
+        return f"IntercalatedMatch(worst={self.worst:.3g}, median={self.median:.3g})"
 
 
-def intercalated_match(loop: ClosedLoop, target: TargetModel, points: int = 1000) -> Match:
+def intercalated_match(
+    loop: ClosedLoop, target: TargetModel, points: int = 1000
+) -> IntercalatedMatch:
     """Compare the intercalated transfer function (4.16) with G_f on a grid in (0, pi).
 
     Examples
     --------
     >>> from rcac_numeric import *
     >>> plant = standard_plant("1/(q - 2)")
-    >>> loop = ClosedLoop(plant, Compensator(P=[[[-2.0]]], Q=[[[0.0]], [[-4.0]]]))
+    >>> loop = ClosedLoop(plant, Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]]))
     >>> intercalated_match(loop, fir_target(plant)).worst < 1e-12  # both poles at zero: 1/q
     True
     """
     integer(points, "points", at_least=1)
     omega = (np.arange(points) + 0.5) * np.pi / points
-    return Match(omega, loop.intercalated_response(omega), target.frequency_response(omega))
+    return IntercalatedMatch(
+        omega, loop.intercalated_response(omega), target.frequency_response(omega)
+    )

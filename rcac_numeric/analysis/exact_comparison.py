@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.pairing import pairing
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
@@ -18,11 +20,9 @@ if TYPE_CHECKING:
 
     from compensator_theory import PolePlacement
 
-ComplexArray = NDArray[np.complex128]
-
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class ExactComparison:
     """A converged controller beside the exact answer; scalar loops.
 
     Attributes
@@ -104,7 +104,7 @@ class Comparison:
         return float(np.linalg.norm(gap))
 
 
-def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comparison:
+def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel) -> ExactComparison:
     """Compare a compensator with the exact prediction for its target model.
 
     Parameters
@@ -126,8 +126,8 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
     >>> from rcac_numeric import *
     >>> plant = standard_plant("1/(q - 2)")
     >>> target = pole_placement_target(plant, ["1/2", "1/4"])
-    >>> converged = Compensator(P=[[[-1.25]]], Q=[[[0.0]], [[-2.625 + 1e-6]]])
-    >>> comparison = compare(plant, converged, target)
+    >>> converged = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 1e-6]]])
+    >>> comparison = compare_exactly(plant, converged, target)
     >>> comparison.asked
     Poly(q**2 - 3/4*q + 1/8, q, domain='QQ')
     >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
@@ -173,7 +173,7 @@ def compare(plant: Plant, compensator: Compensator, target: TargetModel) -> Comp
         polynomial = closed_loop_zero_polynomial(problem, N_c, D_c, index)
         if not polynomial.is_zero:
             zeros[name] = _roots(polynomial)
-    return Comparison(
+    return ExactComparison(
         plant=plant,
         compensator=compensator,
         target=target,
@@ -198,14 +198,6 @@ def exact_polynomials(compensator: Compensator) -> tuple[Poly, Poly]:
     return N_c, D_c
 
 
-def pairing(wanted: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
-    """Assign to each wanted pole one available pole with the least total distance."""
-    from scipy.optimize import linear_sum_assignment
-
-    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - available[None, :]))
-    return [(complex(wanted[i]), complex(available[j])) for i, j in zip(rows, columns, strict=True)]
-
-
 def _worst(pairs: list[tuple[complex, complex]]) -> float:
     return max((abs(a - b) for a, b in pairs), default=0.0)
 
@@ -227,4 +219,4 @@ def _target_poles(target: TargetModel) -> ComplexArray:
 
 def _strictness(compensator: Compensator) -> int:
     """k_c as the coefficients show it: 0 where Q_0 is used, else 1."""
-    return 0 if compensator.Q[0].any() else 1
+    return 0 if compensator.past_y[0].any() else 1

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.compensator import Compensator
 
 # A controller pole this near the unit circle counts as an internal model.

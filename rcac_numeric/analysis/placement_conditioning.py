@@ -23,7 +23,7 @@ from compensator_theory.placement.rounding_effects import is_stable
 from compensator_theory.polynomials.poly import canonical, scaled
 
 if TYPE_CHECKING:
-    from rcac_numeric.arrays.validation import Array
+    from rcac_numeric.arrays.array_types import Array
 
 
 @dataclass(frozen=True, eq=False)

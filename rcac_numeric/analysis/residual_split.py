@@ -8,7 +8,8 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays.validation import Array, signal_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
@@ -149,9 +150,9 @@ def split_residual(
 def pseudo_control(compensator: Compensator, u: Array, y: Array) -> Array:
     """u*(k) = Phi(k) theta* of (4.3): what the fixed controller answers to the recorded past."""
     result = np.zeros_like(u)
-    for i, P in enumerate(compensator.P, start=1):
+    for i, P in enumerate(compensator.past_u, start=1):
         result[i:] += u[: max(len(u) - i, 0)] @ P.T
-    for i, Q in enumerate(compensator.Q):
+    for i, Q in enumerate(compensator.past_y):
         result[i:] += y[: max(len(y) - i, 0)] @ Q.T
     return result
 

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, matrix, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import matrix, real_array
 
 
 def constant_weight(value: ArrayLike, name: str, size: int, *, definite: bool) -> Array:

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import InputError
-
-Array = NDArray[np.float64]
+from rcac_numeric.arrays.array_types import Array
 
 # A field that takes whatever can be read as an array or a number and holds what was read.
 Read = Any

@@ -8,9 +8,9 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop, intercalated_match
-from rcac_numeric.analysis.exact_comparison import compare
+from rcac_numeric.analysis.exact_comparison import compare_exactly
 from rcac_numeric.analysis.residual_split import split_residual
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.replays import require_fit
 from rcac_numeric.controllers.compensator import Compensator
@@ -93,7 +93,7 @@ def _against_target(
     plant, fixed = loop.plant, loop.compensator
     known: dict[str, Any] = {}
     try:
-        known["comparison"] = compare(plant, fixed, target)
+        known["comparison"] = compare_exactly(plant, fixed, target)
     except CompensatorError as error:
         unsaid["exact poles"] = str(error).rstrip(".")
     try:

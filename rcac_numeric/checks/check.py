@@ -9,14 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import DivergedError, InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, Match
-from rcac_numeric.analysis.exact_comparison import Comparison
+from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch
+from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant
 from rcac_numeric.checks.logs import ControllerLog
-from rcac_numeric.checks.replays import Replay, replay, replay_compensator
+from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
@@ -29,7 +29,7 @@ from rcac_numeric.targets.model import TargetModel
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from rcac_numeric.analysis.closed_loop import ComplexArray
+    from rcac_numeric.arrays.array_types import ComplexArray
 
 # Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
 LARGEST = 1e100
@@ -44,7 +44,7 @@ class ControllerCheck:
     log, structure, plant, target : what was given.
     compensator : Compensator
         The last coefficients of the log, fixed.
-    replay : Replay or None
+    replay : ControlReplay or None
         Whether the logged u is the output of the logged theta.
     drift : Drift or None
         How far theta still moved in the last tenth of the log.
@@ -53,9 +53,9 @@ class ControllerCheck:
     loop : ClosedLoop or None
         The plant with the fixed controller: poles, frequency responses.
     zeros : mapping from channel of w to array of complex
-    comparison : Comparison or None
+    comparison : ExactComparison or None
         The exact characteristic polynomial beside the one that the target asks for.
-    match : Match or None
+    match : IntercalatedMatch or None
         The intercalated transfer function beside G_f.
     split : ResidualSplit or None
         The retrospective residual, split exactly (4.14).
@@ -74,13 +74,13 @@ class ControllerCheck:
     compensator: Compensator
     plant: Plant | None = None
     target: TargetModel | None = None
-    replay: Replay | None = None
+    replay: ControlReplay | None = None
     drift: Drift | None = None
     internal_models: tuple[InternalModel, ...] = ()
     loop: ClosedLoop | None = None
     zeros: dict[str, ComplexArray] = field(default_factory=dict)
-    comparison: Comparison | None = None
-    match: Match | None = None
+    comparison: ExactComparison | None = None
+    match: IntercalatedMatch | None = None
     split: ResidualSplit | None = None
     costs: LoopCosts | None = None
     margins: dict[str, Margins] = field(default_factory=dict)
@@ -194,7 +194,7 @@ def check_controller(
     unsaid: dict[str, str] = {}
     known: dict[str, Any] = {}
     fixed = fixed_compensator(log, structure, compensator)
-    if (largest := max(np.abs(fixed.P).max(initial=0), np.abs(fixed.Q).max())) > LARGEST:
+    if (largest := max(np.abs(fixed.past_u).max(initial=0), np.abs(fixed.past_y).max())) > LARGEST:
         raise DivergedError(
             f"{log.source}: the controller has a coefficient of size {largest:.3g}: the loop has "
             "diverged. Cut the log before that."
@@ -207,7 +207,7 @@ def check_controller(
             unsaid["convergence"] = "theta was logged only once"
     else:
         unsaid["convergence"] = "no theta was logged" if log.theta is None else "theta was not used"
-        if log.steps > len(fixed.P):
+        if log.steps > len(fixed.past_u):
             known["replay"] = replay_compensator(log, fixed)
         else:
             unsaid["replay"] = f"the log of {log.steps} steps does not fill the controller's memory"

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, Read, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import Read, real_array
 from rcac_numeric.signals.data_files import read_variables
 
 SIGNALS = ("u", "y", "z", "w", "r")

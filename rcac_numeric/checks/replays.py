@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
@@ -17,7 +17,7 @@ SAME = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Replay:
+class ControlReplay:
     """u(k) beside Phi(k) theta of the log.
 
     Attributes
@@ -78,7 +78,7 @@ def regressor(structure: Structure, log: ControllerLog) -> Array:
     return phi
 
 
-def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) -> Replay:
+def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) -> ControlReplay:
     """Compute what the controller must have answered, and hold the logged u against it.
 
     Parameters
@@ -121,7 +121,7 @@ def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) 
     return min(found, key=lambda each: (each.worst, each.shift))
 
 
-def replay_compensator(log: ControllerLog, compensator: Compensator) -> Replay:
+def replay_compensator(log: ControllerLog, compensator: Compensator) -> ControlReplay:
     """The same for a compensator that did not change, over the last tenth of the log.
 
     Examples
@@ -129,19 +129,22 @@ def replay_compensator(log: ControllerLog, compensator: Compensator) -> Replay:
     >>> from rcac_numeric import Compensator, ControllerLog
     >>> from rcac_numeric.checks.replays import replay_compensator
     >>> log = ControllerLog(u=[0, 1.0, 0.5], y=[2.0, 0, 0])
-    >>> replay_compensator(log, Compensator(P=[[[0.5]]], Q=[[[0.0]], [[0.5]]])).agrees
+    >>> replay_compensator(log, Compensator(past_u=[[[0.5]]], past_y=[[[0.0]], [[0.5]]])).agrees
     True
     """
     inputs = (
         log.y if log.r is None or compensator.l_y == log.y.shape[1] else np.hstack([log.y, log.r])
     )
     made, terms = np.zeros_like(log.u), np.zeros_like(log.u)
-    for signal, coefficients, first in ((log.u, compensator.P, 1), (inputs, compensator.Q, 0)):
+    for signal, coefficients, first in (
+        (log.u, compensator.past_u, 1),
+        (inputs, compensator.past_y, 0),
+    ):
         for lag, matrix in enumerate(coefficients, first):
             past = signal[: max(log.steps - lag, 0)]
             made[lag:] += past @ matrix.T
             terms[lag:] += np.abs(past) @ np.abs(matrix).T
-    start = max(len(compensator.P), log.steps - max(log.steps // 10, 1))
+    start = max(len(compensator.past_u), log.steps - max(log.steps // 10, 1))
     return replace(_held(log, made, terms, start, 0), of="the compensator")
 
 
@@ -168,7 +171,7 @@ def require_fit(log: ControllerLog, structure: Structure) -> None:
         )
 
 
-def _held(log: ControllerLog, made: Array, terms: Array, start: int, shift: int) -> Replay:
+def _held(log: ControllerLog, made: Array, terms: Array, start: int, shift: int) -> ControlReplay:
     if start >= log.steps:
         raise InputError(
             f"the log of {log.steps} steps ends before step {start}, from which u could be "
@@ -177,4 +180,4 @@ def _held(log: ControllerLog, made: Array, terms: Array, start: int, shift: int)
     size = max(float(np.abs(log.u[start:]).max()), float(terms[start:].max()))
     gaps = np.abs(log.u - made)[start:].max(axis=1)
     worst = float(gaps.max()) / size if size else float(gaps.max())
-    return Replay(made, start, shift, worst, start + int(np.argmax(gaps)))
+    return ControlReplay(made, start, shift, worst, start + int(np.argmax(gaps)))

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, Read, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import Read, real_array
 
 if TYPE_CHECKING:
     import control
@@ -23,24 +24,24 @@ class Compensator:
 
     Parameters
     ----------
-    P : array, shape (n_c, l_u, l_u)
-        P[i-1] is P_i.
-    Q : array, shape (n_c + 1, l_u, l_y)
-        Q[i] is Q_i; Q[0] is zero for a strictly proper compensator.
+    past_u : array, shape (n_c, l_u, l_u)
+        past_u[i-1] is P_i.
+    past_y : array, shape (n_c + 1, l_u, l_y)
+        past_y[i] is Q_i; past_y[0] is zero for a strictly proper compensator.
 
     Examples
     --------
     >>> from rcac_numeric import Compensator
-    >>> integrator = Compensator(P=[[[1.0]]], Q=[[[0.0]], [[0.5]]])
+    >>> integrator = Compensator(past_u=[[[1.0]]], past_y=[[[0.0]], [[0.5]]])
     >>> integrator.denominator, integrator.numerator
     (array([ 1., -1.]), array([0. , 0.5]))
     """
 
-    P: Read
-    Q: Read
+    past_u: Read
+    past_y: Read
 
     def __post_init__(self) -> None:
-        P, Q = real_array(self.P, "P"), real_array(self.Q, "Q")
+        P, Q = real_array(self.past_u, "past_u"), real_array(self.past_y, "past_y")
         fits = (
             P.ndim == 3
             and Q.ndim == 3
@@ -49,38 +50,38 @@ class Compensator:
         )
         if not fits:
             raise InputError(
-                f"P has shape {P.shape} and Q has shape {Q.shape}; (n_c, l_u, l_u) and "
+                f"past_u has shape {P.shape} and past_y {Q.shape}; (n_c, l_u, l_u) and "
                 "(n_c + 1, l_u, l_y) are needed."
             )
-        object.__setattr__(self, "P", P)
-        object.__setattr__(self, "Q", Q)
+        object.__setattr__(self, "past_u", P)
+        object.__setattr__(self, "past_y", Q)
 
     @property
     def n_c(self) -> int:
         """The order of the difference equation."""
-        return int(self.P.shape[0])
+        return int(self.past_u.shape[0])
 
     @property
     def l_u(self) -> int:
         """Number of outputs of the compensator."""
-        return int(self.Q.shape[1])
+        return int(self.past_y.shape[1])
 
     @property
     def l_y(self) -> int:
         """Number of inputs of the compensator."""
-        return int(self.Q.shape[2])
+        return int(self.past_y.shape[2])
 
     @property
     def denominator(self) -> Array:
         """D_c of (2.33), descending powers of q; scalar compensators only."""
         self._require_scalar()
-        return np.concatenate([[1.0], -self.P[:, 0, 0]])
+        return np.concatenate([[1.0], -self.past_u[:, 0, 0]])
 
     @property
     def numerator(self) -> Array:
         """N_c of (2.33) with n_c + 1 coefficients, descending powers of q; scalar only."""
         self._require_scalar()
-        return np.concatenate(self.Q[:, 0])
+        return np.concatenate(self.past_y[:, 0])
 
     def state_space(self) -> tuple[Array, Array, Array, Array]:
         """The observer canonical realisation of D_c^{-1} N_c, of order l_u n_c.
@@ -92,9 +93,9 @@ class Compensator:
         shift, outputs, P, Q = self.observer_form()
         return (
             shift + P @ outputs,
-            Q + P @ self.Q[0],
+            Q + P @ self.past_y[0],
             outputs,
-            self.Q[0],
+            self.past_y[0],
         )
 
     def observer_form(self) -> tuple[Array, Array, Array, Array]:
@@ -102,7 +103,12 @@ class Compensator:
         order = self.n_c * self.l_u
         shift = np.eye(order, k=self.l_u)
         outputs = np.eye(self.l_u, order)
-        return shift, outputs, self.P.reshape(order, self.l_u), self.Q[1:].reshape(order, self.l_y)
+        return (
+            shift,
+            outputs,
+            self.past_u.reshape(order, self.l_u),
+            self.past_y[1:].reshape(order, self.l_y),
+        )
 
     def poles(self) -> NDArray[np.complex128]:
         """The l_u n_c roots of det D_c."""
@@ -116,7 +122,7 @@ class Compensator:
         return control.ss(*self.state_space(), True)
 
     def _require_scalar(self) -> None:
-        if self.Q.shape[1:] != (1, 1):
+        if self.past_y.shape[1:] != (1, 1):
             raise InputError(
                 f"the compensator has {self.l_y} inputs and {self.l_u} outputs; numerator and "
                 "denominator polynomials exist for a scalar one. Use state_space() instead."

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, instance_of, items, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of, items, real_array
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
@@ -93,7 +94,7 @@ class Decentralized:
 
 def _with_commands(compensator: Compensator, missing: int) -> Compensator:
     padding = [(0, 0), (0, 0), (0, missing)]
-    return Compensator(compensator.P, np.pad(compensator.Q, padding))
+    return Compensator(compensator.past_u, np.pad(compensator.past_y, padding))
 
 
 def _sum_of_one_u(structures: list[Structure], coefficients: list[Array]) -> Compensator:
@@ -123,7 +124,8 @@ def _sum_of_one_u(structures: list[Structure], coefficients: list[Array]) -> Com
 def _parallel(a: Compensator, b: Compensator) -> Compensator:
     """N_a / D_a + N_b / D_b over the product of the denominators."""
     inputs = [
-        _convolved(a.Q[:, 0, i], b) + _convolved(b.Q[:, 0, i], a) for i in range(a.Q.shape[2])
+        _convolved(a.past_y[:, 0, i], b) + _convolved(b.past_y[:, 0, i], a)
+        for i in range(a.past_y.shape[2])
     ]
     denominator = np.convolve(_denominator(a), _denominator(b))
     return Compensator(-denominator[1:, None, None], np.stack(inputs, axis=1)[:, None, :])
@@ -134,4 +136,4 @@ def _convolved(numerator: Array, other: Compensator) -> Array:
 
 
 def _denominator(compensator: Compensator) -> Array:
-    return np.concatenate([[1.0], -compensator.P[:, 0, 0]])
+    return np.concatenate([[1.0], -compensator.past_u[:, 0, 0]])

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, inverse
 from rcac_numeric.arrays.validation import (
-    Array,
     Read,
     instance_of,
     integer,

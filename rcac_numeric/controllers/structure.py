@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, integer, items, number, one_of, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, items, number, one_of, real_array
 from rcac_numeric.controllers.compensator import Compensator
 
 SIGNALS = ("u", "y", "r", "derived")

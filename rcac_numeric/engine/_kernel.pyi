@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 
 Pairs = Sequence[tuple[int, int]]
 Sizes = tuple[int, int, int, int, int]

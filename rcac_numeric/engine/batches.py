@@ -22,7 +22,7 @@ CHUNK = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class SimulationCase:
     """The arguments of one `simulate`.
 
     Attributes
@@ -40,7 +40,7 @@ class Case:
 
 
 def simulate_many(
-    cases: Iterable[Case], *, threads: int | None = None, lanes: bool = False
+    cases: Iterable[SimulationCase], *, threads: int | None = None, lanes: bool = False
 ) -> list[Run]:
     """Run many cases over threads; the results come in the same order.
 
@@ -49,7 +49,7 @@ def simulate_many(
 
     Parameters
     ----------
-    cases : iterable of Case
+    cases : iterable of SimulationCase
         Seeds, settings and plants may differ from case to case.
     threads : int, optional
         As many as there are processors by default. Functions of Python plants and weights run one
@@ -86,7 +86,8 @@ def simulate_many(
     >>> from rcac_numeric import *
     >>> plant = standard_plant("1/(q - 0.9)")
     >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1)
-    >>> cases = [Case(plant, settings, exogenous([white_noise()], 100, seed)) for seed in range(8)]
+    >>> noise = [exogenous([white_noise()], 100, seed) for seed in range(8)]
+    >>> cases = [SimulationCase(plant, settings, w) for w in noise]
     >>> runs, in_lanes = simulate_many(cases), simulate_many(cases, lanes=True)
     >>> [run.outcome for run in runs] == ["completed"] * 8
     True
@@ -97,8 +98,10 @@ def simulate_many(
     instance_of(lanes, "lanes", bool)
     prepared = []
     for number, case in enumerate(items(cases, "cases")):
-        if not isinstance(case, Case):
-            raise InputError(f"case {number} is {case!r}; Case(plant, settings, w) is needed.")
+        if not isinstance(case, SimulationCase):
+            raise InputError(
+                f"case {number} is {case!r}; SimulationCase(plant, settings, w) is needed."
+            )
         try:
             prepared.append(PreparedRun(case.plant, case.settings, case.w, **case.options))
         except TypeError as error:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_columns
-from rcac_numeric.arrays.validation import Array
 from rcac_numeric.controllers.rules import CovarianceReset, SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine import _kernel

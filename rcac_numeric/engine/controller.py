@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import DivergedError, FunctionFailedError, InputError
-from rcac_numeric.arrays.validation import Array, vector
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import vector
+from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.setting_checks import require_covariance
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compiled_controllers import Failures, compiled_controller
-from rcac_numeric.engine.fingerprints import fingerprint
 from rcac_numeric.engine.states import SavedState, saved_state
 
 NOTHING = np.zeros(0)

@@ -8,19 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import FunctionFailedError, ImproperError, InputError
-from rcac_numeric.arrays.validation import (
-    Array,
-    instance_of,
-    integer,
-    number,
-    real_array,
-    signal_array,
-)
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of, integer, number, real_array, signal_array
+from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled_controllers import Failures, compiled_controller
-from rcac_numeric.engine.fingerprints import fingerprint
 from rcac_numeric.engine.runs import OUTCOMES, Run, controllers_of
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.functions import FunctionPlant

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, integer
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.states import SavedState

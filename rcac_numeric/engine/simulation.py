@@ -8,7 +8,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, instance_of, integer
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine import _kernel
@@ -100,7 +101,8 @@ def frozen_twin(run: Run, k: int) -> Run:
     --------
     >>> from rcac_numeric import *
     >>> slow, fast = standard_plant("1/(q - 0.9)"), standard_plant("4/(q - 0.9)")
-    >>> plant = PlantSchedule([Change(start=0, plant=slow), Change(start=500, plant=fast)])
+    >>> plant = PlantSchedule(
+    ...     [PlantChange(start=0, plant=slow), PlantChange(start=500, plant=fast)])
     >>> settings = ControllerSettings(structure=iir(n_c=1), target=fir_target(slow), R_theta=1e-3)
     >>> run = simulate(plant, settings, exogenous([white_noise()], 1000))
     >>> run.outcome, frozen_twin(run, 500).outcome

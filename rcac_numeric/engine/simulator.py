@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import FunctionFailedError
-from rcac_numeric.arrays.validation import Array, vector
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import vector
 
 if TYPE_CHECKING:
     from rcac_numeric.engine import _kernel

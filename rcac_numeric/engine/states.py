@@ -11,7 +11,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 
 
 @dataclass(frozen=True, eq=False)

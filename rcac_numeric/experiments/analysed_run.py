@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, Match, intercalated_match
-from rcac_numeric.analysis.exact_comparison import Comparison, compare
+from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch, intercalated_match
+from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.engine.runs import Run, controllers_of
 from rcac_numeric.plants.frozen import frozen_loop, measuring_command, plant_at
@@ -19,7 +19,7 @@ from rcac_numeric.targets.model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class Repetition:
+class AnalysedRun:
     """A run with the analyses that claims ask of it, each made once and when it is needed."""
 
     run: Run
@@ -78,14 +78,14 @@ class Repetition:
         return dict(self.comparison.zeros) if self.is_scalar else dict(self.loop.zeros())
 
     @cached_property
-    def comparison(self) -> Comparison:
+    def comparison(self) -> ExactComparison:
         """The final controller beside the exact prediction."""
         if self.obstacle:
             raise InputError(f"there is no exact comparison here: {self.obstacle}.")
-        return compare(self.plant, self.run.compensator, self.target)
+        return compare_exactly(self.plant, self.run.compensator, self.target)
 
     @cached_property
-    def match(self) -> Match:
+    def match(self) -> IntercalatedMatch:
         """The intercalated transfer function of the final controller beside G_f."""
         return intercalated_match(self.loop, self.target)
 

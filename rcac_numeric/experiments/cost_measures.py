@@ -6,36 +6,38 @@ import numpy as np
 
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.validation import number
-from rcac_numeric.experiments.analysed_run import Repetition
+from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.h2 import costs as h2_costs
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 
 
-def h2_cost(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+def h2_cost(r: AnalysedRun, noise: NoiseIntensities | None = None) -> float:
     """Mean square of z with the final controller, for white noise w of these intensities."""
     return float(h2_costs.h2_cost(r.loop.plant, r.loop.compensator, noise=noise))
 
 
-def high_authority_cost(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+def high_authority_cost(r: AnalysedRun, noise: NoiseIntensities | None = None) -> float:
     """The same with LQG, the least of a strictly proper controller; high authority if R_2 = 0."""
     return lqg(r.plant, noise=noise).cost.value
 
 
-def cost_over_high_authority(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+def cost_over_high_authority(r: AnalysedRun, noise: NoiseIntensities | None = None) -> float:
     """The H2 cost of the final controller over that of LQG; at least 1 if strictly proper."""
     return h2_cost(r, noise) / high_authority_cost(r, noise)
 
 
 def high_authority_pole_distance(
-    r: Repetition, value: float, noise: NoiseIntensities | None = None
+    r: AnalysedRun, value: float, noise: NoiseIntensities | None = None
 ) -> float:
     """Distance from a real number to the nearest pole of the LQG controller."""
     poles = np.linalg.eigvals(lqg(r.plant, noise=noise).state_space[0])
     return float(np.abs(poles - number(value, "value")).min())
 
 
-def high_authority_response_distance(r: Repetition, noise: NoiseIntensities | None = None) -> float:
+def high_authority_response_distance(
+    r: AnalysedRun, noise: NoiseIntensities | None = None
+) -> float:
     """Median over frequency of the relative distance of abs(G_zw) to that of LQG."""
     omega = (np.arange(1000) + 0.5) * np.pi / 1000
     reached, best = (

@@ -11,7 +11,7 @@ from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.experiments.analysed_run import Repetition
+from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -55,7 +55,7 @@ class RunSpecification:
         for repetition in range(self.repetitions):
             factor = 1 + self.perturbation * rng.standard_normal(w.shape) if repetition else 1.0
             runs.append(self._run(w * factor))
-        return RunResult(self, tuple(Repetition(run) for run in runs))
+        return RunResult(self, tuple(AnalysedRun(run) for run in runs))
 
     def _run(self, w: np.ndarray) -> Run:
         if self.arithmetic == "reference":
@@ -73,10 +73,10 @@ class RunResult:
     """What a run specification produced."""
 
     specification: RunSpecification
-    repetitions: tuple[Repetition, ...]
+    repetitions: tuple[AnalysedRun, ...]
 
     @property
-    def first(self) -> Repetition:
+    def first(self) -> AnalysedRun:
         """The unperturbed run."""
         return self.repetitions[0]
 

@@ -9,7 +9,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, one_of
 from rcac_numeric.experiments import cost_measures
-from rcac_numeric.experiments.analysed_run import Repetition
+from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.plants.frozen import frozen_loop
 
 SIGNALS = ("z", "y", "u", "u_applied", "w")
@@ -29,19 +29,19 @@ for _function in cost_measures.COST_MEASURES:
 
 
 @measure
-def worst_pole_distance(r: Repetition) -> float:
+def worst_pole_distance(r: AnalysedRun) -> float:
     """Largest distance between a pole of G_f and the closed-loop pole assigned to it."""
     return r.comparison.worst_distance
 
 
 @measure
-def worst_spectrum_distance(r: Repetition) -> float:
+def worst_spectrum_distance(r: AnalysedRun) -> float:
     """The same over all poles, those too that G_f leaves to the zeros of G_zu and to zero."""
     return r.comparison.spectrum_distance
 
 
 @measure
-def polynomial_distance(r: Repetition) -> float:
+def polynomial_distance(r: AnalysedRun) -> float:
     """Largest difference between a closed-loop coefficient, reached and asked for, both exact."""
     c = r.comparison
     if c.asked is None:
@@ -50,32 +50,32 @@ def polynomial_distance(r: Repetition) -> float:
 
 
 @measure
-def worst_match(r: Repetition) -> float:
+def worst_match(r: AnalysedRun) -> float:
     """Largest relative distance of the intercalated transfer function to G_f over frequency."""
     return r.match.worst
 
 
 @measure
-def spectral_radius(r: Repetition) -> float:
+def spectral_radius(r: AnalysedRun) -> float:
     """Largest modulus of a closed-loop pole with the final controller."""
     return r.loop.spectral_radius
 
 
 @measure
-def controller_spectral_radius(r: Repetition) -> float:
+def controller_spectral_radius(r: AnalysedRun) -> float:
     """Largest modulus of a pole of the final controller."""
     return float(np.abs(r.run.compensator.poles()).max())
 
 
 @measure
-def controller_pole_distance(r: Repetition, omega: float = 0.0, k: int | None = None) -> float:
+def controller_pole_distance(r: AnalysedRun, omega: float = 0.0, k: int | None = None) -> float:
     """Distance from exp(j omega) to the nearest controller pole, at step k or at the end."""
     compensator = r.run.compensator if k is None else r.run.compensator_at(k)
     return float(np.abs(compensator.poles() - np.exp(1j * omega)).min())
 
 
 @measure
-def settling_step(r: Repetition, band: float = 0.02) -> float:
+def settling_step(r: AnalysedRun, band: float = 0.02) -> float:
     """First step from which the size of z stays within the band to the end of the run."""
     if r.run.outcome != "completed":
         return float("inf")
@@ -85,7 +85,7 @@ def settling_step(r: Repetition, band: float = 0.02) -> float:
 
 @measure
 def peak(
-    r: Repetition,
+    r: AnalysedRun,
     start: int = 0,
     stop: int | None = None,
     signal: str = "z",
@@ -97,7 +97,7 @@ def peak(
 
 @measure
 def rms(
-    r: Repetition,
+    r: AnalysedRun,
     start: int = 0,
     stop: int | None = None,
     signal: str = "z",
@@ -109,7 +109,7 @@ def rms(
 
 @measure
 def mean(
-    r: Repetition,
+    r: AnalysedRun,
     start: int = 0,
     stop: int | None = None,
     signal: str = "z",
@@ -120,26 +120,26 @@ def mean(
 
 
 @measure
-def saturated_fraction(r: Repetition, start: int = 0, stop: int | None = None) -> float:
+def saturated_fraction(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
     """Fraction of the steps start <= k < stop at which the actuator did not apply u as it was."""
     u, applied = (_window(r, start, stop, name, None) for name in ("u", "u_applied"))
     return float(np.mean((u != applied).any(axis=1)))
 
 
 @measure
-def completed(r: Repetition) -> float:
+def completed(r: AnalysedRun) -> float:
     """1 where the run reached its last step, 0 where it diverged or failed before."""
     return float(r.run.outcome == "completed")
 
 
 @measure
-def steps(r: Repetition) -> float:
+def steps(r: AnalysedRun) -> float:
     """Number of completed steps."""
     return float(r.run.steps)
 
 
 @measure
-def coefficient(r: Repetition, index: int, k: int | None = None) -> float:
+def coefficient(r: AnalysedRun, index: int, k: int | None = None) -> float:
     """One entry of theta, from 0 on: of theta(k), or of the last theta.
 
     For structure = "pid" the entries are the gains in the order of the terms.
@@ -159,32 +159,32 @@ def coefficient(r: Repetition, index: int, k: int | None = None) -> float:
 
 
 @measure
-def reflections(r: Repetition) -> float:
+def reflections(r: AnalysedRun) -> float:
     """Number of updates after which controller poles were reflected (6.2.2)."""
     return float(r.run.reflections)
 
 
 @measure
-def resets(r: Repetition) -> float:
+def resets(r: AnalysedRun) -> float:
     """Number of covariance resets."""
     return float(r.run.resets)
 
 
 @measure
-def unstable_fraction(r: Repetition, stop: int | None = None) -> float:
+def unstable_fraction(r: AnalysedRun, stop: int | None = None) -> float:
     """Fraction of the steps below `stop` at which the loop, frozen at theta(k), is unstable."""
     return float(np.mean(_unstable(r, stop)))
 
 
 @measure
-def last_unstable_step(r: Repetition) -> float:
+def last_unstable_step(r: AnalysedRun) -> float:
     """Last step at which the loop, frozen at theta(k), is unstable; -1 if there is none."""
     steps = np.flatnonzero(_unstable(r, None))
     return float(steps[-1] * r.run.stride) if steps.size else -1.0
 
 
 @measure
-def first_unstable_controller(r: Repetition) -> float:
+def first_unstable_controller(r: AnalysedRun) -> float:
     """First step at which theta(k) describes an unstable controller; -1 if there is none."""
     run = r.run
     for row, theta in enumerate(run.theta):
@@ -194,14 +194,14 @@ def first_unstable_controller(r: Repetition) -> float:
 
 
 @measure
-def theta_drift(r: Repetition, start: int) -> float:
+def theta_drift(r: AnalysedRun, start: int) -> float:
     """Largest change of a controller coefficient after step `start`, relative to the largest."""
     late = r.run.theta[-(-start // r.run.stride) :]
     return float(np.abs(late - r.run.theta_final).max() / np.abs(r.run.theta_final).max())
 
 
 @measure
-def closed_loop_zero_distance(r: Repetition, channel: str, omega: float = 0.0) -> float:
+def closed_loop_zero_distance(r: AnalysedRun, channel: str, omega: float = 0.0) -> float:
     """Distance from exp(j omega) to the nearest closed-loop zero from a channel of w to z."""
     zeros = r.zeros
     if channel not in zeros:
@@ -210,13 +210,13 @@ def closed_loop_zero_distance(r: Repetition, channel: str, omega: float = 0.0) -
 
 
 @measure
-def guard_count(r: Repetition) -> float:
+def guard_count(r: AnalysedRun) -> float:
     """Number of updates that rounding decided."""
     return float(r.run.guard_count)
 
 
 def _window(
-    r: Repetition, start: int, stop: int | None, signal: str, channel: int | None
+    r: AnalysedRun, start: int, stop: int | None, signal: str, channel: int | None
 ) -> np.ndarray:
     values: np.ndarray = getattr(r.run, one_of(signal, "signal", SIGNALS))
     window = values[start:stop]
@@ -228,7 +228,7 @@ def _window(
     return window[:, last : last + 1]
 
 
-def _unstable(r: Repetition, stop: int | None) -> np.ndarray:
+def _unstable(r: AnalysedRun, stop: int | None) -> np.ndarray:
     run = r.run
     rows = run.theta if stop is None else run.theta[: -(-stop // run.stride)]
     return np.array(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.experiments.analysed_run import Repetition
+from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.experiment import Check, Claim, Experiment, RunResult
 from rcac_numeric.experiments.measures import MEASURES
 
@@ -179,7 +179,7 @@ def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
 
 
 def _values(check: Check, result: RunResult) -> tuple[float, ...]:
-    def value(repetition: Repetition) -> float:
+    def value(repetition: AnalysedRun) -> float:
         try:
             return MEASURES[check.measure](repetition, **check.arguments)
         except CompensatorError:

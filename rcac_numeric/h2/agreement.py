@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.analysis.exact_comparison import pairing
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.pairing import pairing
 from rcac_numeric.h2.noise import NoiseInputs, exact_noise_inputs
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
 from rcac_numeric.plants.linear import Plant

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import ImproperError, InputError
-from rcac_numeric.arrays.validation import Array, instance_of
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.h2.lyapunov import stein_solution
 from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.state_space import StateSpace, state_space_of
@@ -91,7 +92,7 @@ def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = 
     Examples
     --------
     >>> from rcac_numeric import Compensator, h2_cost, standard_plant
-    >>> none = Compensator(P=[[[0.0]]], Q=[[[0.0]], [[0.0]]])
+    >>> none = Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]])
     >>> h2_cost(standard_plant("1/(q - 0.6)"), none)  # 1 / (1 - 0.36)
     H2Cost(1.5625: w 1.5625)
     >>> float(h2_cost(standard_plant("1/(q - 1)"), none))

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from compensator_theory.errors import ImproperError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays.validation import Array, instance_of, one_of
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of, one_of
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
 from rcac_numeric.h2.costs import H2Cost, h2_cost

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 
 
 def stein_solution(A: Array, Q: Array) -> Array:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_columns
-from rcac_numeric.arrays.validation import Array, instance_of, number
+from rcac_numeric.arrays.validation import instance_of, number
 from rcac_numeric.plants.linear import Plant
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 
 EPS = float(np.finfo(float).eps)
 # How close to the circle a computed zero may be one on it; a multiple one comes as a cluster.

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.h2.lyapunov import stein_solution
 
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, matrix
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import matrix
 from rcac_numeric.controllers.compensator import Compensator
 
 StateSpace = tuple[Array, Array, Array, Array]
@@ -25,7 +26,7 @@ def state_space_of(compensator: Any, l_u: int, l_y: int) -> StateSpace:
     --------
     >>> from rcac_numeric import Compensator
     >>> from rcac_numeric.h2.state_space import state_space_of
-    >>> state_space_of(Compensator(P=[[[0.5]]], Q=[[[0.0]], [[2.0]]]), 1, 1)
+    >>> state_space_of(Compensator(past_u=[[[0.5]]], past_y=[[[0.0]], [[2.0]]]), 1, 1)
     (array([[0.5]]), array([[2.]]), array([[1.]]), array([[0.]]))
     """
     if isinstance(compensator, Compensator):
@@ -92,7 +93,7 @@ def compensator_from_state_space(A_c: Any, B_c: Any, C_c: Any, D_c: Any = None) 
     found = [P for chosen in leaders if (P := _row_relations(A, C, chosen, rank)) is not None]
     return min(
         (Compensator(P, _numerators(P, A, B, C, D)) for P in found),
-        key=lambda c: float(max(np.abs(c.P).max(), np.abs(c.Q).max())),
+        key=lambda c: float(max(np.abs(c.past_u).max(), np.abs(c.past_y).max())),
     )
 
 

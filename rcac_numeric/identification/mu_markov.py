@@ -9,7 +9,8 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, integer, number, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, number, real_array
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array
-from rcac_numeric.margins.opened_loop import BrokenLoop, ComplexArray
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.margins.opened_loop import OpenedLoop
 
 # The perturbed loops beside a boundary are this share of the margin away from it.
 BESIDE = 1e-3
@@ -23,7 +23,7 @@ MOST_STEPS = 500
 
 
 @dataclass(frozen=True)
-class Boundary:
+class StabilityBoundary:
     """Where a one-parameter change of the loop first puts a pole on the unit circle.
 
     Attributes
@@ -54,12 +54,12 @@ class Boundary:
         return bool(np.isfinite(self.omega))
 
 
-def nowhere(value: float) -> Boundary:
+def nowhere(value: float) -> StabilityBoundary:
     """No boundary in this direction."""
-    return Boundary(value, np.nan, np.nan, np.nan, np.nan)
+    return StabilityBoundary(value, np.nan, np.nan, np.nan, np.nan)
 
 
-def gain_boundary(loop: BrokenLoop, crossovers: Array, *, up: bool) -> Boundary:
+def gain_boundary(loop: OpenedLoop, crossovers: Array, *, up: bool) -> StabilityBoundary:
     """The nearest factor above (or below) 1 at which the loop stops being stable.
 
     A crossover of L = -1/k puts a pole on the circle at the gain k. Should a loop be unstable
@@ -80,7 +80,7 @@ def gain_boundary(loop: BrokenLoop, crossovers: Array, *, up: bool) -> Boundary:
     direct = loop.D[0, 0]
     if not len(loop.A) and direct and (-1 / direct > 1) == up and direct < 0:
         k = -1 / direct  # a constant loop: 1 + k D = 0, not well posed
-        return Boundary(k, 0.0, 0.0, 1.0, 0.0)
+        return StabilityBoundary(k, 0.0, 0.0, 1.0, 0.0)
     previous = 1.0
     for i, (k, omega) in enumerate(pairs):
         inside = np.sqrt(previous * k)
@@ -89,7 +89,9 @@ def gain_boundary(loop: BrokenLoop, crossovers: Array, *, up: bool) -> Boundary:
         following = pairs[i + 1][0] if i + 1 < len(pairs) else (2 * k if up else k / 2)
         beside = (k - 1) * BESIDE
         after = k + (beside if abs(beside) < abs(following - k) / 2 else (following - k) / 2)
-        found = Boundary(k, omega, loop.radius(k - beside), loop.radius(k), loop.radius(after))
+        found = StabilityBoundary(
+            k, omega, loop.radius(k - beside), loop.radius(k), loop.radius(after)
+        )
         touches = abs(found.radius_at - 1) <= 1e-9
         if found.radius_after >= 1 or touches:
             return found
@@ -100,7 +102,7 @@ def gain_boundary(loop: BrokenLoop, crossovers: Array, *, up: bool) -> Boundary:
     return nowhere(np.inf if up else 0.0)
 
 
-def _open_poles(loop: BrokenLoop) -> tuple[ComplexArray, Array]:
+def _open_poles(loop: OpenedLoop) -> tuple[ComplexArray, Array]:
     """The open-loop poles, multiple ones at the mean of their cluster, and how well each is known.
 
     Rounding moves each of d equal poles by the d-th root of itself, their mean by itself only.
@@ -112,7 +114,7 @@ def _open_poles(loop: BrokenLoop) -> tuple[ComplexArray, Array]:
     return means, 1e-12 + 10 * np.finfo(float).eps ** (1 / multiplicity) * (multiplicity > 1)
 
 
-def _at_open_poles(loop: BrokenLoop, omega: Array) -> Array:
+def _at_open_poles(loop: OpenedLoop, omega: Array) -> Array:
     """Which points of the circle rounding cannot tell from an open-loop pole on it."""
     means, known = _open_poles(loop)
     on_it = np.abs(np.abs(means) - 1) < 1e-10
@@ -120,22 +122,24 @@ def _at_open_poles(loop: BrokenLoop, omega: Array) -> Array:
     return np.asarray(np.any(distances <= known[on_it], axis=1))
 
 
-def _bisected(loop: BrokenLoop, inside: float, outside: float) -> Boundary:
+def _bisected(loop: OpenedLoop, inside: float, outside: float) -> StabilityBoundary:
     from scipy.optimize import brentq
 
     k = brentq(lambda g: loop.radius(g) - 1, inside, outside, xtol=1e-300, rtol=1e-15)
     poles = loop.closed_poles(k)
     omega = abs(np.angle(poles[np.argmax(np.abs(poles))]))
     beside = (k - 1) * BESIDE
-    return Boundary(k, omega, loop.radius(k - beside), loop.radius(k), loop.radius(k + beside))
+    return StabilityBoundary(
+        k, omega, loop.radius(k - beside), loop.radius(k), loop.radius(k + beside)
+    )
 
 
-def lag_at(loop: BrokenLoop, omega: Array) -> Array:
+def lag_at(loop: OpenedLoop, omega: Array) -> Array:
     """The lag in [0, 2 pi) that turns L to the negative real axis: Table 5.1's PM, in radians."""
     return np.asarray(np.mod(np.pi + np.angle(loop.response(omega)), 2 * np.pi))
 
 
-def phase_boundary(loop: BrokenLoop, crossovers: Array, *, lead: bool) -> Boundary:
+def phase_boundary(loop: OpenedLoop, crossovers: Array, *, lead: bool) -> StabilityBoundary:
     """The least turn of L that puts a pole on the unit circle, in degrees."""
     if not len(crossovers):
         return nowhere(np.inf)
@@ -155,14 +159,16 @@ def phase_boundary(loop: BrokenLoop, crossovers: Array, *, lead: bool) -> Bounda
 
     beside = turn * BESIDE
     degrees = float(np.degrees(turn))
-    return Boundary(degrees, omega, radius(turn - beside), radius(turn), radius(turn + beside))
+    return StabilityBoundary(
+        degrees, omega, radius(turn - beside), radius(turn), radius(turn + beside)
+    )
 
 
 def _nearest(poles: ComplexArray, point: complex) -> float:
     return float(np.abs(poles[np.argmin(np.abs(poles - point))]))
 
 
-def delay_boundary(loop: BrokenLoop, crossovers: Array) -> Boundary:
+def delay_boundary(loop: OpenedLoop, crossovers: Array) -> StabilityBoundary:
     """The least additional delay that makes the loop unstable, in steps.
 
     At omega = 0 a delay turns nothing; at pi one step turns half a circle.
@@ -196,18 +202,18 @@ def delay_boundary(loop: BrokenLoop, crossovers: Array) -> Boundary:
             return found
     poles = loop.delayed(steps).closed_poles()
     omega = abs(float(np.angle(poles[np.argmax(np.abs(poles))])))
-    return Boundary(float(steps), omega, before, radius, radius, jumps=True)
+    return StabilityBoundary(float(steps), omega, before, radius, radius, jumps=True)
 
 
-def _crossing(loop: BrokenLoop, steps: float, omega: float) -> Boundary:
+def _crossing(loop: OpenedLoop, steps: float, omega: float) -> StabilityBoundary:
     beside = steps * BESIDE
     before, at, after = (
         _followed(loop, delay, omega) for delay in (steps - beside, steps, steps + beside)
     )
-    return Boundary(steps, omega, before, at, after)
+    return StabilityBoundary(steps, omega, before, at, after)
 
 
-def _followed(loop: BrokenLoop, delay: float, omega: float) -> float:
+def _followed(loop: OpenedLoop, delay: float, omega: float) -> float:
     """The modulus of the root of 1 + L(z) z^{-delay} = 0 near e^{j omega}, by Newton's method.
 
     The power is continued from the circle: z^{-delay} = exp(-delay log z) with the branch of log

@@ -8,11 +8,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, number
-from rcac_numeric.margins.boundaries import Boundary, delay_boundary, gain_boundary, phase_boundary
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import number
+from rcac_numeric.margins.boundaries import (
+    StabilityBoundary,
+    delay_boundary,
+    gain_boundary,
+    phase_boundary,
+)
 from rcac_numeric.margins.crossovers import gain_crossovers, phase_crossovers
 from rcac_numeric.margins.disk import DiskMargin, disk_margin_of
-from rcac_numeric.margins.opened_loop import BrokenLoop, broken_loop
+from rcac_numeric.margins.opened_loop import OpenedLoop, broken_loop
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,22 +30,22 @@ class Margins:
 
     Attributes
     ----------
-    loop : BrokenLoop
+    loop : OpenedLoop
     is_stable : bool
         Whether the nominal loop is stable. An unstable loop has no margins: they are None.
     spectral_radius : float
         Of the nominal loop.
-    gain_up, gain_down : Boundary or None
+    gain_up, gain_down : StabilityBoundary or None
         The nearest factors above and below 1 by which L may be multiplied before a pole reaches
         the unit circle; infinite and 0 where there is none. Of a loop that is stable without
         gain, or unstable with any less, gain_down shows which.
-    phase_lag, phase_lead : Boundary or None
+    phase_lag, phase_lead : StabilityBoundary or None
         The least turn of L, in degrees within (0, 360), at positive frequencies backward (lag) and
         forward (lead); infinite without a gain crossover. Table 5.1's PM is a lag.
-    delay : Boundary or None
+    delay : StabilityBoundary or None
         The least additional delay, in steps, at which a pole reaches the unit circle:
         min over the gain crossovers of lag / omega, as in Table 5.1. Where abs(L(-1)) > 1 that is
-        not the whole truth, and whole steps decide; see `Boundary.jumps`.
+        not the whole truth, and whole steps decide; see `StabilityBoundary.jumps`.
     disk : DiskMargin or None
     gain_crossovers, phase_crossovers : arrays
         All omega in [0, pi] with abs(L) = 1, and with L real and negative; rad/sample.
@@ -47,21 +53,21 @@ class Margins:
         In seconds.
     """
 
-    loop: BrokenLoop
+    loop: OpenedLoop
     is_stable: bool
     spectral_radius: float
-    gain_up: Boundary | None
-    gain_down: Boundary | None
-    phase_lag: Boundary | None
-    phase_lead: Boundary | None
-    delay: Boundary | None
+    gain_up: StabilityBoundary | None
+    gain_down: StabilityBoundary | None
+    phase_lag: StabilityBoundary | None
+    phase_lead: StabilityBoundary | None
+    delay: StabilityBoundary | None
     disk: DiskMargin | None
     gain_crossovers: Array
     phase_crossovers: Array
     sample_time: float | None
 
     @property
-    def phase(self) -> Boundary | None:
+    def phase(self) -> StabilityBoundary | None:
         """The lesser of lag and lead: the phase margin in the usual sense, at most 180 degrees."""
         if self.phase_lag is None or self.phase_lead is None:
             return None
@@ -152,7 +158,7 @@ def stability_margins(
     --------
     >>> from rcac_numeric import ClosedLoop, Compensator, stability_margins, standard_plant
     >>> loop = ClosedLoop(
-    ...     standard_plant("1/(q - 2)"), Compensator(P=[[[-1.0]]], Q=[[[0.0]], [[-2.5]]]))
+    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
     >>> margins = stability_margins(loop)     # q^2 - q - 2 + 2.5 gain: stable for 0.8 < gain < 1.2
     >>> round(margins.gain_down.value, 9), round(margins.gain_up.value, 9)
     (0.8, 1.2)
@@ -181,5 +187,5 @@ def stability_margins(
     )
 
 
-def _at(boundary: Boundary) -> str:
+def _at(boundary: StabilityBoundary) -> str:
     return f" at {boundary.omega:.6g} rad/sample" if np.isfinite(boundary.omega) else ""

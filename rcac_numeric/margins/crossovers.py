@@ -8,8 +8,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array
-from rcac_numeric.margins.opened_loop import BrokenLoop, ComplexArray
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.margins.opened_loop import OpenedLoop
 
 # A root off the real axis by no more than this may be a double root that rounding has split.
 SPLIT = 1e-6
@@ -27,7 +27,7 @@ FROM_THE_ENDS = np.geomspace(1e-13, 0.5, 128)
 ABOUT_A_POLE = np.array([-10.0, -3.0, -1.0, -0.3, 0.0, 0.3, 1.0, 3.0, 10.0])
 
 
-def gain_crossovers(loop: BrokenLoop) -> Array:
+def gain_crossovers(loop: OpenedLoop) -> Array:
     """All omega in [0, pi] with abs(L(e^{j omega})) = 1, ascending, rad/sample.
 
     With L = N / D, abs(N)^2 - abs(D)^2 on the unit circle is a polynomial of degree n in
@@ -57,7 +57,7 @@ def gain_crossovers(loop: BrokenLoop) -> Array:
     if np.all(np.abs(excess) <= 1e-12 * sizes):
         raise InputError(
             "abs(L) = 1 at every frequency, so that every frequency is a gain crossover and phase "
-            "and delay have no single margin. Change the gain of the loop a little."
+            "and delay have no single margin. PlantChange the gain of the loop a little."
         )
     found = _frequencies(excess, omega)
 
@@ -69,7 +69,7 @@ def gain_crossovers(loop: BrokenLoop) -> Array:
     return _crossovers(loop, found, gap, lambda L: np.log(np.abs(L)))
 
 
-def phase_crossovers(loop: BrokenLoop) -> Array:
+def phase_crossovers(loop: OpenedLoop) -> Array:
     """All omega in [0, pi] with L(e^{j omega}) real and negative, ascending, rad/sample.
 
     The imaginary part of N conj(D) is sin(omega) times a polynomial of degree n - 1 in
@@ -96,7 +96,7 @@ def phase_crossovers(loop: BrokenLoop) -> Array:
     return np.asarray(every[negative], dtype=np.float64)
 
 
-def _on_the_circle(loop: BrokenLoop, count: int) -> tuple[Array, ComplexArray, ComplexArray]:
+def _on_the_circle(loop: OpenedLoop, count: int) -> tuple[Array, ComplexArray, ComplexArray]:
     """N and D of L = N / D at the angles of the Chebyshev nodes cos((i + 1/2) pi / count)."""
     while True:
         omega = np.asarray((np.arange(count) + 0.5) * np.pi / count)
@@ -123,7 +123,7 @@ def _frequencies(values: Array, omega: Array) -> Array:
     return np.arccos(np.clip(x, -1, 1))
 
 
-def _crossovers(loop: BrokenLoop, roots: Array, gap: Gap, value_of: ValueOf) -> Array:
+def _crossovers(loop: OpenedLoop, roots: Array, gap: Gap, value_of: ValueOf) -> Array:
     """Those of the roots that are crossovers, and those that changes of sign find besides."""
     roots = roots[_rounding(loop, roots) < 1e-6]  # where it is more, only changes of sign count
     changes = _changes_of_sign(loop, value_of)
@@ -135,7 +135,7 @@ def _crossovers(loop: BrokenLoop, roots: Array, gap: Gap, value_of: ValueOf) -> 
     return np.asarray(found[is_new])
 
 
-def _changes_of_sign(loop: BrokenLoop, value_of: ValueOf) -> Array:
+def _changes_of_sign(loop: OpenedLoop, value_of: ValueOf) -> Array:
     """Where the gap changes its sign next to the ends and to the poles, to seven digits.
 
     Values that rounding may have made have no sign.
@@ -181,7 +181,7 @@ def _polished(omega: Array, gap: Gap, tolerance: Array | float) -> Array:
     return np.asarray(best[smallest <= tolerance])
 
 
-def _rounding(loop: BrokenLoop, omega: Array) -> Array:
+def _rounding(loop: OpenedLoop, omega: Array) -> Array:
     """What share of L is rounding at these frequencies: much next to a multiple pole."""
     if not (len(loop.A) and len(omega)):
         return np.full(len(omega), 1e-14)

@@ -9,8 +9,9 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays.validation import Array, instance_of, one_of
-from rcac_numeric.margins.opened_loop import BrokenLoop
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.margins.opened_loop import OpenedLoop
 
 Matrices = tuple[Array, Array, Array, Array]
 
@@ -65,7 +66,7 @@ class DiskMargin:
         )
 
 
-def disk_margin_of(loop: BrokenLoop) -> DiskMargin:
+def disk_margin_of(loop: OpenedLoop) -> DiskMargin:
     """The disk margin of a stable scalar loop."""
     return _disk_margin((loop.A, loop.B, loop.C, loop.D), loop)
 
@@ -87,7 +88,7 @@ def multivariable_disk_margin(loop: ClosedLoop, *, at: str = "u") -> DiskMargin:
     --------
     >>> from rcac_numeric import ClosedLoop, Compensator, Plant, multivariable_disk_margin
     >>> two = Plant(A=[[2, 0], [0, 0.5]], B=[[1, 0], [0, 1]], D_1=[[1], [1]], C=[[1, 0], [0, 1]])
-    >>> gains = Compensator(P=[[[0, 0], [0, 0]]], Q=[[[-2, 0], [0, 0]], [[0, 0], [0, 0]]])
+    >>> gains = Compensator(past_u=[[[0, 0], [0, 0]]], past_y=[[[-2, 0], [0, 0]], [[0, 0], [0, 0]]])
     >>> round(multivariable_disk_margin(ClosedLoop(two, gains)).alpha, 9)   # L = 2/(q - 2)
     0.4
     """
@@ -108,7 +109,7 @@ def multivariable_disk_margin(loop: ClosedLoop, *, at: str = "u") -> DiskMargin:
     return _disk_margin((A, B, -np.hstack([D_2 @ C_1, C_2]), -D_2 @ D_1), None)
 
 
-def _disk_margin(L: Matrices, scalar: BrokenLoop | None) -> DiskMargin:
+def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
     A, B, C, D = L
     one = np.eye(len(D))
     # S is the response from a signal added after L to what is fed back: (I + L)^{-1}.

@@ -7,17 +7,16 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays.validation import Array, integer, one_of, real_array
-
-ComplexArray = NDArray[np.complex128]
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.validation import integer, one_of, real_array
 
 
 @dataclass(frozen=True, eq=False)
-class BrokenLoop:
+class OpenedLoop:
     """The loop transfer function L = C (qI - A)^{-1} B + D that is closed by 1 + L = 0.
 
     Parameters
@@ -88,7 +87,7 @@ class BrokenLoop:
         """The spectral radius of the loop closed with an extra gain."""
         return float(np.abs(self.closed_poles(gain)).max(initial=0.0))
 
-    def delayed(self, steps: int) -> BrokenLoop:
+    def delayed(self, steps: int) -> OpenedLoop:
         """The same loop with `steps` more steps of delay."""
         if steps == 0:
             return self
@@ -100,12 +99,12 @@ class BrokenLoop:
         B = np.vstack([self.B, self.D, np.zeros((steps - 1, 1))])
         C = np.zeros((1, n + steps))
         C[0, -1] = 1.0
-        return BrokenLoop(A, B, C, np.zeros((1, 1)))
+        return OpenedLoop(A, B, C, np.zeros((1, 1)))
 
 
 def broken_loop(
     loop: Any, *, at: str = "u", channel: int = 0, feedback: int | None = None
-) -> BrokenLoop:
+) -> OpenedLoop:
     """Open a closed loop at one component of u or y, or read a loop transfer function.
 
     Parameters
@@ -127,7 +126,7 @@ def broken_loop(
     >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
     >>> from rcac_numeric.margins.opened_loop import broken_loop
     >>> loop = ClosedLoop(
-    ...     standard_plant("1/(q - 2)"), Compensator(P=[[[-1.0]]], Q=[[[0.0]], [[-2.5]]]))
+    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
     >>> broken_loop(loop).response(0.0)            # minus G_yu(1) G_c(1)
     array([-1.25+0.j])
     """
@@ -141,7 +140,7 @@ def broken_loop(
             f"feedback = {feedback!r}: a loop transfer function L does not say how it is closed; "
             "give -1 for 1 + L = 0 or +1 for 1 - L = 0."
         )
-    return BrokenLoop(A, B, -feedback * C, -feedback * D)
+    return OpenedLoop(A, B, -feedback * C, -feedback * D)
 
 
 def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
@@ -189,7 +188,7 @@ def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
     return A, B, C, D
 
 
-def _opened(loop: ClosedLoop, at: str, channel: int) -> BrokenLoop:
+def _opened(loop: ClosedLoop, at: str, channel: int) -> OpenedLoop:
     plant = loop.plant
     A_c, B_c, C_c, D_c = loop.compensator.state_space()
     # (first) is where the opened signal enters, (second) where it comes from; D_0 and Q_0 swap.
@@ -219,4 +218,4 @@ def _opened(loop: ClosedLoop, at: str, channel: int) -> BrokenLoop:
     A = np.block([[A_1, np.zeros((n_1, n_2))], [np.zeros((n_2, n_1)), A_2]])
     A = A + np.vstack([B_1 @ in_x, B_2 @ out_x])
     B = np.vstack([B_1 @ in_v, B_2 @ out_v])
-    return BrokenLoop(A, B, -s_x[[i]], -s_v[[i]])  # positive feedback: 1 + L = 0 with L = -G_c G
+    return OpenedLoop(A, B, -s_x[[i]], -s_v[[i]])  # positive feedback: 1 + L = 0 with L = -G_c G

@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import MATRICES, Plant, from_problem
-from rcac_numeric.plants.schedules import Change, PlantSchedule
+from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 
 def plant_at(plant: Plant | PlantSchedule, k: int) -> Plant:
@@ -19,11 +19,11 @@ def plant_at(plant: Plant | PlantSchedule, k: int) -> Plant:
 
     Examples
     --------
-    >>> from rcac_numeric import Change, PlantSchedule, standard_plant
+    >>> from rcac_numeric import PlantChange, PlantSchedule, standard_plant
     >>> from rcac_numeric.plants.frozen import plant_at
     >>> plant = standard_plant("1/(q - 0.5)")
     >>> schedule = PlantSchedule(
-    ...     [Change(start=0, plant=plant), Change(start=100, plant=plant, delay=2)])
+    ...     [PlantChange(start=0, plant=plant), PlantChange(start=100, plant=plant, delay=2)])
     >>> plant_at(schedule, 99).n, plant_at(schedule, 100).n
     (1, 3)
     """
@@ -63,7 +63,7 @@ def frozen_loop(plant: Plant | PlantSchedule, compensator: Compensator, k: int) 
     return ClosedLoop(fixed, compensator)
 
 
-def _moved(plant: PlantSchedule, change: Change, k: int) -> Plant:
+def _moved(plant: PlantSchedule, change: PlantChange, k: int) -> Plant:
     """The plant of a change, at step k of its ramp."""
     if not change.ramp or k == change.start:
         return change.plant

@@ -9,7 +9,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, float_array, integer
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import float_array, integer
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled_controllers import Failures
 from rcac_numeric.engine.simulator import Simulator

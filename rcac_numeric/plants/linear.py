@@ -11,15 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import (
-    Array,
-    Read,
-    instance_of,
-    integer,
-    matrix,
-    real_array,
-    rounded,
-)
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import Read, instance_of, integer, matrix, real_array, rounded
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.simulator import Simulator
 

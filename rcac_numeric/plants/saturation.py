@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, Read, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import Read, real_array
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -18,7 +18,7 @@ from rcac_numeric.plants.linear import MATRICES, Plant, initial_state
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Change:
+class PlantChange:
     """What the plant is from step `start` on.
 
     Attributes
@@ -51,7 +51,7 @@ class PlantSchedule:
 
     Parameters
     ----------
-    changes : sequence of Change
+    changes : sequence of PlantChange
         By increasing step.
 
     Raises
@@ -61,18 +61,19 @@ class PlantSchedule:
 
     Examples
     --------
-    >>> from rcac_numeric import Change, PlantSchedule, standard_plant
+    >>> from rcac_numeric import PlantChange, PlantSchedule, standard_plant
     >>> before, after = standard_plant("1/(q - 0.5)"), standard_plant("3/(q - 0.5)")
-    >>> PlantSchedule([Change(start=0, plant=before), Change(start=100, plant=after, delay=2)])
+    >>> PlantSchedule(
+    ...     [PlantChange(start=0, plant=before), PlantChange(start=100, plant=after, delay=2)])
     PlantSchedule(n=1, l_u=1, l_w=1, l_y=1, l_z=1, changes at 0, 100)
     """
 
-    changes: Sequence[Change]
+    changes: Sequence[PlantChange]
 
     def __post_init__(self) -> None:
-        changes = items(self.changes, "changes", Change)
+        changes = items(self.changes, "changes", PlantChange)
         if not changes:
-            raise InputError("a plant schedule needs a list of Change(start=..., plant=...).")
+            raise InputError("a plant schedule needs a list of PlantChange(start=..., plant=...).")
         for change in changes:
             integer(change.start, "start")
             integer(change.delay, "delay", at_most=100_000)
@@ -108,7 +109,7 @@ class PlantSchedule:
         """The plant at step 0."""
         return self.changes[0].plant
 
-    def at(self, k: int) -> Change:
+    def at(self, k: int) -> PlantChange:
         """The change that is in force at step k; a ramp counts as where it began."""
         return [change for change in self.changes if change.start <= k][-1]
 

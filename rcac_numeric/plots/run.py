@@ -8,7 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.analysed_run import Repetition
+from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.plots.style import (
     INK,
     REACHED,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
+def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
     """One sheet on one run.
 
     Left, over the step k: performance z, control u and controller coefficients theta. Right:
@@ -34,7 +34,7 @@ def plot_sheet(repetition: Repetition, title: str = "") -> Figure:
 
     Parameters
     ----------
-    repetition : Repetition
+    repetition : AnalysedRun
         ``verify(experiment).main.first``, for example.
     title : str
 
@@ -104,7 +104,7 @@ def _coefficients(axis: Axes, run: Run) -> None:
     axis.set(xlabel="step $k$", ylabel=label)
 
 
-def _pole_zero(axis: Axes, repetition: Repetition) -> None:
+def _pole_zero(axis: Axes, repetition: AnalysedRun) -> None:
     circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
     axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
     if repetition.is_scalar:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rcac_numeric.analysis.closed_loop import Match
+from rcac_numeric.analysis.closed_loop import IntercalatedMatch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ def draw_history(axis: Axes, values: np.ndarray, label: str, symbol: str) -> Non
     axis.set_ylabel(label)
 
 
-def draw_magnitude(axis: Axes, match: Match) -> None:
+def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
     """The gain of G_f and of the intercalated transfer function."""
     for i, j in np.ndindex(match.wanted.shape[1:]):
         axis.semilogy(match.omega, np.abs(match.wanted[:, i, j]), color=WANTED, linewidth=3.5,
@@ -38,7 +38,7 @@ def draw_magnitude(axis: Axes, match: Match) -> None:
     axis.legend(fontsize=9)
 
 
-def draw_phase(axis: Axes, match: Match) -> None:
+def draw_phase(axis: Axes, match: IntercalatedMatch) -> None:
     """Their phase, in radians."""
     for i, j in np.ndindex(match.wanted.shape[1:]):
         for values, color, width, alpha in (

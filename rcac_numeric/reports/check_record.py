@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from rcac_numeric.checks.check import ControllerCheck
-    from rcac_numeric.margins.boundaries import Boundary
+    from rcac_numeric.margins.boundaries import StabilityBoundary
     from rcac_numeric.margins.classical import Margins
     from rcac_numeric.margins.disk import DiskMargin
 
@@ -35,8 +35,8 @@ def as_dict(check: ControllerCheck) -> dict[str, Any]:
             "start": drift.start,
         },
         "controller": {
-            "P": check.compensator.P.tolist(),
-            "Q": check.compensator.Q.tolist(),
+            "P": check.compensator.past_u.tolist(),
+            "Q": check.compensator.past_y.tolist(),
             "poles": _pairs(check.compensator.poles()),
             "internal_models": [
                 {
@@ -120,7 +120,7 @@ def _pairs(values: np.ndarray | None) -> list[list[float | None]]:
     ]
 
 
-def margin_rows(margins: Margins) -> list[tuple[str, Boundary, str]]:
+def margin_rows(margins: Margins) -> list[tuple[str, StabilityBoundary, str]]:
     """Name, boundary and unit of each margin of a stable loop."""
     assert margins.gain_up and margins.gain_down and margins.phase_lag and margins.phase_lead
     assert margins.delay

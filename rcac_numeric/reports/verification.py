@@ -12,8 +12,8 @@ from rcac_numeric.experiments.verdicts import CORRECTED, NOT_REPRODUCED, REPRODU
 from rcac_numeric.reports.tables import complex_list, complex_text, finite_or_none, table_of
 
 if TYPE_CHECKING:
-    from rcac_numeric.analysis.exact_comparison import Comparison
-    from rcac_numeric.experiments.analysed_run import Repetition
+    from rcac_numeric.analysis.exact_comparison import ExactComparison
+    from rcac_numeric.experiments.analysed_run import AnalysedRun
 
 COLOURS = {REPRODUCED: "green", CORRECTED: "yellow", NOT_REPRODUCED: "red"}
 
@@ -152,7 +152,7 @@ def _print_runs(out: Console, verification: Verification) -> None:
     out.print(table)
 
 
-def _print_comparison(out: Console, c: Comparison) -> None:
+def _print_comparison(out: Console, c: ExactComparison) -> None:
     degree = c.reached.degree()
     table = table_of("power of q", "asked for, exact", "reached", "difference")
     for power in range(degree, -1, -1):
@@ -182,7 +182,7 @@ def _print_comparison(out: Console, c: Comparison) -> None:
                   f"{c.controller_distance:.3g}")  # fmt: skip
 
 
-def _print_poles(out: Console, repetition: Repetition) -> None:
+def _print_poles(out: Console, repetition: AnalysedRun) -> None:
     """What float64 can say where the exact comparison does not apply."""
     out.print(f"  No exact comparison: {escape(repetition.obstacle)}.", style="yellow")
     out.print(f"  closed-loop poles:        {complex_list(repetition.loop.poles())}")
@@ -192,7 +192,7 @@ def _print_poles(out: Console, repetition: Repetition) -> None:
             out.print(f"  zeros from {channel} to z:       {complex_list(zeros)}")
 
 
-def _print_match(out: Console, repetition: Repetition) -> None:
+def _print_match(out: Console, repetition: AnalysedRun) -> None:
     match, obstacle = _analysed(repetition, "match")
     if match is None:
         out.print(f"  No match of the intercalated transfer function: {escape(obstacle)}.")
@@ -220,7 +220,7 @@ def _print_match(out: Console, repetition: Repetition) -> None:
         )
 
 
-def _analysed(repetition: Repetition, name: str) -> tuple[Any, str]:
+def _analysed(repetition: AnalysedRun, name: str) -> tuple[Any, str]:
     """An analysis of a run, or why there is none."""
     try:
         return getattr(repetition, name), ""

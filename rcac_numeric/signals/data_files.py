@@ -11,7 +11,7 @@ from typing import Any, TextIO
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 
 FORMATS = (".csv", ".mat", ".npz")
 # u1, u_1, u(1) and u[1] are all the first component of u.

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, integer, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, real_array
 from rcac_numeric.signals.signal import Signal
 
 

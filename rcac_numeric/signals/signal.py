@@ -9,7 +9,8 @@ from itertools import pairwise
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, integer, items, number, real_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, items, number, real_array
 
 Sampler = Callable[[int, np.random.Generator], Array]
 

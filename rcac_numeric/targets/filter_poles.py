@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array
+from rcac_numeric.arrays.array_types import Array
 
 if TYPE_CHECKING:
     from sympy import Poly

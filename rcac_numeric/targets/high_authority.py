@@ -7,7 +7,7 @@ from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel, from_transfer_function
 
 
-def high_authority_target(plant: Plant) -> TargetModel:
+def high_authority_target_model(plant: Plant) -> TargetModel:
     """The high-authority LQG target model (4.24), corrected; scalar u, w, y and z.
 
     G_f(q) = H q^(n - d_zu - d_yw) N_zu,u / (mirror(N_zu,u) N_yw,s mirror(N_yw,u)), where mirror()
@@ -46,8 +46,8 @@ def high_authority_target(plant: Plant) -> TargetModel:
 
     Examples
     --------
-    >>> from rcac_numeric import high_authority_target, standard_plant
-    >>> G_f = high_authority_target(standard_plant("(q - 2)/(q**2 - 1/4)"))
+    >>> from rcac_numeric import high_authority_target_model, standard_plant
+    >>> G_f = high_authority_target_model(standard_plant("(q - 2)/(q**2 - 1/4)"))
     >>> G_f.numerator.ravel(), G_f.denominator.ravel()
     (array([ 0.,  1., -2.]), array([ 1.  , -1.  ,  0.25]))
     """

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, integer, real_array, rounded
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, real_array, rounded
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric.arrays.validation import Array, rounded
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.markov import markov_parameters

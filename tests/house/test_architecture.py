@@ -1,76 +1,195 @@
-"""The rules of the house that a machine can check."""
+"""The rules of the house that a machine can check: layers, sizes, documented names."""
 
 import ast
 import importlib
 import inspect
+import statistics
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("compensator_theory", "rcac_numeric", "proofs")
-ANALYSIS = [
-    "closed_loop",
-    "comparison",
-    "residual_split",
-    "compensators",
-    "h2_costs",
-    "loop_costs",
-    "lyapunov",
-    "noise",
-    "riccati",
-    "riccati_obstacles",
-    "riccati_solutions",
-    "lqg_design",
-    "lqg_agreement",
-    "state_space_compensators",
-    "broken_loops",
-    "crossovers",
-    "margin_boundaries",
-    "margins",
-    "disk_margins",
-    "internal_models",
-    "replays",
-    "check_analyses",
-    "controller_checks",
-    "controller_logs",
-    "log_files",
-]
-MODULES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
+
+# From the ground up: a folder imports itself and what stands above it in this list, late imports
+# and those for type checking counted.
+LAYERS = {
+    "compensator_theory": [
+        "polynomials",
+        "matrices",
+        "roots",
+        "systems",
+        "loops",
+        "lqg",
+        "placement",
+        "observers",
+        "strategies",
+    ],
+    "rcac_numeric": [
+        "arrays",
+        "plants",
+        "signals",
+        "targets",
+        "identification",
+        "controllers",
+        "engine",
+        "engine.reference",
+        "analysis",
+        "margins",
+        "h2",
+        "experiments",
+        "experiments.dissertation",
+        "experiments.files",
+        "checks",
+        "plots",
+        "reports",
+        "cli",
+    ],
+}
+# What a fixed controller does to a loop is computed from its data, never by running it.
+WITHOUT_ENGINE = ("analysis", "margins", "h2")
+# A result's own methods that show it may ask for what stands above it, and nothing else may.
+SHOWING = ("plot", "report", "_repr_html_", "_repr_latex_")
+LARGEST_FOLDER, LONGEST_MEDIAN = 12, 180
+
+FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
+SOURCES = [p for p in FILES if p.name != "__init__.py"]
+FOLDERS = sorted({p.parent for p in SOURCES if p.relative_to(ROOT).parts[0] in LAYERS})
+
+
+def folder(module):
+    """The folder of a dotted module of this project, such as rcac_numeric.experiments.files."""
+    path = ROOT.joinpath(*module.split("."))
+    return module if path.is_dir() else module.rpartition(".")[0]
 
 
 def imports(path):
-    """Dotted names of the modules of this project that a file imports, anywhere in it."""
-    package = ".".join(path.relative_to(ROOT).with_suffix("").parts[:-1])
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.ImportFrom):
-            base = package if node.level else ""
-            module = ".".join(part for part in (base, node.module or "") if part)
-            yield module
-            yield from (f"{module}.{alias.name}" for alias in node.names)
-        elif isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+    """(line, module, name of the function around it) for every import of this project."""
+    package = path.relative_to(ROOT).with_suffix("").parts[:-1]
+
+    def visit(node, function):
+        for child in ast.iter_child_nodes(node):
+            if isinstance(child, ast.ImportFrom):
+                base = package[: len(package) - child.level + 1] if child.level else ()
+                module = ".".join((*base, *([child.module] if child.module else [])))
+                for alias in child.names:
+                    whole = f"{module}.{alias.name}"
+                    yield child.lineno, whole if is_module(whole) else module, function
+            elif isinstance(child, ast.Import):
+                yield from ((child.lineno, alias.name, function) for alias in child.names)
+            is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+            yield from visit(child, child.name if is_function else function)
+
+    for line, module, function in visit(ast.parse(path.read_text()), ""):
+        if module.split(".")[0] in PACKAGES:
+            yield line, module, function
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def is_module(name):
+    path = ROOT.joinpath(*name.split("."))
+    return path.is_dir() or path.with_suffix(".py").exists() or path.with_suffix(".pyi").exists()
+
+
+def rank(module):
+    """(package, floor) of a module; what stands beside the folders is on the ground."""
+    package, _, rest = folder(module).partition(".")
+    layers = LAYERS.get(package, [])
+    return package, layers.index(rest) if rest else -1
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_arrows_go_one_way(path):
-    package, name = path.relative_to(ROOT).parts[0], path.stem
-    found = set(imports(path))
-    if package == "compensator_theory":
-        assert not any(module.startswith(("rcac_numeric", "proofs")) for module in found)
-        assert not any(module.split(".")[0] == "numpy" for module in found), "no floats in here"
-    if package == "rcac_numeric":
-        assert not any(module.startswith("proofs") for module in found)
-    if name in ANALYSIS:
-        assert "rcac_numeric.simulation" not in found, "analysis never imports simulation"
-    if name not in ("cli", "__init__"):
-        on_top = {"rcac_numeric.plots", "rcac_numeric.report", "rcac_numeric.cli"}
-        assert not on_top & found, "nothing imports what sits on top"
+    own = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+    package, floor = rank(own) if own.split(".")[0] in LAYERS else (own.split(".")[0], -1)
+    order = ["compensator_theory", "rcac_numeric", "proofs"]
+    for line, module, function in imports(path):
+        target = module.split(".")[0]
+        where = f"{own}, line {line}: imports {module}"
+        if target != package:
+            assert order.index(target) < order.index(package), where
+        elif package in LAYERS and function not in SHOWING:
+            assert rank(module)[1] <= floor, f"{where}, which stands above it"
 
 
-def test_the_list_of_analyses_names_files():
-    names = {path.stem for path in MODULES if path.parent.name == "rcac_numeric"}
-    assert names.issuperset(ANALYSIS)
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_imports_stand_at_the_top(path):
+    """A late import hides a circle; those of methods that show a result are the exception."""
+    late = [(line, module) for line, module, f in imports(path) if f and f not in SHOWING]
+    assert not late
+    assert "if TYPE_CHECKING" not in path.read_text(), "a circle that only a type checker sees"
+
+
+def test_only_the_engine_knows_the_kernel():
+    kernel = "rcac_numeric.engine._kernel"
+    for path in SOURCES:
+        if "engine" not in path.relative_to(ROOT).parts:
+            assert kernel not in {module for _, module, _ in imports(path)}, path
+
+
+def test_analyses_run_nothing():
+    for name in WITHOUT_ENGINE:
+        for path in (ROOT / "rcac_numeric" / name).glob("*.py"):
+            for line, module, function in imports(path):
+                asks = module.startswith("rcac_numeric.engine") and function not in SHOWING
+                assert not asks, f"{path}, line {line}: an analysis imports {module}"
+
+
+def test_the_exact_half_has_no_floats():
+    for path in (ROOT / "compensator_theory").rglob("*.py"):
+        tree = ast.parse(path.read_text())
+        for node in ast.walk(tree):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert not any(name.split(".")[0] == "numpy" for name in names), path
+
+
+def test_no_import_circle():
+    """Also between the files of one folder."""
+    graph = {
+        ".".join(p.relative_to(ROOT).with_suffix("").parts): {
+            module for _, module, f in imports(p) if f not in SHOWING
+        }
+        for p in SOURCES
+    }
+    done, path = set(), []
+
+    def visit(module):
+        assert module not in path, " -> ".join([*path[path.index(module) :], module])
+        if module in done or module not in graph:
+            return
+        path.append(module)
+        for other in sorted(graph[module]):
+            visit(other)
+        path.pop()
+        done.add(module)
+
+    for module in graph:
+        visit(module)
+
+
+@pytest.mark.parametrize("folder", FOLDERS, ids=lambda p: str(p.relative_to(ROOT)))
+def test_a_folder_is_one_idea(folder):
+    assert len([p for p in SOURCES if p.parent == folder]) <= LARGEST_FOLDER
+    docstring = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
+    assert docstring and docstring.split("\n")[0].endswith(".")
+
+
+def test_the_list_of_layers_is_the_tree():
+    for package, layers in LAYERS.items():
+        found = {
+            ".".join(p.relative_to(ROOT / package).parts)
+            for p in (ROOT / package).rglob("*")
+            if (p / "__init__.py").exists()
+        }
+        assert found == set(layers)
+
+
+def test_files_are_short():
+    lengths = [
+        len(p.read_text().splitlines()) for p in SOURCES if p.relative_to(ROOT).parts[0] in LAYERS
+    ]
+    assert statistics.median(lengths) < LONGEST_MEDIAN
+    assert max(lengths) < 300
 
 
 def public_names():

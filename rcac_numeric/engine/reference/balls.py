@@ -15,7 +15,7 @@ from compensator_theory.errors import DivergedError
 from rcac_numeric.controllers.rules import SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.plants.linear import MATRICES, Plant, initial_state
-from rcac_numeric.plants.schedules import Change, PlantSchedule
+from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 
 class BallController:
@@ -129,7 +129,7 @@ class BallPlant:
     """A linear plant or a schedule of them; x holds the state."""
 
     def __init__(self, plant: Plant | PlantSchedule, x_0: Any) -> None:
-        changes = [Change(start=0, plant=plant)] if isinstance(plant, Plant) else plant.changes
+        changes = [PlantChange(start=0, plant=plant)] if isinstance(plant, Plant) else plant.changes
         self._changes = list(changes)
         self.x = balls(initial_state(x_0, plant.n).reshape(-1, 1))
         self._sent: list[arb_mat] = []

@@ -10,7 +10,8 @@ from flint import arb, arb_mat, ctx
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, integer, signal_array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, signal_array
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.jobs import check_sizes, command_position
 from rcac_numeric.engine.reference.balls import BallController, BallPlant, balls

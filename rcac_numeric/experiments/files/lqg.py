@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Array, one_of
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.kinds import iir
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -30,7 +31,9 @@ def lqg_settings(
         raise InputError('structure = "lqg" is designed for one plant; this one changes.')
     form = one_of(section.text("form", "predictor"), "form", FORMS)
     compensator = lqg(plant, noise=section.get("noise", None), form=form).compensator
-    structure = iir(compensator.n_c, plant.l_u, plant.l_y, k_c=0 if compensator.Q[0].any() else 1)
+    structure = iir(
+        compensator.n_c, plant.l_u, plant.l_y, k_c=0 if compensator.past_y[0].any() else 1
+    )
     return ControllerSettings(
         structure=structure,
         target=target,
@@ -45,9 +48,9 @@ def _theta(structure: Structure, compensator: Compensator) -> Array:
     """The coefficients in the order of the structure's taps, one column for each."""
     return np.concatenate(
         [
-            compensator.P[tap.delay - 1][:, tap.component]
+            compensator.past_u[tap.delay - 1][:, tap.component]
             if tap.signal == "u"
-            else compensator.Q[tap.delay][:, tap.component]
+            else compensator.past_y[tap.delay][:, tap.component]
             for tap in structure.taps
         ]
     )

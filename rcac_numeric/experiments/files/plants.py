@@ -9,13 +9,13 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.experiments.files.sections import Section, Table
 from rcac_numeric.plants.linear import MATRICES, Plant, from_problem, servo_plant, standard_plant
-from rcac_numeric.plants.schedules import Change, PlantSchedule
+from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 
 def plant_of(section: Section) -> Plant | PlantSchedule:
     """The plant; with [[plant.changes]] a schedule, each of them going on from the one before."""
     own = {key: value for key, value in section.table.items() if key != "changes"}
-    changes = [Change(start=0, plant=_plant(own, section.file))]
+    changes = [PlantChange(start=0, plant=_plant(own, section.file))]
     gain, delay = 1, 0
     for index, table in enumerate(section.tables("changes")):
         entry = Section(table, "plant.changes", section.file)
@@ -24,7 +24,7 @@ def plant_of(section: Section) -> Plant | PlantSchedule:
             own = {key: value for key, value in own.items() if key not in ("G", *MATRICES)}
         own = {**own, **given}
         gain, delay = entry.get("gain", gain), entry.get("delay", delay)
-        change = Change(
+        change = PlantChange(
             start=entry.require("start"),
             plant=_amplified(_plant(own, section.file), gain),
             ramp=entry.flag("ramp"),

@@ -7,7 +7,7 @@ from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.experiments.files.sections import Section
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.filters import target_model
-from rcac_numeric.targets.high_authority import high_authority_target
+from rcac_numeric.targets.high_authority import high_authority_target_model
 from rcac_numeric.targets.markov import markov_target
 from rcac_numeric.targets.model import TargetModel, fir_target, pole_placement_target
 from rcac_numeric.targets.modelling import ModellingInformation, modelling_information
@@ -43,7 +43,7 @@ def target_of(section: Section, plant: Plant) -> TargetModel:
             return _with_relative_degree_of(plant, target)
         return markov_target(plant, section.require("n_bar"))
     if model == "high authority":
-        return high_authority_target(plant)
+        return high_authority_target_model(plant)
     if model == "output subspace":
         return output_subspace_target(plant)
     given = section.given("d_zu", "H", "nmp_zeros")

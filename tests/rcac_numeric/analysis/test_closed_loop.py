@@ -14,7 +14,7 @@ from rcac_numeric import (
     Compensator,
     Plant,
     TargetModel,
-    compare,
+    compare_exactly,
     exogenous,
     fir_target,
     intercalated_match,
@@ -42,9 +42,9 @@ def evaluate(compensator, q):
     """(D_c, N_c) of (4.9)-(4.10) at the complex number q."""
     n_c = compensator.n_c
     D_c = np.eye(compensator.l_u) * q**n_c - sum(
-        P * q ** (n_c - i) for i, P in enumerate(compensator.P, start=1)
+        P * q ** (n_c - i) for i, P in enumerate(compensator.past_u, start=1)
     )
-    N_c = sum(Q * q ** (n_c - i) for i, Q in enumerate(compensator.Q))
+    N_c = sum(Q * q ** (n_c - i) for i, Q in enumerate(compensator.past_y))
     return D_c, N_c
 
 
@@ -133,7 +133,7 @@ def test_certified_poles_are_the_eigenvalues():
     """Two routes to the closed-loop poles: exact polynomial and float64 eigenvalues."""
     specification = load_example("4.7").main_run
     run = simulate(specification.plant, specification.settings, exogenous([step()], 100))
-    comparison = compare(run.plant, run.compensator, run.settings.target)
+    comparison = compare_exactly(run.plant, run.compensator, run.settings.target)
     eigenvalues = ClosedLoop(run.plant, run.compensator).poles()
     assert max(abs(a - b) for a, b in pairing(comparison.poles, eigenvalues)) < 1e-8
     assert comparison.worst_distance < 1e-5
@@ -151,7 +151,7 @@ def test_zeros_from_each_channel_of_the_servo_problem():
     specification = load_example("4.6").main_run
     run = simulate(specification.plant, specification.settings, exogenous(
         specification.signals, 100))  # fmt: skip
-    zeros = compare(run.plant, run.compensator, run.settings.target).zeros
+    zeros = compare_exactly(run.plant, run.compensator, run.settings.target).zeros
     N, D = [1, -1.4, 0.85], np.poly([1.05, 0.8 + 0.5j, 0.8 - 0.5j]).real
     for channel, plant_part in (("r", D), ("v", D), ("d", N)):
         expected = np.roots(np.convolve(run.compensator.denominator, plant_part))
@@ -164,20 +164,20 @@ def test_an_exactly_placed_loop_matches_its_target():
     specification = load_example("4.8").main_run
     plant, target = specification.plant, specification.settings.target
     run = simulate(plant, specification.settings, exogenous([step()], 100))
-    asked = compare(plant, run.compensator, target).compensators
+    asked = compare_exactly(plant, run.compensator, target).compensators
     D_c = [Fraction(str(c)) for c in asked.denominator.all_coeffs()]
     N_c = [Fraction(str(c)) for c in asked.numerator.all_coeffs()]
     N_c = [Fraction(0)] * (len(D_c) - len(N_c)) + N_c
-    ideal = Compensator(P=[[[-float(c)]] for c in D_c[1:]], Q=[[[float(c)]] for c in N_c])
+    ideal = Compensator(past_u=[[[-float(c)]] for c in D_c[1:]], past_y=[[[float(c)]] for c in N_c])
     assert intercalated_match(ClosedLoop(plant, ideal), target).worst < 1e-9
-    assert compare(plant, ideal, target).worst_distance < 1e-9
+    assert compare_exactly(plant, ideal, target).worst_distance < 1e-9
 
 
 def test_what_cannot_be_reached_is_said():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     wrong_zero = TargetModel([0.0, 1.0, -0.3])
-    ideal = Compensator(P=[[[0.1]]], Q=[[[0.0]], [[0.2]]])
-    comparison = compare(plant, ideal, wrong_zero)
+    ideal = Compensator(past_u=[[[0.1]]], past_y=[[[0.0]], [[0.2]]])
+    comparison = compare_exactly(plant, ideal, wrong_zero)
     assert comparison.asked is None and comparison.obstacle
     assert np.isnan(comparison.spectrum_distance)
     assert np.isfinite(comparison.worst_distance)
@@ -186,15 +186,15 @@ def test_what_cannot_be_reached_is_said():
 def test_ill_posed_and_misfitting_loops_are_refused():
     plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], D_0=[[2.0]])
     with pytest.raises(ImproperError, match="I - Q_0 D_0 is singular"):
-        ClosedLoop(plant, Compensator(P=[[[0.1]]], Q=[[[0.5]], [[0.2]]]))
+        ClosedLoop(plant, Compensator(past_u=[[[0.1]]], past_y=[[[0.5]], [[0.2]]]))
     with pytest.raises(InputError, match="l_y = 2"):
-        ClosedLoop(plant, Compensator(P=[[[0.1]]], Q=np.zeros((2, 1, 2))))
-    with pytest.raises(InputError, match=r"P has shape \(1, 1\)"):
-        Compensator(P=[[0.1]], Q=[[0.1]])
+        ClosedLoop(plant, Compensator(past_u=[[[0.1]]], past_y=np.zeros((2, 1, 2))))
+    with pytest.raises(InputError, match=r"past_u has shape \(1, 1\)"):
+        Compensator(past_u=[[0.1]], past_y=[[0.1]])
     with pytest.raises(InputError, match="scalar"):
-        compare(
+        compare_exactly(
             Plant(A=np.eye(2) / 2, B=np.eye(2), D_1=np.eye(2), C=np.eye(2)),
-            Compensator(P=np.zeros((1, 2, 2)), Q=np.zeros((2, 2, 2))),
+            Compensator(past_u=np.zeros((1, 2, 2)), past_y=np.zeros((2, 2, 2))),
             TargetModel(np.zeros((1, 2, 2)) + 1),
         )
 

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from compensator_theory import FunctionFailedError, InputError
 from rcac_numeric import (
-    Case,
     ControllerSettings,
     FunctionPlant,
     Saturation,
+    SimulationCase,
     TargetModel,
     exogenous,
     fir_target,
@@ -48,7 +48,7 @@ def test_batches_of_different_cases_equal_single_runs(data, threads, seed):
         options = {"stride": 1 + number % 3}
         if number % 2:
             options["saturation"] = Saturation(low=-0.5, high=0.5)
-        cases.append(Case(plant, settings, w, options))
+        cases.append(SimulationCase(plant, settings, w, options))
     together = simulate_many(cases, threads=threads)
     for case, run in zip(cases, together, strict=True):
         assert same(run, simulate(case.plant, case.settings, case.w, **case.options))
@@ -59,7 +59,13 @@ def test_a_diverging_case_does_not_touch_the_others():
     w = exogenous([step()], 400)
     wrong_sign = ControllerSettings(structure=iir(1), target=TargetModel([0, -1.0]), R_theta=1e6)
     right = ControllerSettings(structure=iir(1), target=fir_target(good), R_theta=1.0)
-    runs = simulate_many([Case(good, right, w), Case(bad, wrong_sign, w), Case(good, right, w)])
+    runs = simulate_many(
+        [
+            SimulationCase(good, right, w),
+            SimulationCase(bad, wrong_sign, w),
+            SimulationCase(good, right, w),
+        ]
+    )
     assert [run.outcome for run in runs] == ["completed", "diverged", "completed"]
     assert same(runs[0], simulate(good, right, w)) and same(runs[0], runs[2])
 
@@ -67,7 +73,9 @@ def test_a_diverging_case_does_not_touch_the_others():
 def test_seeds_are_independent_of_their_neighbours():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     settings = ControllerSettings(structure=iir(3), target=fir_target(plant), R_theta=1.0)
-    cases = [Case(plant, settings, exogenous([white_noise()], 200, seed)) for seed in range(9)]
+    cases = [
+        SimulationCase(plant, settings, exogenous([white_noise()], 200, seed)) for seed in range(9)
+    ]
     runs = simulate_many(cases, threads=2)
     assert all(
         same(r, simulate(c.plant, c.settings, c.w)) for r, c in zip(runs, cases, strict=True)
@@ -78,11 +86,11 @@ def test_seeds_are_independent_of_their_neighbours():
 def test_bad_cases_are_named_by_number():
     plant = standard_plant("1/(q - 0.5)")
     settings = ControllerSettings(structure=iir(1), target=fir_target(plant), R_theta=1.0)
-    fine = Case(plant, settings, np.zeros((5, 1)))
+    fine = SimulationCase(plant, settings, np.zeros((5, 1)))
     with pytest.raises(InputError, match="case 1: w has shape"):
-        simulate_many([fine, Case(plant, settings, np.zeros((5, 2)))])
+        simulate_many([fine, SimulationCase(plant, settings, np.zeros((5, 2)))])
     with pytest.raises(InputError, match=r"options of case 0: .*strid"):
-        simulate_many([Case(plant, settings, np.zeros((5, 1)), {"strid": 2})])
+        simulate_many([SimulationCase(plant, settings, np.zeros((5, 1)), {"strid": 2})])
     with pytest.raises(InputError, match="case 0 is 3"):
         simulate_many([3])
     with pytest.raises(InputError, match="cases = 5 must be a list"):
@@ -100,5 +108,5 @@ def test_bad_cases_are_named_by_number():
         advance=advance, output=lambda k, x, w: (x, x), n=1, l_u=1, l_w=1, l_y=1, l_z=1
     )
     with pytest.raises(FunctionFailedError, match=r"case 1: .* step 3.*the valve stuck") as caught:
-        simulate_many([fine, Case(broken, settings, np.zeros((5, 1)))])
+        simulate_many([fine, SimulationCase(broken, settings, np.zeros((5, 1)))])
     assert caught.value.run.steps == 3

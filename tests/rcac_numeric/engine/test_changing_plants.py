@@ -5,9 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rcac_numeric import (
-    Change,
     FunctionPlant,
     Plant,
+    PlantChange,
     PlantSchedule,
     Saturation,
     simulate,
@@ -23,19 +23,19 @@ def schedules(draw, l_u, l_y, l_z):
     """Switches, ramps, mapped states of other orders, and input delays."""
     rng = np.random.default_rng(draw(seeds))
     first = draw(engine_plants(l_u, l_y, l_z))
-    changes = [Change(start=0, plant=first, delay=draw(st.integers(0, 2)))]
+    changes = [PlantChange(start=0, plant=first, delay=draw(st.integers(0, 2)))]
     for _ in range(draw(st.integers(1, 3))):
         before = changes[-1]
         n = before.plant.n
         kind = draw(st.sampled_from(["switch", "ramp", "map"]))
         after = draw(engine_plants(l_u, l_y, l_z, n=None if kind == "map" else n))
         if kind == "ramp":
-            changes[-1] = Change(
+            changes[-1] = PlantChange(
                 start=before.start, plant=before.plant, ramp=True, state_map=before.state_map,
                 delay=before.delay,
             )  # fmt: skip
         changes.append(
-            Change(
+            PlantChange(
                 start=before.start + draw(st.integers(1, 6)),
                 plant=after,
                 state_map=rng.standard_normal((after.n, n)) if kind == "map" else None,
@@ -68,8 +68,8 @@ def test_a_delay_switches_what_was_sent():
     """u = 1, 2, 3, ... sent to x(k+1) = u(k - delay): delays 0, 2 from k = 4, 1 from k = 7."""
     plain = Plant(A=[[0.0]], B=[[1.0]], D_1=[[0.0]], C=[[1.0]])
     schedule = PlantSchedule(
-        [Change(start=0, plant=plain), Change(start=4, plant=plain, delay=2),
-         Change(start=7, plant=plain, delay=1)]
+        [PlantChange(start=0, plant=plain), PlantChange(start=4, plant=plain, delay=2),
+         PlantChange(start=7, plant=plain, delay=1)]
     )  # fmt: skip
     body, seen = schedule.simulator(), []
     for k in range(10):

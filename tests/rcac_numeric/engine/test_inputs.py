@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from compensator_theory import ImproperError, InputError
 from rcac_numeric import (
-    Change,
     ControllerSettings,
     CovarianceReset,
     Decentralized,
     DerivedSignal,
     FunctionPlant,
     Plant,
+    PlantChange,
     PlantSchedule,
     Saturation,
     SignalWeight,
@@ -207,7 +207,7 @@ def test_a_masked_entry_is_no_number():
 
 
 def at(start, plant=PLANT, **more):
-    return Change(start=start, plant=plant, **more)
+    return PlantChange(start=start, plant=plant, **more)
 
 
 def functions(advance=abs, output=abs, n=1, blocks=None):
@@ -219,8 +219,8 @@ def functions(advance=abs, output=abs, n=1, blocks=None):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: PlantSchedule([]), "needs a list of Change"),
-        (lambda: PlantSchedule([PLANT]), "is not a Change"),
+        (lambda: PlantSchedule([]), "needs a list of PlantChange"),
+        (lambda: PlantSchedule([PLANT]), "is not a PlantChange"),
         (lambda: PlantSchedule([at(1)]), "first change must begin at step 0"),
         (lambda: PlantSchedule([at(0.0)]), "start must be an integer, not 0.0"),
         (lambda: PlantSchedule([at(0, 5)]), "the plant of a change = 5 is not a Plant"),

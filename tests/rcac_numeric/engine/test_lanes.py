@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
-    Case,
     ControllerSettings,
     SignalWeight,
+    SimulationCase,
     TargetModel,
     fir_target,
     iir,
@@ -62,7 +62,7 @@ def batches(draw, most=10):
         )
         w = rng.standard_normal((int(rng.integers(1, 40)), plant.l_w))
         options = {"stride": draw(st.integers(1, 4)), "x_0": rng.standard_normal(n)}
-        cases.append(Case(plant, settings, w, options))
+        cases.append(SimulationCase(plant, settings, w, options))
     return cases
 
 
@@ -76,7 +76,9 @@ def perturbed(case, rng, relative):
         R_theta=np.asarray(case.settings.R_theta) * move(1.0),
     )
     options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
-    return Case(replace(case.plant, exact=None, **matrices), settings, move(case.w), options)
+    return SimulationCase(
+        replace(case.plant, exact=None, **matrices), settings, move(case.w), options
+    )
 
 
 def uncertainty(case, run, limit=100.0):
@@ -200,7 +202,7 @@ def white(steps, seed=0, width=1):
 
 def test_eligible_runs_are_not_the_ordinary_loop():
     """Else the tests above would show nothing."""
-    case = Case(PLANT, GOOD, white(200))
+    case = SimulationCase(PLANT, GOOD, white(200))
     (run,) = simulate_many([case], lanes=True)
     assert not same(run, simulate(**arguments(case)))
     assert identical(simulate_many([case])[0], simulate(**arguments(case)))
@@ -209,7 +211,7 @@ def test_eligible_runs_are_not_the_ordinary_loop():
 @pytest.mark.parametrize("R_theta", [1.0, 1e-10, 1e-20])
 def test_lanes_beside_ball_arithmetic(R_theta):
     settings = replace(GOOD, R_theta=R_theta)
-    cases = [Case(PLANT, settings, white(40, seed)) for seed in range(3)]
+    cases = [SimulationCase(PLANT, settings, white(40, seed)) for seed in range(3)]
     for case, run in zip(cases, simulate_many(cases, lanes=True), strict=True):
         exact, bounds = simulate_reference(**arguments(case)), uncertainty(case, run, np.inf)
         assert exact.digits > 50 and run.guard_count == 0 and bounds

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from rcac_numeric import (
-    Case,
-    Change,
     ControllerSettings,
     CovarianceReset,
     Decentralized,
     Plant,
+    PlantChange,
     PlantSchedule,
     Saturation,
     SignalWeight,
+    SimulationCase,
     TargetModel,
     VariableRateForgetting,
     fir,
@@ -50,20 +50,27 @@ REFUSED = {
     "PID": {"structure": pid("PID"), "R_theta": 1.0, "theta_0": None},
 }
 SWITCHED = PlantSchedule(
-    [Change(start=0, plant=PLANT), Change(start=30, plant=standard_plant("1/(q*(q - 0.8))"))]
+    [
+        PlantChange(start=0, plant=PLANT),
+        PlantChange(start=30, plant=standard_plant("1/(q*(q - 0.8))")),
+    ]
 )
 OTHER_LOOPS = {
-    "schedule": Case(SWITCHED, GOOD, white(80)),
-    "ramp": Case(
+    "schedule": SimulationCase(SWITCHED, GOOD, white(80)),
+    "ramp": SimulationCase(
         PlantSchedule(
             [replace(SWITCHED.changes[0], ramp=True), SWITCHED.changes[1]]
         ),
         GOOD, white(80),
     ),
-    "delay": Case(PlantSchedule([Change(start=0, plant=PLANT, delay=2)]), GOOD, white(80)),
-    "functions": Case(as_functions(PLANT), GOOD, white(80)),
-    "saturation": Case(PLANT, GOOD, white(80), {"saturation": Saturation(low=-0.1, high=0.1)}),
-    "decentralised": Case(PLANT, Decentralized([GOOD, GOOD]), white(80)),
+    "delay": SimulationCase(
+        PlantSchedule([PlantChange(start=0, plant=PLANT, delay=2)]), GOOD, white(80)
+    ),
+    "functions": SimulationCase(as_functions(PLANT), GOOD, white(80)),
+    "saturation": SimulationCase(
+        PLANT, GOOD, white(80), {"saturation": Saturation(low=-0.1, high=0.1)}
+    ),
+    "decentralised": SimulationCase(PLANT, Decentralized([GOOD, GOOD]), white(80)),
 }  # fmt: skip
 
 
@@ -71,8 +78,8 @@ OTHER_LOOPS = {
 def test_what_lanes_do_not_do_takes_the_ordinary_loop(name):
     case = OTHER_LOOPS.get(name)
     if case is None:
-        case = Case(PLANT, replace(GOOD, **REFUSED[name]), white(80))
-    eligible = Case(PLANT, GOOD, white(80, seed=1))
+        case = SimulationCase(PLANT, replace(GOOD, **REFUSED[name]), white(80))
+    eligible = SimulationCase(PLANT, GOOD, white(80, seed=1))
     runs = simulate_many([eligible, case, eligible], lanes=True)
     assert identical(runs[1], simulate(**arguments(case)))
     assert identical(runs[0], runs[2])
@@ -88,10 +95,10 @@ def test_weights_out_of_range_and_many_performance_variables():
         R_u=SignalWeight(0.1, 0.1),
     )  # fmt: skip
     for case in (
-        Case(wide, four, white(40)),
-        Case(replace(wide, E_1=[[1.0], [0.5]], E_0=None, E_2=None), two, white(40)),
-        Case(PLANT, replace(GOOD, R_z=1e-200), white(40)),
-        Case(PLANT, replace(GOOD, R_z=1e200), white(40)),
+        SimulationCase(wide, four, white(40)),
+        SimulationCase(replace(wide, E_1=[[1.0], [0.5]], E_0=None, E_2=None), two, white(40)),
+        SimulationCase(PLANT, replace(GOOD, R_z=1e-200), white(40)),
+        SimulationCase(PLANT, replace(GOOD, R_z=1e200), white(40)),
     ):
         (run,) = simulate_many([case], lanes=True)
         assert identical(run, simulate(**arguments(case)))
@@ -102,17 +109,21 @@ UNSTABLE = standard_plant("1/(q - 3)")
 WRONG_SIGN = ControllerSettings(structure=iir(3), target=TargetModel([0, -1.0]), R_theta=1e6)
 FIXED = replace(WRONG_SIGN, k_update=10**6)
 FAILING = {
-    "high limit": (Case(UNSTABLE, FIXED, white(400)), "diverged"),
-    "low limit": (Case(UNSTABLE, WRONG_SIGN, white(400), {"divergence_limit": 1e3}), "diverged"),
-    "tiny limit": (Case(UNSTABLE, WRONG_SIGN, white(400), {"divergence_limit": 1e-170}), None),
-    "no limit": (Case(UNSTABLE, FIXED, white(2000), {"divergence_limit": 1e308}), None),
+    "high limit": (SimulationCase(UNSTABLE, FIXED, white(400)), "diverged"),
+    "low limit": (
+        SimulationCase(UNSTABLE, WRONG_SIGN, white(400), {"divergence_limit": 1e3}), "diverged",
+    ),
+    "tiny limit": (
+        SimulationCase(UNSTABLE, WRONG_SIGN, white(400), {"divergence_limit": 1e-170}), None,
+    ),
+    "no limit": (SimulationCase(UNSTABLE, FIXED, white(2000), {"divergence_limit": 1e308}), None),
     "theta": (
-        Case(PLANT, replace(GOOD, R_theta=1e-30, theta_0=np.full(6, 0.3)), white(40),
+        SimulationCase(PLANT, replace(GOOD, R_theta=1e-30, theta_0=np.full(6, 0.3)), white(40),
              {"divergence_limit": 0.2}), "diverged",
     ),
-    "overflow": (Case(PLANT, replace(GOOD, R_theta=1e-300), 1e8 * white(40)), "overflow"),
+    "overflow": (SimulationCase(PLANT, replace(GOOD, R_theta=1e-300), 1e8 * white(40)), "overflow"),
     "plant": (
-        Case(replace(PLANT, exact=None, E_0=[[1e308]]), GOOD,
+        SimulationCase(replace(PLANT, exact=None, E_0=[[1e308]]), GOOD,
              np.r_[1e-300 * white(20), [[1e3]], white(9)]),
         "plant not finite",
     ),
@@ -123,7 +134,7 @@ FAILING = {
 def test_a_failing_run_ends_as_it_does_alone_and_touches_nobody(name):
     case, outcome = FAILING[name]
     healthy = [
-        Case(PLANT, replace(GOOD, theta_0=np.full(6, 0.01 * i)), white(60 + i, seed=i))
+        SimulationCase(PLANT, replace(GOOD, theta_0=np.full(6, 0.01 * i)), white(60 + i, seed=i))
         for i in range(9)
     ]
     # The failing plant has fewer states in some cases: the same company at its own order too.
@@ -147,7 +158,7 @@ def test_overflow_in_the_first_of_two_measurements():
     plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [0.5]])
     target = TargetModel(np.array([[[0.0], [0.0]], [[1e160], [1.0]]]))
     settings = ControllerSettings(structure=fir(1), target=target, R_theta=1.0)
-    case = Case(plant, settings, white(20))
+    case = SimulationCase(plant, settings, white(20))
     (run,) = simulate_many([case], lanes=True)
     single = simulate(**arguments(case))
     assert (run.outcome, run.steps) == (single.outcome, single.steps) == ("overflow", single.steps)
@@ -161,8 +172,8 @@ def test_data_that_support_no_R_theta_are_counted():
     settings = ControllerSettings(
         structure=fir(2), target=TargetModel([0, 1.0]), R_theta=1e-30, k_w=5
     )
-    constant = Case(plant, settings, np.ones((40, 1)))
-    healthy = Case(plant, replace(settings, R_theta=1.0), white(40))
+    constant = SimulationCase(plant, settings, np.ones((40, 1)))
+    healthy = SimulationCase(plant, replace(settings, R_theta=1.0), white(40))
     run, other = simulate_many([constant, healthy], lanes=True)
     single = simulate(**arguments(constant))
     assert single.guard_count > 0 and run.guard_first_step == single.guard_first_step

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 
 from compensator_theory import DivergedError, FunctionFailedError, InputError
 from rcac_numeric import (
-    Change,
     Controller,
     ControllerSettings,
     CovarianceReset,
+    PlantChange,
     PlantSchedule,
     SavedState,
     TargetModel,
@@ -32,7 +32,10 @@ from rcac_numeric import (
 SETTINGS = ControllerSettings(structure=iir(2), target=TargetModel([0, 1.0]), R_theta=1.0)
 PLANT = standard_plant("1/(q - 0.9)")
 SCHEDULE = PlantSchedule(
-    [Change(start=0, plant=PLANT), Change(start=5, plant=standard_plant("1/(q - 1/2)"), delay=3)]
+    [
+        PlantChange(start=0, plant=PLANT),
+        PlantChange(start=5, plant=standard_plant("1/(q - 1/2)"), delay=3),
+    ]
 )
 RULES = [
     {},
@@ -159,8 +162,8 @@ CROWDED = """
 import resource
 import numpy as np
 from tests.rcac_numeric.engine.test_misuse import PLANT, SETTINGS
-from rcac_numeric import Case, simulate, simulate_many
-cases = [Case(PLANT, SETTINGS, np.ones((50, 1)))] * 300
+from rcac_numeric import SimulationCase, simulate, simulate_many
+cases = [SimulationCase(PLANT, SETTINGS, np.ones((50, 1)))] * 300
 simulate(PLANT, SETTINGS, np.ones((50, 1)))  # everything is loaded
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + 2**27, size + 2**27))

@@ -160,7 +160,7 @@ def test_the_coefficients_of_a_filter_run_are_those_that_made_u():
     run = simulate(standard_plant("1/(q - 0.5)"), plant_settings, rng.standard_normal((9, 1)))
     phi = np.array([run.u[4, 0], run.y[4, 0]])
     assert run.u[5, 0] == pytest.approx(phi @ run.theta[5], rel=1e-14)
-    assert run.compensator_at(5).Q[1, 0, 0] == run.theta[5, 1]
+    assert run.compensator_at(5).past_y[1, 0, 0] == run.theta[5, 1]
 
 
 SIMPLE = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), R_theta=1.0)

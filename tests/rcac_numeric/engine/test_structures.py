@@ -61,9 +61,9 @@ def test_a_compensator_is_its_frozen_controller(data, l_u, l_y, l_r, seed):
     for k in range(steps):
         own = controller.step(y[k], [0.0], r[k] if structure.l_r else None)
         for i in range(1, min(fixed.n_c, k) + 1):
-            u[k] += fixed.P[i - 1] @ u[k - i]
+            u[k] += fixed.past_u[i - 1] @ u[k - i]
         for i in range(min(fixed.n_c, k) + 1):
-            u[k] += fixed.Q[i] @ v[k - i]
+            u[k] += fixed.past_y[i] @ v[k - i]
         size = max(1.0, np.abs(u[: k + 1]).max())
         assert own == pytest.approx(u[k], abs=1e-9 * size)
     assert np.array_equal(controller.theta, theta)
@@ -109,6 +109,6 @@ def test_a_decentralised_compensator_is_the_frozen_sum(kind, data, l_y, seed):
         fixed = run.compensator
         v = np.concatenate([run.y, w[:, 1:]], axis=1)
         for k in range(len(w)):
-            u = sum(fixed.P[i - 1] @ run.u[k - i] for i in range(1, min(fixed.n_c, k) + 1))
-            u = u + sum(fixed.Q[i] @ v[k - i] for i in range(min(fixed.n_c, k) + 1))
+            u = sum(fixed.past_u[i - 1] @ run.u[k - i] for i in range(1, min(fixed.n_c, k) + 1))
+            u = u + sum(fixed.past_y[i] @ v[k - i] for i in range(min(fixed.n_c, k) + 1))
             assert u == pytest.approx(run.u[k], abs=1e-9 * max(1.0, np.abs(run.u).max()))

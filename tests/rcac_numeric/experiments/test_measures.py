@@ -11,7 +11,7 @@ from rcac_numeric import (
     Compensator,
     SignalWeight,
     TargetModel,
-    compare,
+    compare_exactly,
     iir,
     pole_placement_target,
     servo_plant,
@@ -180,11 +180,11 @@ def test_of_the_cost_with_intensities():
 
 def test_of_the_characteristic_polynomial():
     plant = standard_plant("1/(q - 2)")
-    converged = Compensator(P=[[[-1.25]]], Q=[[[0.0]], [[-2.625 + 2**-20]]])
-    comparison = compare(plant, converged, pole_placement_target(plant, ["1/2", "1/4"]))
+    converged = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 2**-20]]])
+    comparison = compare_exactly(plant, converged, pole_placement_target(plant, ["1/2", "1/4"]))
     r = SimpleNamespace(comparison=comparison)
     assert MEASURES["polynomial_distance"](r) == 2**-20
     target = TargetModel([0, 1], [1, -0.5])
-    r = SimpleNamespace(comparison=compare(plant, converged, target))
+    r = SimpleNamespace(comparison=compare_exactly(plant, converged, target))
     with pytest.raises(InputError, match="no characteristic polynomial"):
         MEASURES["polynomial_distance"](r)

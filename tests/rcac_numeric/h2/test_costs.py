@@ -187,7 +187,7 @@ def test_a_difference_equation_has_the_response_of_its_state_space(seed, n, l_u,
         return np.array([C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D for z in points])
 
     wanted = response(*parts)
-    size = np.abs(found.P).max() + np.abs(found.Q).max() + 1
+    size = np.abs(found.past_u).max() + np.abs(found.past_y).max() + 1
     assert (
         np.abs(response(*found.state_space()) - wanted).max() < 1e-9 * size * np.abs(wanted).max()
     )
@@ -203,17 +203,17 @@ def test_nearly_parallel_outputs_and_hidden_modes():
     A = np.diag([0.5, -0.4, 1.3])
     parallel = [[1.0, 1.0, 1.0], [1.0, 1.0, 1.0 + 1e-9]]
     found = compensator_from_state_space(A, [[1.0], [2.0], [1.0]], parallel)
-    assert max(np.abs(found.P).max(), np.abs(found.Q).max()) < 100
+    assert max(np.abs(found.past_u).max(), np.abs(found.past_y).max()) < 100
     hidden = compensator_from_state_space(A, np.ones((3, 1)), [[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
     assert np.abs(hidden.poles()).max() < 0.6  # u does not show the mode 1.3
     constant = compensator_from_state_space(A, np.ones((3, 1)), np.zeros((2, 3)), [[1.0], [2.0]])
-    assert constant.Q[0].tolist() == [[1.0], [2.0]] and not constant.P.any()
+    assert constant.past_y[0].tolist() == [[1.0], [2.0]] and not constant.past_u.any()
     assert state_space_of(constant, 2, 1)[3].tolist() == [[1.0], [2.0]]
 
 
 def test_a_loop_whose_poles_rounding_cannot_tell_from_the_circle_costs_infinitely_much():
     """(q^2 - 0.56 q + 1): modulus 1, of which the eigenvalues keep 1 - 1e-16."""
-    none = Compensator(P=[[[0.0]]], Q=[[[0.0]], [[0.0]]])
+    none = Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]])
     plant = standard_plant("1/((q**2 - 0.56*q + 1)*(q - 0.3)*(q + 0.7))")
     assert np.isinf(float(h2_cost(plant, none)))
     near = standard_plant("1/(q - 0.99999999)")
@@ -243,4 +243,4 @@ def test_a_cost_of_nothing_is_not_negative():
 
 def test_what_is_no_plant_is_refused():
     with pytest.raises(InputError, match="not a Plant"):
-        h2_cost("1/q", Compensator(P=[[[0.0]]], Q=[[[0.0]], [[0.0]]]))
+        h2_cost("1/q", Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]]))

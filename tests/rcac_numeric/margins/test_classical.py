@@ -253,7 +253,7 @@ def test_a_closed_loop_is_opened_at_one_channel_while_the_others_stay_closed(at)
 
 
 def test_opening_a_scalar_loop_at_u_and_at_y_gives_the_same_margins():
-    compensator = Compensator(P=[[[0.4]], [[-0.1]]], Q=[[[0.1]], [[-0.3]], [[0.1]]])
+    compensator = Compensator(past_u=[[[0.4]], [[-0.1]]], past_y=[[[0.1]], [[-0.3]], [[0.1]]])
     loop = ClosedLoop(standard_plant("(q - 1.2)/((q - 0.9)*(q - 0.3))"), compensator)
     at_u, at_y = (stability_margins(loop, at=at) for at in ("u", "y"))
     assert np.isclose(at_u.gain_up.value, at_y.gain_up.value)

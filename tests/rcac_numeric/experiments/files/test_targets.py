@@ -6,7 +6,7 @@ import pytest
 from compensator_theory import InputError
 from rcac_numeric import (
     Plant,
-    high_authority_target,
+    high_authority_target_model,
     load_experiment,
     markov_target,
     output_subspace_target,
@@ -37,7 +37,7 @@ def test_markov(tmp_path):
 
 def test_high_authority(tmp_path):
     target = experiment(tmp_path, 'model = "high authority"').settings.target
-    assert target.exact == high_authority_target(standard_plant(G)).exact
+    assert target.exact == high_authority_target_model(standard_plant(G)).exact
 
 
 def test_output_subspace(tmp_path):
