@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,37 +12,53 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import instance_of, integer, real_array
 from rcac_numeric.signals.signal import Signal
 
 
-def recorded(values: ArrayLike, name: str = "record") -> Signal:
+@dataclass(frozen=True, eq=False, init=False)
+class Recorded(Signal):
     """A record, one value for each step from step 0 on; nothing is known beyond its end.
+
+    More steps than were recorded are refused, also of a sum.
 
     Parameters
     ----------
-    values : array, shape (steps,)
+    record : array, shape (steps,)
         For a record of several channels see `recorded_channels`.
     name : str
         What errors call it.
 
-    Raises
-    ------
-    InputError
-        When more steps are asked for than were recorded, also of a sum.
-
     Examples
     --------
-    >>> from rcac_numeric import recorded
-    >>> recorded([0.5, -0.5, 1.0]).samples(2)
+    >>> from rcac_numeric import Recorded
+    >>> Recorded([0.5, -0.5, 1.0]).samples(2)
     array([ 0.5, -0.5])
     """
-    record = real_array(values, name)
-    if record.ndim != 1 or record.size == 0:
-        raise InputError(f"{name} has shape {record.shape}; a record needs shape (steps,).")
-    return Signal(
-        f"{name} of {record.size} steps", lambda steps, _: record[:steps].copy(), record.size
-    )
+
+    record: Array
+    name: str = "record"
+
+    def __init__(self, record: ArrayLike, name: str = "record") -> None:
+        array = real_array(record, instance_of(name, "name", str))
+        if array.ndim != 1 or array.size == 0:
+            raise InputError(f"{name} has shape {array.shape}; a record needs shape (steps,).")
+        object.__setattr__(self, "record", array)
+        object.__setattr__(self, "name", name)
+
+    @property
+    def description(self) -> str:
+        """For instance record of 3 steps."""
+        return f"{self.name} of {self.record.size} steps"
+
+    @property
+    def steps_known(self) -> int:
+        """How long the record is."""
+        return int(self.record.size)
+
+    def values(self, steps: int, rng: np.random.Generator) -> Array:
+        """The first entries of the record."""
+        return self.record[:steps].copy()
 
 
 def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, ...]:
@@ -57,7 +74,7 @@ def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, 
     record = real_array(values, name)
     if record.ndim != 2 or record.size == 0:
         raise InputError(f"{name} has shape {record.shape}; shape (steps, channels) is needed.")
-    return tuple(recorded(column, f"{name}[:, {i}]") for i, column in enumerate(record.T))
+    return tuple(Recorded(column, f"{name}[:, {i}]") for i, column in enumerate(record.T))
 
 
 def read_recording(path: str | Path, column: int | str = 0) -> Array:
