@@ -12,7 +12,8 @@ from rcac_numeric.experiments.files.plants import plant_of
 from rcac_numeric.experiments.files.sections import Section, Table, named, read_file
 from rcac_numeric.experiments.files.structures import structure_of
 from rcac_numeric.experiments.files.targets import target_of
-from rcac_numeric.plants.linear import MATRICES, Plant, servo_plant, standard_plant
+from rcac_numeric.plants.linear import MATRICES, Plant
+from rcac_numeric.plants.problems import servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.signals.data_files import FORMATS, as_number, read_variables
 from rcac_numeric.targets.filters import target_model

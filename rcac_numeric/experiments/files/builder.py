@@ -8,7 +8,9 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.validation import integer, number, one_of
-from rcac_numeric.engine.runs import controllers_of
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.engine.compatibility import AnyController, controllers_of
+from rcac_numeric.engine.reference.run import require_supported
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.files.claims import claim
@@ -23,9 +25,12 @@ from rcac_numeric.experiments.files.sections import (
     read_file,
 )
 from rcac_numeric.experiments.files.signals import signals
+from rcac_numeric.experiments.files.targets import target_of
+from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.targets.model import TargetModel
 
 # What a run may keep in memory before it is refused.
 MAX_BYTES = 8 * 2**30
@@ -109,7 +114,8 @@ def _run(name: str, table: Table, plant: Plant | PlantSchedule, file: str) -> Ru
         steps=integer(run.require("steps"), "steps", at_least=1),
         seed=integer(run.get("seed", 0), "seed"),
         stride=integer(run.get("stride", 1), "stride", at_least=1),
-        arithmetic=arithmetic or controllers_of(settings)[0].update,
+        reference=arithmetic == "reference",
+        target=_lqg_target(table, plant, file, settings),
         repetitions=integer(run.get("repetitions", 1), "repetitions", at_least=1),
         perturbation=number(run.get("perturbation", 0.0), "perturbation"),
         saturation=Saturation(**bounds.table) if "saturation" in table else None,
@@ -119,15 +125,24 @@ def _run(name: str, table: Table, plant: Plant | PlantSchedule, file: str) -> Ru
     return specification
 
 
+def _lqg_target(
+    table: Table, plant: Plant | PlantSchedule, file: str, settings: AnyController
+) -> TargetModel | None:
+    """What a loop with LQG is compared with."""
+    if not isinstance(settings, FixedController):
+        return None
+    return target_of(Section(table.get("target", {}), "target", file), plant_at(plant, 0))
+
+
 def _require_sense(run: RunSpecification) -> None:
     """Refuse a run that does not fit together, could not adapt or would not fit into memory."""
     nothing = np.zeros((0, run.plant.l_w))
     simulate(run.plant, run.settings, nothing, saturation=run.saturation)
-    if run.arithmetic == "reference":
-        from rcac_numeric.engine.reference.run import require_supported
-
+    if run.reference:
         require_supported(run.plant, run.settings, run.saturation)
     for controller in controllers_of(run.settings):
+        if isinstance(controller, FixedController):
+            continue
         for name in ("k_w", "k_update"):
             if (start := getattr(controller, name)) >= run.steps:
                 raise InputError(
@@ -137,7 +152,7 @@ def _require_sense(run: RunSpecification) -> None:
     for signal in run.signals:
         signal.require_length(run.steps)
     plant = run.plant
-    kept = sum(c.structure.l_theta for c in controllers_of(run.settings)) / run.stride
+    kept = sum(c.l_theta for c in controllers_of(run.settings)) / run.stride
     size = 8 * run.steps * (2 * plant.l_w + plant.l_u + plant.l_y + plant.l_z + kept)
     if size > MAX_BYTES:
         raise InputError(

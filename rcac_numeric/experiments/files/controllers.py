@@ -5,9 +5,25 @@ from __future__ import annotations
 from typing import Any
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.controllers.decentralized import Decentralized
-from rcac_numeric.controllers.rules import CovarianceReset, SignalWeight, VariableRateForgetting
-from rcac_numeric.controllers.settings import UPDATES, ControllerSettings
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.rules import (
+    CovarianceReset,
+    ScheduledForgetting,
+    SignalWeight,
+    VariableRateForgetting,
+)
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.updates import (
+    UD,
+    Covariance,
+    Gradient,
+    Instantaneous,
+    SlidingWindow,
+    Update,
+)
+from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.experiments.files.lqg import lqg_settings
 from rcac_numeric.experiments.files.sections import Section, Table, merged
 from rcac_numeric.experiments.files.structures import structure_of
@@ -23,7 +39,7 @@ ARITHMETICS = ("ud", "covariance", "reference")
 
 def controller_of(
     table: Table, plant: Plant | PlantSchedule, file: str, arithmetic: str | None
-) -> ControllerSettings | Decentralized:
+) -> AnyController:
     """What [controller], [[controllers]] and [target] describe together.
 
     `arithmetic` is that of [run], or None where the file leaves it open.
@@ -55,31 +71,18 @@ def _settings(
     target: TargetModel,
     plant: Plant | PlantSchedule,
     arithmetic: str | None,
-) -> ControllerSettings:
+) -> ControllerSettings | FixedController:
     if section.get("structure", "iir") == "lqg":
-        return lqg_settings(section, target, plant)
+        return lqg_settings(section, plant)
     structure = structure_of(section, plant)
     options = section.given(
-        "R_z", "R_u", "k_w", "k_update", "k_filter", "theta_0", "process_noise", "form", "window",
-        "step_size",
+        "R_z", "R_u", "k_w", "k_update", "k_filter", "theta_0", "form",
     )  # fmt: skip
     for key in ("R_z", "R_u"):
         if isinstance(options.get(key), dict):
             options[key] = _signal_weight(options[key], key)
-    if "lambda" in section.table:
-        options["lambda_"] = section.table["lambda"]
-    for key in ("reflect_poles", "stop_where_unsupported"):
-        options[key] = section.flag(key)
-    if "forgetting" in section.table:
-        options["forgetting"] = VariableRateForgetting(
-            **_rule(section, "forgetting", "short", "long", "gain").table
-        )
-    if "reset" in section.table:
-        rule = _rule(section, "reset")
-        rule.items("at")
-        options["reset"] = CovarianceReset(**rule.table)
+    options["reflect_poles"] = section.flag("reflect_poles")
     options["freeze"] = [_interval(entry) for entry in section.items("freeze")]
-    options["lambda_changes"] = _changes(section, "lambda_changes")
     options["target_changes"] = {
         step: _target(model, plant, section.file)
         for step, model in _changes(section, "target_changes").items()
@@ -87,7 +90,6 @@ def _settings(
     return ControllerSettings(
         structure=structure,
         target=target,
-        R_theta=section.require("R_theta"),
         update=_update(section, arithmetic),
         **options,
     )
@@ -98,16 +100,46 @@ def _target(table: Any, plant: Plant | PlantSchedule, file: str) -> TargetModel:
     return target_of(Section(table, "target", file), plant_at(plant, 0))
 
 
-def _update(section: Section, arithmetic: str | None) -> str:
-    """The name of the update, on which [run] and the controller must agree."""
-    update = section.text("update", arithmetic if arithmetic in UPDATES else "ud")
-    if arithmetic is not None and arithmetic != update and (arithmetic, update) != (
+UPDATES: dict[str, type[Update]] = {
+    kind.name: kind for kind in (UD, Covariance, SlidingWindow, Instantaneous, Gradient)
+}
+
+
+def _update(section: Section, arithmetic: str | None) -> Update:
+    """The update, on whose name [run] and the controller must agree."""
+    name = section.text("update", arithmetic if arithmetic in UPDATES else "ud")
+    one_of(name, "update", tuple(UPDATES))
+    if arithmetic is not None and arithmetic != name and (arithmetic, name) != (
         "reference", "ud",
     ):  # fmt: skip
         raise InputError(
-            f"[run] arithmetic = {arithmetic!r} and {section.where} update = {update!r} contradict "
+            f"[run] arithmetic = {arithmetic!r} and {section.where} update = {name!r} contradict "
             "each other; arithmetic is how the recursive update is computed."
         )
+    options = section.given("R_theta", "process_noise", "window", "step_size")
+    if "lambda" in section.table:
+        options["lambda_"] = section.table["lambda"]
+    if "lambda_changes" in section.table:
+        changes = _changes(section, "lambda_changes")
+        options["lambda_"] = ScheduledForgetting(changes, options.get("lambda_", 1.0))
+    if "forgetting" in section.table:
+        options["lambda_"] = VariableRateForgetting(
+            **_rule(section, "forgetting", "short", "long", "gain").table
+        )
+    if "reset" in section.table:
+        rule = _rule(section, "reset")
+        rule.items("at")
+        options["reset"] = CovarianceReset(**rule.table)
+    if "stop_where_unsupported" in section.table:
+        options["stop_where_unsupported"] = section.flag("stop_where_unsupported")
+    if name != "gradient":
+        section.require("R_theta")
+    else:
+        options.pop("R_theta", None)
+    try:
+        update: Update = UPDATES[name](**options)
+    except TypeError as error:
+        raise InputError(f'update = "{name}": {error}.') from None
     return update
 
 

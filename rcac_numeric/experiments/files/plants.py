@@ -8,7 +8,8 @@ from typing import Any
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.experiments.files.sections import Section, Table
-from rcac_numeric.plants.linear import MATRICES, Plant, from_problem, servo_plant, standard_plant
+from rcac_numeric.plants.linear import MATRICES, Plant
+from rcac_numeric.plants.problems import from_problem, servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 

@@ -10,6 +10,7 @@ from rcac_numeric import (
     PlantChange,
     PlantSchedule,
     Saturation,
+    Simulator,
     simulate,
 )
 from tests.rcac_numeric.engine.test_structures import noise, tame
@@ -71,7 +72,7 @@ def test_a_delay_switches_what_was_sent():
         [PlantChange(start=0, plant=plain), PlantChange(start=4, plant=plain, delay=2),
          PlantChange(start=7, plant=plain, delay=1)]
     )  # fmt: skip
-    body, seen = schedule.simulator(), []
+    body, seen = Simulator(schedule), []
     for k in range(10):
         for _ in range(k % 3):  # to look, once or more often or never, changes nothing
             measured, _ = body.output(k + 1, 0)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
+    UD,
     ControllerSettings,
     SignalWeight,
     SimulationCase,
@@ -193,7 +194,7 @@ def test_every_instruction_set_does_the_same(cases):
 
 
 PLANT = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-GOOD = ControllerSettings(structure=iir(3), target=fir_target(PLANT), R_theta=1.0)
+GOOD = ControllerSettings(structure=iir(3), target=fir_target(PLANT), update=UD(R_theta=1.0))
 
 
 def white(steps, seed=0, width=1):

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import DivergedError, FunctionFailedError, InputError
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
     CovarianceReset,
@@ -29,7 +30,9 @@ from rcac_numeric import (
     standard_plant,
 )
 
-SETTINGS = ControllerSettings(structure=iir(2), target=TargetModel([0, 1.0]), R_theta=1.0)
+SETTINGS = ControllerSettings(
+    structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+)
 PLANT = standard_plant("1/(q - 0.9)")
 SCHEDULE = PlantSchedule(
     [

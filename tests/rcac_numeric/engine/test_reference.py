@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
+    UD,
     ControllerSettings,
     CovarianceReset,
     Decentralized,
@@ -97,7 +98,9 @@ def test_the_reference_runs_one_controller_on_a_linear_plant():
 
 
 def test_no_steps_at_all():
-    settings = ControllerSettings(structure=fir(1), target=TargetModel([0, 1.0]), R_theta=1.0)
+    settings = ControllerSettings(
+        structure=fir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+    )
     for run in (simulate_reference, simulate):
         nothing = run(PLANT, settings, np.zeros((0, 1)))
         assert nothing.steps == 0 and np.array_equal(nothing.theta_final, [0.0])
