@@ -14,7 +14,7 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.observers.form import ObserverForm
 from compensator_theory.roots.real_factors import count_partitions
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 from .loops import Loop, hidden_loops, minimal_loops
 
 

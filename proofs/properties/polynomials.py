@@ -7,7 +7,7 @@ from compensator_theory import sylvester_m1, sylvester_m2
 from compensator_theory.matrices.linear_algebra import determinant, rank
 from compensator_theory.strategies import polynomials, rationals
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 s = Symbol("s")
 with_zero = st.one_of(polynomials(max_degree=3), st.just(Poly(0, s)))
