@@ -17,7 +17,7 @@ def axioms(answer: str) -> str:
     >>> from proofs.formal.assumptions import axioms
     >>> axioms("Closed under the global context")
     ''
-    >>> axioms("Axioms:\\nchoice : exists f, f")
+    >>> axioms("Axioms:\nchoice : exists f, f")
     'choice : exists f, f'
     """
     words = " ".join(answer.split())

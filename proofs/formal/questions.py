@@ -59,7 +59,7 @@ def read_answers(output: str) -> dict[str, str]:
     ... ==> A.c
     ... Axioms:
     ... choice : exists f, f''')
-    {'A.b': 'Closed under the global context', 'A.c': 'Axioms:\\nchoice : exists f, f'}
+    {'A.b': 'Closed under the global context', 'A.c': 'Axioms:\nchoice : exists f, f'}
     """
     parts = (part.partition("\n") for part in output.split(_MARK)[1:])
     return {name.strip(): answer.strip() for name, _, answer in parts}

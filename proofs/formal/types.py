@@ -51,7 +51,7 @@ def statement(answer: str) -> str:
     Examples
     --------
     >>> from proofs.formal.types import statement
-    >>> print(statement("A.b\\n     : 1 = 1\\nnothing hidden:\\nA.b : @eq nat (S O) (S O)"))
+    >>> print(statement("A.b\n     : 1 = 1\nnothing hidden:\nA.b : @eq nat (S O) (S O)"))
     [e7bb6a2b9b0d]
       A.b
            : 1 = 1

@@ -17,17 +17,19 @@ have : size p = (size q + size s).-1 by rewrite Ep size_monicM ?monic_neq0.
 by rewrite deg_p deg_q; move: (size s); lia.
 Qed.
 
-(* Lemma 1. Neither "q monic" nor "p, q coprime" of the text is needed. *)
+(* Lemma 1. None of "p not 0", "q monic" and "p, q coprime" of the text is needed. *)
 Theorem lemma_1 a b p q :
-  (size a <= size b)%N -> (size p < size q)%N -> p != 0 ->
+  (size a <= size b)%N -> (size p < size q)%N ->
   b * q + a * p = 0 <-> a = 0 /\ b = 0.
 Proof.
-move=> ab pq nz_p; split=> [sum0|[-> ->]]; last by rewrite !mul0r addr0.
+move=> ab pq; split=> [sum0|[-> ->]]; last by rewrite !mul0r addr0.
 have nz_q : q != 0 by rewrite -size_poly_gt0 (leq_ltn_trans _ pq).
 have [b0|nz_b] := eqVneq b 0.
   by split=> //; apply/eqP; move: ab; rewrite b0 size_poly0 leqn0 size_poly_eq0.
 have [a0|nz_a] := eqVneq a 0.
   by move/eqP: sum0; rewrite a0 mul0r addr0 mulf_eq0 (negPf nz_b) (negPf nz_q).
+have [p0|nz_p] := eqVneq p 0.
+  by move/eqP: sum0; rewrite p0 mulr0 addr0 mulf_eq0 (negPf nz_b) (negPf nz_q).
 have : size (b * q) = size (a * p).
   by move/eqP: sum0; rewrite addr_eq0 => /eqP->; rewrite size_opp.
 rewrite !size_mul //; move: nz_a; rewrite -size_poly_gt0.

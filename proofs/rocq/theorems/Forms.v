@@ -78,15 +78,22 @@ Local Notation n := order.+1.
 Variables (A : 'M[R]_n) (B : 'cV[R]_n) (C : 'rV[R]_n).
 Variables (A_c : 'M[R]_n) (B_c : 'cV[R]_n) (C_c : 'rV[R]_n).
 
+(* No form without n even or two real roots, whatever is hidden in the plant or the compensator. *)
+Theorem form_needs_real_roots : realisation_is_observer_based A B C A_c B_c C_c ->
+  ~~ odd n \/ odd n /\ two_roots (char_poly (closed_loop A B C A_c B_c C_c)).
+Proof.
+move=> [T [K [F is_form]]]; rewrite -parity ?char_poly_monic ?size_char_poly //.
+exists (char_poly (A + B *m K)), (char_poly (A - F *m C)).
+by rewrite !char_poly_monic !size_char_poly (form_splits_spectrum is_form).
+Qed.
+
 (* Theorem 1 as the text means it, "in some basis": for minimal compensators it is true. *)
 Theorem theorem_1_realisations : minimal A B C -> minimal A_c B_c C_c ->
   realisation_is_observer_based A B C A_c B_c C_c <->
   (~~ odd n \/ odd n /\ two_roots (char_poly (closed_loop A B C A_c B_c C_c))).
 Proof.
-move=> minimal_plant minimal_compensator.
-rewrite -parity ?char_poly_monic ?size_char_poly //; split=> [[T [K [F is_form]]]|].
-  exists (char_poly (A + B *m K)), (char_poly (A - F *m C)).
-  by rewrite !char_poly_monic !size_char_poly (form_splits_spectrum is_form).
+move=> minimal_plant minimal_compensator; split=> [|]; first exact: form_needs_real_roots.
+rewrite -parity ?char_poly_monic ?size_char_poly //.
 case=> p [q [monic_p _ deg_p _ product]].
 have [exists_form _] := forms_are_divisors minimal_plant minimal_compensator monic_p deg_p.
 have [|T [K [F [is_form _]]]] := exists_form; first by rewrite product dvdp_mulr.
