@@ -1,3 +1,9 @@
+import sys
+from pathlib import Path
+
+# Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+
 project = "compensator-theory"
 author = "The compensator-theory developers"
 copyright = "2026, the compensator-theory developers"
