@@ -1,3 +1,4 @@
+__version__: str
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
 from .analysis.closed_loop import IntercalatedMatch as IntercalatedMatch
 from .analysis.closed_loop import intercalated_match as intercalated_match

@@ -23,18 +23,8 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
+from tests.support.comparisons import same
 from tests.support.strategies import controllers, plants, seeds
-
-
-def same(a, b):
-    return (
-        a.outcome == b.outcome
-        and all(
-            np.array_equal(getattr(a, name), getattr(b, name))
-            for name in ("u", "y", "z", "theta", "theta_final", "u_applied")
-        )
-        and (a.guard_count, a.reflections) == (b.guard_count, b.reflections)
-    )
 
 
 @given(st.data(), st.integers(1, 3), seeds)

@@ -13,18 +13,14 @@ from rcac_numeric import (
     UD,
     ControllerSettings,
     FunctionPlant,
-    Plant,
     Simulator,
     TargetModel,
     iir,
     simulate,
 )
-from tests.rcac_numeric.engine.test_changing_plants import as_functions
-from tests.rcac_numeric.engine.test_structures import noise
+from tests.support.function_plants import TWO_STATES, as_functions
+from tests.support.signals import noise
 
-TWO_STATES = Plant(
-    A=[[0.5, 0.25], [-0.125, 0.75]], B=[[1.0], [0.5]], D_1=[[1.0], [0.0]], C=[[1.0, -0.5]],
-)  # fmt: skip
 C_CODE = """
 #include <stdint.h>
 static int calls = 0;

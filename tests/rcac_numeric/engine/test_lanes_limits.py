@@ -25,8 +25,10 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_changing_plants import as_functions
-from tests.rcac_numeric.engine.test_lanes import GOOD, PLANT, SIGNALS, arguments, identical, white
+from tests.support.comparisons import identical
+from tests.support.function_plants import as_functions
+from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments
+from tests.support.signals import white
 
 REFUSED = {
     "covariance": {"update": "covariance"},

@@ -164,10 +164,10 @@ def test_a_frozen_twin_starts_where_the_run_did():
 CROWDED = """
 import resource
 import numpy as np
-from tests.rcac_numeric.engine.test_misuse import PLANT, SETTINGS
 from rcac_numeric import SimulationCase, simulate, simulate_many
-cases = [SimulationCase(PLANT, SETTINGS, np.ones((50, 1)))] * 300
-simulate(PLANT, SETTINGS, np.ones((50, 1)))  # everything is loaded
+from tests.support.lane_cases import GOOD, PLANT
+cases = [SimulationCase(PLANT, GOOD, np.ones((50, 1)))] * 300
+simulate(PLANT, GOOD, np.ones((50, 1)))  # everything is loaded
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + 2**27, size + 2**27))
 print({run.outcome for run in simulate_many(cases, threads=300)})

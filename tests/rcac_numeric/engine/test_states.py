@@ -25,9 +25,10 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_changing_plants import as_functions, schedules
-from tests.rcac_numeric.engine.test_structures import noise
+from tests.support.changing_plants import schedules
 from tests.support.engine_cases import cases, engine_plants, positive
+from tests.support.function_plants import as_functions
+from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes
 
 SIGNALS = ("w", "u", "u_applied", "y", "z", "theta")

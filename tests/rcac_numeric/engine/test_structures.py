@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rcac_numeric import (
@@ -14,19 +14,11 @@ from rcac_numeric import (
     pid,
     simulate,
 )
+from tests.support.comparisons import tame
 from tests.support.engine_cases import KINDS, cases, engine_plants, settings_for, structures
+from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes
 from tests.support.textbook_loop import assert_follows
-
-
-def noise(seed, steps, width):
-    return np.random.default_rng(seed).standard_normal((steps, width))
-
-
-def tame(run):
-    """Runs that do not grow beyond what a comparison to nine digits means."""
-    assume(run.outcome == "completed" and np.abs(run.u).max() < 1e2)
-    return run
 
 
 @pytest.mark.parametrize("kind", KINDS)

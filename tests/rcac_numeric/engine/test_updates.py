@@ -19,8 +19,9 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_structures import noise, tame
+from tests.support.comparisons import tame
 from tests.support.engine_cases import cases, engine_plants, positive, settings_for, structures
+from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
 from tests.support.textbook_loop import assert_follows
 
