@@ -172,9 +172,9 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
 @hypothesis_settings(max_examples=20)
 def test_every_instruction_set_does_the_same(cases):
     singles = [simulate(**arguments(case)) for case in cases]
-    for level in _kernel.levels():
+    for instruction_set in _kernel.instruction_sets():
         prepared = [PreparedRun(**arguments(case)) for case in cases]
-        while _kernel.run_jobs([one.job for one in prepared], 2, 7, True, level):
+        while _kernel.run_jobs([one.job for one in prepared], 2, 7, True, instruction_set):
             pass
         for case, single, one in zip(cases, singles, prepared, strict=True):
             assert_close(one.result(), single, uncertainty(case, single))
