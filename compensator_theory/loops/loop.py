@@ -13,12 +13,13 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.polynomials.poly import from_expression, polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 
 @dataclass(frozen=True)
-class Loop:
+class Loop(ExactValue):
     r"""A plant and a compensator :math:`D_c u = N_c y`, ready to be solved for u.
 
     .. math:: \Delta = D D_c - N_c N_{yu}, \qquad \det\Delta = D^{l_u-1}\,\det(qI - \tilde A)

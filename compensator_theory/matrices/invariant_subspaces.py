@@ -11,10 +11,11 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
 from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.values import ExactValue
 
 
 @dataclass(frozen=True)
-class PrimaryComponent:
+class PrimaryComponent(ExactValue):
     r"""Everything of a matrix that belongs to one irreducible factor f of its polynomial.
 
     .. math:: \ker f(\tilde A) \subseteq \ker f(\tilde A)^2 \subseteq \cdots

@@ -10,12 +10,13 @@ from sympy import ImmutableMatrix, Poly
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.observers.gains import observer_gain, regulator_gain, wanted_spectrum
 from compensator_theory.polynomials.poly import PolynomialLike, canonical, format_polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True)
-class ObserverBasedCompensator:
+class ObserverBasedCompensator(ExactValue):
     r"""An observer followed by state-estimate feedback, with the proof of its spectrum.
 
     .. math:: \dot{\hat x} = (A + BK - FC)\hat x + F y, \qquad u = K\hat x

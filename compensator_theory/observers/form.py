@@ -11,11 +11,12 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
-class ObserverForm:
+class ObserverForm(ExactValue):
     r"""A change of basis that shows a compensator to be an observer with state feedback.
 
     .. math:: x_c = T\hat x, \qquad T^{-1} A_c T = A + BK - FC, \quad T^{-1} B_c = F,

@@ -12,14 +12,15 @@ from compensator_theory.errors import (
     NotControllableError,
     NotObservableError,
 )
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import solve
 from compensator_theory.polynomials.from_roots import polynomial_or_roots
-from compensator_theory.polynomials.poly import PolynomialLike, as_symbol, format_polynomial, monic
+from compensator_theory.polynomials.poly import PolynomialLike, format_polynomial, monic
+from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.controllability import (
     controllability_matrix,
     uncontrollable_polynomial,
 )
-from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
 
 
 def regulator_gain(

@@ -8,7 +8,7 @@ import sympy
 from sympy import ImmutableMatrix, Poly
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
-from compensator_theory.loops.sensitivity import require_sign
+from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.linear_algebra import AffineSolution, solve_affine
 from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement

@@ -9,7 +9,8 @@ from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import as_symbol, canonical, from_expression, polynomial
+from compensator_theory.polynomials.poly import canonical, from_expression, polynomial
+from compensator_theory.polynomials.variables import as_symbol
 
 
 def polynomial_from_roots(roots: Iterable[Any], variable: str | Symbol) -> Poly:

@@ -9,13 +9,14 @@ import flint
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.poly import canonical, is_rational
+from compensator_theory.polynomials.values import ExactValue
 
 Decision = TypeVar("Decision")
 
 
 @dataclass(frozen=True)
-class Root:
+class Root(ExactValue):
     """A root of a rational polynomial, known to lie in a disk that contains no other root.
 
     Attributes
@@ -155,7 +156,7 @@ def _integer_polynomial(poly: Poly) -> Any:
         )
     if poly.is_zero:
         raise InputError("every number is a root of the zero polynomial")
-    _, cleared = poly.clear_denoms(convert=True)
+    _, cleared = canonical(poly).clear_denoms(convert=True)
     return flint.fmpz_poly([int(c) for c in reversed(cleared.all_coeffs())])
 
 

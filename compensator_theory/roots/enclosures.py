@@ -10,12 +10,13 @@ from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.values import ExactValue
 
 SHOWN_DIGITS = 20
 
 
 @dataclass(frozen=True, repr=False)
-class Enclosure:
+class Enclosure(ExactValue):
     r"""A real number x with :math:`|x - \mathrm{centre}| \le \mathrm{radius}`, certified.
 
     Attributes
@@ -74,7 +75,7 @@ class Enclosure:
 
 
 @dataclass(frozen=True, repr=False)
-class PolynomialEnclosure:
+class PolynomialEnclosure(ExactValue):
     r"""A real polynomial whose coefficients are certified by :class:`Enclosure`.
 
     .. math:: a(s) = a_k s^k + \cdots + a_0, \qquad

@@ -36,7 +36,7 @@ def locate_half_plane_roots(poly: Poly) -> RootCount:
     >>> print(locate_half_plane_roots(polynomial("(s + 1)**2*(s**2 + 2)*s")))
     2 stable, 3 on the boundary, 0 unstable
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     s = poly.gen
     symmetric = poly.gcd(poly.compose(Poly(-s, s, domain=QQ)))
     others = decided_balls(poly.exquo(symmetric), lambda ball: _sign(ball.real))
@@ -77,7 +77,7 @@ def locate_unit_disk_roots(poly: Poly) -> RootCount:
     >>> print(locate_unit_disk_roots(polynomial("q*(q + 1)**2*(q - 3)")))
     1 stable, 2 on the boundary, 1 unstable
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     degree = int(poly.degree())
     at_origin, rest = _without_origin(poly)
     symmetric = rest.gcd(reciprocal_polynomial(rest))

@@ -33,7 +33,7 @@ def count_unit_disk_roots(poly: Poly) -> RootCount:
     >>> print(count_unit_disk_roots(polynomial("q*(q + 1)**2*(q - 3)")))
     1 stable, 2 on the boundary, 1 unstable
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     s, degree = poly.gen, int(poly.degree())
     plus, minus = Poly([1, 1], s, domain=QQ), Poly([-1, 1], s, domain=QQ)
     image, power = Poly(0, s, domain=QQ), Poly(1, s, domain=QQ)
@@ -80,7 +80,7 @@ def reflection_coefficients(poly: Poly) -> tuple[Any, ...]:
     >>> reflection_coefficients(polynomial("z**2 - 3*z + 2"))
     (2,)
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     ring = poly.domain
     row = [ring.convert(c) for c in poly.rep.to_list()]
     found = []

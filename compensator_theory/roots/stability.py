@@ -13,6 +13,7 @@ from compensator_theory.polynomials.poly import (
     is_rational,
     polynomial,
 )
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
 from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots, reflection_coefficients
@@ -21,7 +22,7 @@ MAX_DETERMINANTS = 40
 
 
 @dataclass(frozen=True)
-class StabilityDecision:
+class StabilityDecision(ExactValue):
     """Whether a polynomial is Hurwitz or Schur, by two independent routes, with the evidence.
 
     Attributes

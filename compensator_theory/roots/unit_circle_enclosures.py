@@ -66,7 +66,7 @@ def enclose_split_at_unit_circle(
     >>> print(inside, "|", outside)
     q - 0.26794919243112270647 | q - 3.7320508075688772935
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     bits = working_bits(digits)
     try:
         return tuple(exact_enclosure(factor) for factor in split_at_unit_circle(poly))  # type: ignore[return-value]

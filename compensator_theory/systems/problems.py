@@ -6,8 +6,9 @@ import sympy
 from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.standard_problems import MatrixLike, StandardProblem, exact_matrix
+from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import controllable_canonical_form
 
 _SERVO_MATRICES = ("A", "B", "D_1", "C", "D_0")
