@@ -1,7 +1,6 @@
 """LQG closed-loop poles of plants with any number of signals, by an exact determinant."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import flint
 import sympy
@@ -215,7 +214,7 @@ def is_palindromic(poly: Poly) -> bool:
     return bool(reciprocal_polynomial(reflected) == reflected)
 
 
-def _interpolated(points: list[Any], values: list[Any]) -> list[Any]:
+def _interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
     """Return ascending coefficients through the points, by Newton's divided differences."""
     table = list(values)
     for order in range(1, len(points)):

@@ -1,7 +1,8 @@
 """Discrete-time Riccati equations with one input, solved exactly or in certified balls."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeAlias
 
 import flint
 import sympy
@@ -29,6 +30,8 @@ from compensator_theory.roots.spectral_factors import (
 )
 from compensator_theory.roots.unit_circle_enclosures import working_bits
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+
+FlintMatrix: TypeAlias = flint.fmpq_mat | flint.arb_mat
 
 
 @dataclass(frozen=True)
@@ -207,7 +210,12 @@ def solve_riccati(
         precision *= 2
 
 
-def _gain_and_cost(convert: Any, matrices: RegulatorData, W: Matrix, right: Any) -> tuple[Any, Any]:
+def _gain_and_cost(
+    convert: Callable[[Matrix], FlintMatrix],
+    matrices: RegulatorData,
+    W: Matrix,
+    right: FlintMatrix,
+) -> tuple[FlintMatrix, FlintMatrix]:
     """Solve W K' = right and P = A_K' P A_K + E_K' E_K, in rationals or in balls."""
     A, B, E_1, E_2 = map(convert, matrices)
     K = convert(W).solve(right).transpose()

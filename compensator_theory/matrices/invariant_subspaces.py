@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy import ImmutableMatrix, Matrix, Poly
@@ -167,7 +166,7 @@ def kernel(matrix: Matrix) -> ImmutableMatrix:
     return joined(matrix.cols, basis)
 
 
-def joined(rows: int, blocks: Sequence[Any]) -> ImmutableMatrix:
+def joined(rows: int, blocks: Sequence[Matrix]) -> ImmutableMatrix:
     """Put blocks with the same number of rows side by side; none gives a matrix without columns.
 
     Examples

@@ -1,9 +1,9 @@
 """Exact linear algebra: python-flint for rational matrices, polynomial rings for symbolic ones."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
@@ -207,7 +207,7 @@ def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
     return _quotient(numerator, denominator), tuple(pivots)
 
 
-def _quotient(numerator: DomainMatrix, denominator: Any) -> ImmutableMatrix:
+def _quotient(numerator: DomainMatrix, denominator: DomainElement) -> ImmutableMatrix:
     field = numerator.domain.get_field()
     inverse = 1 / field.convert_from(denominator, numerator.domain)
     return ImmutableMatrix((numerator.convert_to(field) * inverse).to_Matrix())

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy import Expr, Poly
@@ -134,7 +133,7 @@ class ObserverForms(ExactValue):
 
         return self._least(distance)
 
-    def _least(self, cost: Callable[[ObserverForm], Any]) -> ObserverForm:
+    def _least(self, cost: Callable[[ObserverForm], Expr | float]) -> ObserverForm:
         if not self.forms:
             raise NoSolutionError(
                 "there is no isolated form to choose from; "

@@ -12,7 +12,7 @@ from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.placement.rounding_effects import rounding_effect
-from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, format_polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.transfer_functions import TransferFunction
@@ -88,7 +88,7 @@ class PolePlacement(ExactValue):
         """Return D D_c - f N N_c for any compensator in the same variable."""
         return closed_loop_of_pair(self.plant, compensator, self.feedback)
 
-    def member(self, parameters: Sequence[Any]) -> TransferFunction:
+    def member(self, parameters: Sequence[NumberLike]) -> TransferFunction:
         """Return one compensator of the family.
 
         Parameters

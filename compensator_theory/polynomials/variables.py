@@ -149,6 +149,28 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
     return found
 
 
+def require_no_other_operator(poly: Poly) -> None:
+    """Refuse a polynomial in one of s, z, q whose coefficients contain another of them.
+
+    Raises
+    ------
+    InputError
+        Names both; with two meanings of time in one loop, one of them is a mistake.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials.variables import require_no_other_operator
+    >>> require_no_other_operator(polynomial("s + a"))
+    """
+    others = {symbol for symbol in poly.free_symbols_in_domain if is_operator(symbol)}
+    if is_operator(poly.gen) and others - {poly.gen}:
+        raise InputError(
+            f"{poly.as_expr()} is to be read in the variable {poly.gen} and contains "
+            f"{', '.join(sorted(map(str, others)))}; use one variable"
+        )
+
+
 def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:
     """Refuse two symbols with one name, which differ in their assumptions only.
 

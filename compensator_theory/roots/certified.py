@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import flint
 from sympy import Poly
@@ -78,7 +78,7 @@ def certified_roots(poly: Poly) -> tuple[Root, ...]:
     return tuple(sorted(found, key=_order))
 
 
-def root_balls(poly: Poly, precision: int = 64) -> list[tuple[Any, int]]:
+def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
     """Return the certified complex balls of python-flint with their multiplicities.
 
     Parameters
@@ -110,8 +110,8 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[Any, int]]:
 
 
 def decided_balls(
-    poly: Poly, decide: Callable[[Any], Decision | None], precision: int = 64
-) -> list[tuple[Any, int, Decision]]:
+    poly: Poly, decide: Callable[[flint.acb], Decision | None], precision: int = 64
+) -> list[tuple[flint.acb, int, Decision]]:
     """Isolate the roots with growing precision until each ball answers a question.
 
     The question is asked at the precision of the balls: at a lower one, python-flint would round
@@ -148,7 +148,7 @@ def decided_balls(
         precision *= 2
 
 
-def _integer_polynomial(poly: Poly) -> Any:
+def _integer_polynomial(poly: Poly) -> flint.fmpz_poly:
     if not is_rational(poly):
         raise InputError(
             f"the roots of {poly.as_expr()} cannot be certified: its coefficients are not all "
@@ -160,7 +160,7 @@ def _integer_polynomial(poly: Poly) -> Any:
     return flint.fmpz_poly([int(c) for c in reversed(cleared.all_coeffs())])
 
 
-def _rounded(ball: Any, multiplicity: int) -> Root:
+def _rounded(ball: flint.acb, multiplicity: int) -> Root:
     is_real = bool(ball.imag == 0)
     real = 0.0 if ball.real.contains(0) else float(ball.real.mid())  # +-j prints as +-j
     value = complex(real, 0.0 if is_real else float(ball.imag.mid()))

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any
 
 import flint
 import sympy
@@ -151,7 +150,7 @@ class PolynomialEnclosure(ExactValue):
         return str(sympy.latex(sum(terms)))
 
 
-def enclosure_of_ball(ball: Any) -> Enclosure:
+def enclosure_of_ball(ball: flint.arb) -> Enclosure:
     """Return the exact data of a python-flint real ball.
 
     Raises
@@ -171,7 +170,7 @@ def enclosure_of_ball(ball: Any) -> Enclosure:
     return Enclosure(_dyadic(ball.mid()), _dyadic(ball.rad()))
 
 
-def ball_of_number(number: Expr) -> Any:
+def ball_of_number(number: Expr) -> flint.arb:
     """Return a python-flint real ball, at its working precision, that contains a rational number.
 
     Examples
@@ -184,7 +183,7 @@ def ball_of_number(number: Expr) -> Any:
     return flint.arb(flint.fmpq(int(number.p), int(number.q)))
 
 
-def ball_of_enclosure(enclosure: Enclosure) -> Any:
+def ball_of_enclosure(enclosure: Enclosure) -> flint.arb:
     """Return a python-flint real ball, at its working precision, that contains an enclosure.
 
     Examples
@@ -198,7 +197,7 @@ def ball_of_enclosure(enclosure: Enclosure) -> Any:
     return ball_of_number(enclosure.centre) + error
 
 
-def _dyadic(value: Any) -> Rational:
+def _dyadic(value: flint.arf) -> Rational:
     mantissa, exponent = value.man_exp()
     return sympy.Integer(int(mantissa)) * Rational(2) ** int(exponent)
 

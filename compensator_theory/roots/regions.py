@@ -1,7 +1,6 @@
 """Where certified roots lie: left of, on or right of the imaginary axis; inside the unit circle."""
 
-from typing import Any
-
+import flint
 from sympy import QQ, Poly
 
 from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
@@ -108,9 +107,9 @@ def _divided(poly: Poly, factor: Poly) -> tuple[int, Poly]:
         multiplicity, poly = multiplicity + 1, quotient
 
 
-def _sign(value: Any) -> int | None:
+def _sign(value: flint.arb) -> int | None:
     return -1 if value < 0 else 1 if value > 0 else None
 
 
-def _less(value: Any, bound: int) -> bool | None:
+def _less(value: flint.arb, bound: int) -> bool | None:
     return True if value < bound else False if value > bound else None

@@ -1,8 +1,6 @@
 """How many roots are inside the unit circle, by exact arithmetic on the coefficients."""
 
-from typing import Any
-
-from sympy import QQ, Poly
+from sympy import QQ, Expr, Poly
 
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
 
@@ -44,7 +42,7 @@ def count_unit_disk_roots(poly: Poly) -> RootCount:
     return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
 
 
-def reflection_coefficients(poly: Poly) -> tuple[Any, ...]:
+def reflection_coefficients(poly: Poly) -> tuple[Expr, ...]:
     r"""Return the numbers of Schur and Cohn, as far as they decide.
 
     .. math:: k_j = \frac{a_j(0)}{\mathrm{lc}(a_j)}, \qquad

@@ -1,7 +1,6 @@
 """Inside, on or outside the unit circle: decided exactly."""
 
-from typing import Any
-
+import flint
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
@@ -100,7 +99,7 @@ def lies_inside(factor: Poly) -> bool:
     return all(inside)
 
 
-def is_inside(ball: Any) -> bool | None:
+def is_inside(ball: flint.acb) -> bool | None:
     """Tell whether a complex ball lies inside the unit circle; None if it meets the circle.
 
     Examples

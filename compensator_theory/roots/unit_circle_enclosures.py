@@ -3,10 +3,9 @@
 import operator
 from collections.abc import Iterable
 from functools import reduce
-from typing import Any
 
 import flint
-from sympy import Poly, Rational
+from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.polynomials.reciprocals import monic_reciprocal_polynomial
@@ -87,7 +86,9 @@ def enclose_split_at_unit_circle(
         bits *= 2
 
 
-def product_of_roots(balls: Iterable[tuple[Any, int]], variable: Any) -> PolynomialEnclosure:
+def product_of_roots(
+    balls: Iterable[tuple[flint.acb, int]], variable: Symbol
+) -> PolynomialEnclosure:
     """Multiply out the monic polynomial with the given balls as roots, conjugates included.
 
     Parameters
