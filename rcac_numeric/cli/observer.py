@@ -120,7 +120,7 @@ def _report(plant_text: str, compensator_text: str, feedback: int) -> _Report:
         realisation_is_observer_based,
         transfer_function_is_observer_based,
     )
-    from compensator_theory.observers.questions import siso_loop
+    from compensator_theory.loops.siso import siso_loop
     from compensator_theory.polynomials.poly import is_rational, scaled
     from compensator_theory.systems.transfer_functions import TransferFunction
 
