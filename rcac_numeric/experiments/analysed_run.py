@@ -8,11 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch, intercalated_match
+from rcac_numeric.analysis.closed_loop import ClosedLoop, frozen_loop
 from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
+from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.engine.runs import Run, controllers_of
-from rcac_numeric.plants.frozen import frozen_loop, measuring_command, plant_at
+from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.validation import integer, one_of
 from rcac_numeric.experiments import cost_measures
 from rcac_numeric.experiments.analysed_run import AnalysedRun
-from rcac_numeric.plants.frozen import frozen_loop
 
 SIGNALS = ("z", "y", "u", "u_applied", "w")
 

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import MATRICES, Plant, from_problem
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
@@ -53,14 +51,6 @@ def measuring_command(plant: Plant) -> Plant:
         },
         blocks=plant.blocks,
     )
-
-
-def frozen_loop(plant: Plant | PlantSchedule, compensator: Compensator, k: int) -> ClosedLoop:
-    """The plant of step k in a loop with a fixed compensator that reads y, or [y; r]."""
-    fixed = plant_at(plant, k)
-    if compensator.l_y > fixed.l_y:
-        fixed = measuring_command(fixed)
-    return ClosedLoop(fixed, compensator)
 
 
 def _moved(plant: PlantSchedule, change: PlantChange, k: int) -> Plant:
