@@ -85,7 +85,7 @@ class StandardProblem(ExactValue):
     E_0: ImmutableMatrix
     variable: Symbol
 
-    def __init__(  # noqa: PLR0917  (in the order of (2.1)-(2.3))
+    def __init__(
         self,
         A: MatrixLike,
         B: MatrixLike,

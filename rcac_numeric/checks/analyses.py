@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, intercalated_match
+from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import compare_exactly
+from rcac_numeric.analysis.match import intercalated_match
 from rcac_numeric.analysis.residual_split import split_residual
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.checks.logs import ControllerLog

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import DivergedError, InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch
+from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
+from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant

@@ -8,13 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import (
-    ClosedLoop,
-    IntercalatedMatch,
-    frozen_loop,
-    intercalated_match,
-)
+from rcac_numeric.analysis.closed_loop import ClosedLoop, frozen_loop
 from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
+from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compatibility import controllers_of

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rcac_numeric.analysis.closed_loop import IntercalatedMatch
+from rcac_numeric.analysis.match import IntercalatedMatch
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
