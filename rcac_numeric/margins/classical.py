@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.margins.boundaries import (
@@ -19,9 +20,6 @@ from rcac_numeric.margins.boundaries import (
 from rcac_numeric.margins.crossovers import gain_crossovers, phase_crossovers
 from rcac_numeric.margins.disk import DiskMargin, disk_margin_of
 from rcac_numeric.margins.opened_loop import OpenedLoop, broken_loop
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +107,7 @@ class Margins:
         ]
         return "\n".join(lines)
 
-    def plot(self) -> Figure:
+    def plot(self) -> figures.Figure:
         """The Nyquist curve near -1 with the margins marked."""
         from rcac_numeric.plots.margins import plot_margins
 
