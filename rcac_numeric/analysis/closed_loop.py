@@ -202,7 +202,8 @@ def intercalated_match(
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     ClosedLoop, Compensator, fir_target, intercalated_match, standard_plant)
     >>> plant = standard_plant("1/(q - 2)")
     >>> loop = ClosedLoop(plant, Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]]))
     >>> intercalated_match(loop, fir_target(plant)).worst < 1e-12  # both poles at zero: 1/q

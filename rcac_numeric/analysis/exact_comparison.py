@@ -123,7 +123,8 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     Compensator, compare_exactly, pole_placement_target, standard_plant)
     >>> plant = standard_plant("1/(q - 2)")
     >>> target = pole_placement_target(plant, ["1/2", "1/4"])
     >>> converged = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 1e-6]]])

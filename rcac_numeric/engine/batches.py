@@ -83,10 +83,12 @@ def simulate_many(
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     ControllerSettings, SimulationCase, WhiteNoise, exogenous, fir_target, iir,
+    ...     simulate_many, standard_plant)
     >>> plant = standard_plant("1/(q - 0.9)")
     >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1)
-    >>> noise = [exogenous([white_noise()], 100, seed) for seed in range(8)]
+    >>> noise = [exogenous([WhiteNoise()], 100, seed) for seed in range(8)]
     >>> cases = [SimulationCase(plant, settings, w) for w in noise]
     >>> runs, in_lanes = simulate_many(cases), simulate_many(cases, lanes=True)
     >>> [run.outcome for run in runs] == ["completed"] * 8

@@ -65,10 +65,11 @@ def simulate(
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     ControllerSettings, Step, exogenous, fir_target, iir, servo_plant, simulate)
     >>> plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
     >>> settings = ControllerSettings(structure=iir(n_c=3), target=fir_target(plant), R_theta=0.2)
-    >>> w = exogenous([step(), step(0), step(0)], steps=1000)
+    >>> w = exogenous([Step(), Step(0), Step(0)], steps=1000)
     >>> run = simulate(plant, settings, w)
     >>> run
     Run(completed, steps=1000, Plant(n=2, l_u=1, l_w=3, l_y=1, l_z=1))
@@ -99,12 +100,14 @@ def frozen_twin(run: Run, k: int) -> Run:
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     ControllerSettings, PlantChange, PlantSchedule, WhiteNoise, exogenous, fir_target,
+    ...     frozen_twin, iir, simulate, standard_plant)
     >>> slow, fast = standard_plant("1/(q - 0.9)"), standard_plant("4/(q - 0.9)")
     >>> plant = PlantSchedule(
     ...     [PlantChange(start=0, plant=slow), PlantChange(start=500, plant=fast)])
     >>> settings = ControllerSettings(structure=iir(n_c=1), target=fir_target(slow), R_theta=1e-3)
-    >>> run = simulate(plant, settings, exogenous([white_noise()], 1000))
+    >>> run = simulate(plant, settings, exogenous([WhiteNoise()], 1000))
     >>> run.outcome, frozen_twin(run, 500).outcome
     ('completed', 'completed')
     """

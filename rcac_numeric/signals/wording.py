@@ -17,7 +17,7 @@ def shortened(text: str, at_most: int = 400) -> str:
     >>> shortened("u, y, z")
     'u, y, z'
     >>> shortened(", ".join(map(str, range(1000))), at_most=40)
-    '0, 1, 2 ... [4888 characters] ... , 999'
+    '0, 1, 2,  ... [4888 characters] ...  999'
     """
     if len(text) <= at_most:
         return text

@@ -65,11 +65,13 @@ def simulate_reference(
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     ControllerSettings, Step, exogenous, fir_target, iir, simulate_reference,
+    ...     standard_plant)
     >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     >>> settings = ControllerSettings(
     ...     structure=iir(n_c=2), target=fir_target(plant), R_theta=1e-20)
-    >>> w = exogenous([step()], steps=20)
+    >>> w = exogenous([Step()], steps=20)
     >>> reference = simulate_reference(plant, settings, w)
     >>> reference.digits > 100
     True

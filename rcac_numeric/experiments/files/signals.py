@@ -10,26 +10,26 @@ from rcac_numeric.arrays.validation import number
 from rcac_numeric.experiments.files.sections import Section
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
-from rcac_numeric.signals.recordings import read_recording, recorded
-from rcac_numeric.signals.signal import (
-    Signal,
-    harmonic,
-    piecewise,
-    pulse,
-    ramp,
-    sequence,
-    step,
-    white_noise,
+from rcac_numeric.signals.recordings import Recorded, read_recording
+from rcac_numeric.signals.signal import Signal
+from rcac_numeric.signals.waveforms import (
+    Harmonic,
+    Levels,
+    Piecewise,
+    Pulse,
+    Ramp,
+    Step,
+    WhiteNoise,
 )
 
 # For each kind of signal the function that makes it and the argument that its key stands for.
 KINDS: dict[str, tuple[Any, str]] = {
-    "step": (step, "height"),
-    "ramp": (ramp, "slope"),
-    "pulse": (pulse, "height"),
-    "harmonic": (harmonic, "omega"),
-    "white_noise": (white_noise, "std"),
-    "sequence": (sequence, "values"),
+    "step": (Step, "height"),
+    "ramp": (Ramp, "slope"),
+    "pulse": (Pulse, "height"),
+    "harmonic": (Harmonic, "omega"),
+    "white_noise": (WhiteNoise, "std"),
+    "sequence": (Levels, "levels"),
 }
 
 
@@ -66,7 +66,7 @@ def real(value: Any, name: str) -> float:
 
 def _signal(value: Any, name: str, folder: Path) -> Signal:
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return step(value)
+        return Step(value)
     if isinstance(value, dict) and set(value) == {"sum"}:
         if not isinstance(value["sum"], list) or not value["sum"]:
             raise InputError(f"[signals] {name}: sum = {value['sum']!r} must be a list of signals.")
@@ -76,7 +76,7 @@ def _signal(value: Any, name: str, folder: Path) -> Signal:
         return _recorded(value, name, folder)
     if isinstance(value, dict) and set(value) == {"piecewise"}:
         pieces = _pieces(value, name)
-        return piecewise([(start, _signal(part, name, folder)) for start, part in pieces])
+        return Piecewise([(start, _signal(part, name, folder)) for start, part in pieces])
     for kind in KINDS.keys() & (value.keys() if isinstance(value, dict) else ()):
         make, first = KINDS[kind]
         arguments = {first if key == kind else key: entry for key, entry in value.items()}
@@ -102,10 +102,10 @@ def _recorded(value: dict[str, Any], name: str, folder: Path) -> Signal:
         )
     source = value["recorded"]
     if isinstance(source, str):
-        return recorded(read_recording(folder / source, value.get("column", 0)), source)
+        return Recorded(read_recording(folder / source, value.get("column", 0)), source)
     if "column" in value:
         raise InputError(f"[signals] {name}: column is for a file; recorded is a list here.")
-    return recorded(source, f"[signals] {name}.recorded")
+    return Recorded(source, f"[signals] {name}.recorded")
 
 
 def _pieces(value: dict[str, Any], name: str) -> list[Any]:

@@ -13,12 +13,14 @@ from rcac_numeric import (
     Compensator,
     ControllerLog,
     ControllerSettings,
+    Harmonic,
     Plant,
+    Step,
+    WhiteNoise,
     check_controller,
     exogenous,
     fir,
     fir_target,
-    harmonic,
     iir,
     load_example,
     pid,
@@ -27,8 +29,6 @@ from rcac_numeric import (
     servo_plant,
     simulate,
     standard_plant,
-    step,
-    white_noise,
 )
 from rcac_numeric.checks.replays import replay_compensator
 from tests.support.strategies import controllers, plants, seeds
@@ -104,7 +104,7 @@ def test_replay_of_any_structure_size_and_weight_agrees(data):
 
 def test_rows_that_an_update_left_are_recognised():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, iir(n_c=2), [white_noise()])
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
     after = np.vstack([run.theta[1:], run.theta_final])
     found = replay(ControllerLog(u=run.u, y=run.y, theta=after), iir(n_c=2))
     assert found.agrees and found.shift == 1
@@ -114,14 +114,14 @@ def test_rows_that_an_update_left_are_recognised():
     "structure", [pid(), fir(n_c=3), iir(n_c=3, k_c=0)], ids=["PID", "FIR", "proper"]
 )
 def test_other_structures_replay_too(structure):
-    run = logged(servo_plant("0.1/(q - 0.9)"), structure, [step(), step(0), step(0)])
+    run = logged(servo_plant("0.1/(q - 0.9)"), structure, [Step(), Step(0), Step(0)])
     log = ControllerLog(u=run.u, y=run.y, theta=run.theta)
     assert replay(log, structure, k_w=run.settings.k_w).worst < 1e-12
 
 
 def test_a_u_that_did_not_come_from_theta_is_found():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, iir(n_c=2), [white_noise()])
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
     u = run.u.copy()
     u[200] += 0.1 * np.abs(u).max()
     found = replay(ControllerLog(u=u, y=run.y, theta=run.theta), iir(n_c=2))
@@ -132,7 +132,7 @@ def test_a_u_that_did_not_come_from_theta_is_found():
 
 def test_last_coefficients_alone_are_compared_with_the_last_tenth():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, iir(n_c=2), [harmonic(0.3)], steps=2000)
+    run = logged(plant, iir(n_c=2), [Harmonic(0.3)], steps=2000)
     check = check_controller(run.u, run.y, theta=run.theta_final, structure=iir(n_c=2))
     assert check.replay.start == 1800 and check.unsaid["convergence"]
     assert len(check.plot().axes) == 3
@@ -141,7 +141,7 @@ def test_last_coefficients_alone_are_compared_with_the_last_tenth():
 def test_what_a_harmonic_leaves_in_the_controller():
     """Example 2.1's idea: a harmonic command drives controller poles to exp(+-j omega)."""
     plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
-    run = logged(plant, iir(n_c=4), [harmonic(0.5), step(0), step(0)], steps=3000)
+    run = logged(plant, iir(n_c=4), [Harmonic(0.5), Step(0), Step(0)], steps=3000)
     check = check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
                              structure=iir(n_c=4), plant=plant)  # fmt: skip
     model = min(check.internal_models, key=lambda m: abs(m.omega - 0.5))
@@ -236,7 +236,7 @@ def test_refusals(arguments, words):
 
 def test_noise_needs_a_plant_and_a_silent_channel_has_a_share():
     plant = servo_plant("1/(q - 0.5)")
-    run = logged(plant, iir(n_c=2), [step(), step(0), step(0)], steps=500)
+    run = logged(plant, iir(n_c=2), [Step(), Step(0), Step(0)], steps=500)
     with pytest.raises(InputError, match="they need the plant"):
         check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), noise={"d": 1.0})
     check = check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), plant=plant,

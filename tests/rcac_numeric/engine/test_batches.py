@@ -12,15 +12,15 @@ from rcac_numeric import (
     FunctionPlant,
     Saturation,
     SimulationCase,
+    Step,
     TargetModel,
+    WhiteNoise,
     exogenous,
     fir_target,
     iir,
     simulate,
     simulate_many,
     standard_plant,
-    step,
-    white_noise,
 )
 from tests.support.strategies import controllers, plants, seeds
 
@@ -56,7 +56,7 @@ def test_batches_of_different_cases_equal_single_runs(data, threads, seed):
 
 def test_a_diverging_case_does_not_touch_the_others():
     good, bad = standard_plant("1/(q - 0.5)"), standard_plant("1/(q - 3)")
-    w = exogenous([step()], 400)
+    w = exogenous([Step()], 400)
     wrong_sign = ControllerSettings(structure=iir(1), target=TargetModel([0, -1.0]), R_theta=1e6)
     right = ControllerSettings(structure=iir(1), target=fir_target(good), R_theta=1.0)
     runs = simulate_many(
@@ -74,7 +74,7 @@ def test_seeds_are_independent_of_their_neighbours():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     settings = ControllerSettings(structure=iir(3), target=fir_target(plant), R_theta=1.0)
     cases = [
-        SimulationCase(plant, settings, exogenous([white_noise()], 200, seed)) for seed in range(9)
+        SimulationCase(plant, settings, exogenous([WhiteNoise()], 200, seed)) for seed in range(9)
     ]
     runs = simulate_many(cases, threads=2)
     assert all(

@@ -14,6 +14,7 @@ from rcac_numeric import (
     Controller,
     ControllerSettings,
     Plant,
+    Step,
     TargetModel,
     exogenous,
     fir,
@@ -24,7 +25,6 @@ from rcac_numeric import (
     simulate,
     simulate_reference,
     standard_plant,
-    step,
 )
 from tests.support.strategies import controllers, plants, seeds
 
@@ -101,7 +101,7 @@ def test_start_up():
     settings = ControllerSettings(
         structure=iir(1), target=fir_target(plant), R_theta=1e-3, k_w=7, k_update=4
     )
-    run = simulate(plant, settings, exogenous([step()], 12))
+    run = simulate(plant, settings, exogenous([Step()], 12))
     assert not run.u[:7].any() and run.u[7:].all()
     assert not run.theta[:5].any()  # theta(4 + 1) is the first that an update made
     assert run.theta[5:].any(axis=1).all()
@@ -110,7 +110,7 @@ def test_start_up():
 def test_divergence_keeps_what_came_before():
     plant = standard_plant("1/(q - 3)")
     settings = ControllerSettings(structure=iir(1), target=TargetModel([0, -1.0]), R_theta=1e6)
-    w = exogenous([step()], 1000)
+    w = exogenous([Step()], 1000)
     run = simulate(plant, settings, w)
     assert run.outcome == "diverged" and 10 < run.steps < 1000
     arrays = (run.w, run.u, run.y, run.z, run.theta)
@@ -176,7 +176,7 @@ def test_the_guard_sees_an_unexcited_direction(R_theta, speaks):
 def test_theta_is_kept_at_the_stride(stride):
     plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
     settings = ControllerSettings(structure=iir(2), target=fir_target(plant), R_theta=0.2)
-    w = exogenous([step(), step(0), step(0)], 20)
+    w = exogenous([Step(), Step(0), Step(0)], 20)
     full, kept = simulate(plant, settings, w), simulate(plant, settings, w, stride=stride)
     assert np.array_equal(kept.theta, full.theta[::stride])
     assert np.array_equal(kept.theta_final, full.theta_final)
