@@ -12,7 +12,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.signals.budget import MOST_NUMBERS, Budget
+from rcac_numeric.signals.budget import Budget
 from rcac_numeric.signals.wording import shortened
 
 
@@ -45,16 +45,18 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
     try:
         with _opened(file) as stream:
             head, row, delimiter = _first_row(file, stream)
+        _require_room(file, delimiter)
         is_head = named or all(as_number(entry) is None for entry in row)
         names = _names(file, head, row) if is_head else []
         skipped = head if is_head else head - 1
         with _opened(file) as stream:
             for _ in range(skipped):
                 next(stream)
-            table = _table(file, stream, delimiter)
+            table = _table(stream, delimiter)
         if table is None or table.shape[1] != len(row):  # slower, but it knows what is wrong
+            labels = names or [str(i) for i in range(1, len(row) + 1)]
             with _opened(file) as stream:
-                table = _checked_table(file, stream, skipped, names or row, delimiter)
+                table = _checked_table(file, stream, skipped, labels, delimiter)
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{file} is not a text file of numbers: {error}.") from None
     if not len(table):
@@ -98,26 +100,30 @@ def _names(file: Path, line: int, row: list[str]) -> list[str]:
     return row
 
 
-def _table(file: Path, stream: TextIO, delimiter: str) -> Array | None:
+def _table(stream: TextIO, delimiter: str) -> Array | None:
     """The rest of the file by NumPy's own reader; None where an entry or a row is not right."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # no row at all is said by the caller
-            table = np.loadtxt(
-                stream, delimiter=delimiter, comments=None, ndmin=2, quotechar='"',
-                max_rows=MOST_NUMBERS + 1,
-            )  # fmt: skip
+            table = np.loadtxt(stream, delimiter=delimiter, comments=None, ndmin=2, quotechar='"')
     except ValueError:
         return None
-    Budget(file).take(table.shape)
     return np.asarray(table, dtype=np.float64)
+
+
+def _require_room(file: Path, delimiter: str) -> None:
+    """Refuse more entries than may be read, as far as separators and line ends count them."""
+    separator, count = delimiter.encode(), 0
+    with file.open("rb") as stream:
+        while piece := stream.read(2**20):
+            count += piece.count(separator) + piece.count(b"\n") + piece.count(b"\r")
+    Budget(file).take([count])
 
 
 def _checked_table(
     file: Path, stream: TextIO, head: int, names: list[str], delimiter: str
 ) -> Array:
     entries = array("d")
-    budget = Budget(file)
     for line, row in enumerate(csv.reader(stream, delimiter=delimiter), 1):
         if line <= head or not any(row):
             continue
@@ -126,7 +132,6 @@ def _checked_table(
                 f"{file}, line {line}: {len(row)} entries where {len(names)} are needed, one for "
                 "each column."
             )
-        budget.take([len(row)])
         entries.extend(_entry(file, line, n, entry) for n, entry in zip(names, row, strict=True))
     return np.array(entries, dtype=np.float64).reshape(-1, len(names))
 
