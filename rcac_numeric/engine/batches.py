@@ -17,8 +17,8 @@ from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import AnyPlant, PreparedRun
 from rcac_numeric.engine.runs import Run
 
-# Rows of each run between two looks at the keyboard.
-CHUNK = 1 << 16
+# Seconds between two looks at the keyboard.
+CHUNK = 0.05
 
 
 @dataclass(frozen=True, eq=False)
