@@ -18,8 +18,8 @@ from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
 
-# Rows of each run between two looks at the keyboard.
-CHUNK = 1 << 16
+# Seconds between two looks at the keyboard.
+CHUNK = 0.05
 
 
 @dataclass(frozen=True, eq=False)

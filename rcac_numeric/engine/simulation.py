@@ -18,8 +18,8 @@ from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
 
-# Rows that the kernel runs before Python may look at a key that was pressed.
-CHUNK = 1 << 16
+# Seconds that the kernel runs before Python may look at a key that was pressed.
+CHUNK = 0.05
 
 
 def simulate(
