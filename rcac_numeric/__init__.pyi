@@ -43,6 +43,7 @@ from .controllers.updates import SlidingWindow as SlidingWindow
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
+from .engine.interruption import RunInterrupted as RunInterrupted
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run

@@ -84,17 +84,19 @@ class PreparedRun:
         saved_state(start, "start").restore_into(self._loop, "loop", self._name)
         self.first_step = start.k
 
-    def result(self) -> Run:
-        """What the job has done so far, as a run; raises where a function of the user failed."""
-        done, outcome = self.job.done, self.job.outcome
-        kernels = self._kernels
-        name = OUTCOMES[outcome]
-        if name == "overflow" and self._failures.error is not None:
-            name = "weight failed"  # the kernel was handed a NaN in its place
+    def result(self, interrupted: bool = False) -> Run:
+        """What the job has done so far, as a run.
+
+        A function of the user that failed is an outcome, "plant failed" or "weight failed", and
+        `Run.failure` says how. Where the job was interrupted in a function of the user, its state
+        is in the middle of a step, and none is handed out.
+        """
+        done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
+        stopped = interrupted and outcome == 0 and done < len(self.w)
         state = None
-        if outcome == 0:
+        if outcome == 0 and not (stopped and self._failures.guards_something):
             state = SavedState("loop", self.first_step + done, self._loop.save(), self._name)
-        run = Run(
+        return Run(
             plant=self.plant,
             settings=self.settings,
             w=self.w[:done],
@@ -104,7 +106,7 @@ class PreparedRun:
             theta=self._kept(done),
             theta_final=self._last(outcome),
             stride=self.stride,
-            outcome=name,
+            outcome="interrupted" if stopped else self._name_of(outcome),
             guard_count=sum(kernel.guard_count for kernel in kernels),
             guard_first_step=min(
                 (k.guard_first_step for k in kernels if k.guard_first_step >= 0), default=-1
@@ -117,16 +119,23 @@ class PreparedRun:
             saturation=self.saturation,
             x_0=self.x_0,
             divergence_limit=self.divergence_limit,
+            failure=self._failures.words,
         )
+
+    def require_no_failure(self, run: Run) -> None:
+        """Raise where a function of the user failed; the run so far goes with the error."""
         if self._failures.error is not None:
-            error = self._failures.error
             raise FunctionFailedError(
-                f"a function of the plant or of a weight failed at step {self.first_step + done}: "
-                f"{type(error).__name__}: {error} The steps before are in the attribute run of "
-                "this error.",
+                "a function of the plant or of a weight failed at step "
+                f"{self.first_step + run.steps}: {run.failure} The steps before are in the "
+                "attribute run of this error.",
                 run,
-            ) from error
-        return run
+            ) from self._failures.error
+
+    def _name_of(self, outcome: int) -> str:
+        if OUTCOMES[outcome] == "overflow" and self._failures.error is not None:
+            return "weight failed"  # the kernel was handed a NaN in its place
+        return OUTCOMES[outcome]
 
     def _kept(self, done: int) -> Array:
         rows = -(-done // self.stride)
