@@ -81,7 +81,9 @@ class PreparedRun:
     def _continue(self, start: SavedState) -> None:
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
-        saved_state(start, "start").restore_into(self._loop, "loop", self._name)
+        saved_state(start, "start").restore_into(
+            self._loop, "loop", self._name, lambda: self._kernels[0].k
+        )
         self.first_step = start.k
 
     def result(self, interrupted: bool = False) -> Run:
@@ -95,7 +97,7 @@ class PreparedRun:
         stopped = interrupted and outcome == 0 and done < len(self.w)
         state = None
         if outcome == 0 and not (stopped and self._failures.guards_something):
-            state = SavedState("loop", self.first_step + done, self._loop.save(), self._name)
+            state = SavedState.taken("loop", self.first_step + done, self._loop.save(), self._name)
         return Run(
             plant=self.plant,
             settings=self.settings,
