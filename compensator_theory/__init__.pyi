@@ -3,6 +3,7 @@ from . import strategies as strategies
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError
 from .errors import FunctionFailedError as FunctionFailedError
+from .errors import IllConditionedError as IllConditionedError
 from .errors import ImproperError as ImproperError
 from .errors import InputError as InputError
 from .errors import NoSolutionError as NoSolutionError

@@ -54,6 +54,10 @@ class DivergedError(CompensatorError):
     """A closed loop left the range of float64; what came before is kept in the result."""
 
 
+class IllConditionedError(CompensatorError):
+    """Rounding decides the answer, so that it is undecided; exact data or other units may help."""
+
+
 class FunctionFailedError(CompensatorError):
     """A function that was passed in failed; `run` holds what was computed before."""
 

@@ -57,6 +57,10 @@ from .experiments.files.builder import load_experiment as load_experiment
 from .experiments.verdicts import Verification as Verification
 from .experiments.verdicts import verify as verify
 from .h2.agreement import ExactAgreement as ExactAgreement
+from .h2.conversion import ConversionCertificate as ConversionCertificate
+from .h2.conversion import (
+    compensator_from_state_space as compensator_from_state_space,
+)
 from .h2.costs import H2Cost as H2Cost
 from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
@@ -64,9 +68,6 @@ from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
-from .h2.state_space import (
-    compensator_from_state_space as compensator_from_state_space,
-)
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.era import eigensystem_realisation as eigensystem_realisation
 from .identification.modelling import (
