@@ -94,7 +94,9 @@ class PreparedRun:
         is in the middle of a step, and none is handed out.
         """
         done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
-        stopped = interrupted and outcome == 0 and done < len(self.w)
+        # A function in which the key was pressed looks to the kernel like one that failed.
+        at_work = outcome == 0 or self._failures.error is None
+        stopped = interrupted and done < len(self.w) and at_work
         state = None
         if outcome == 0 and not (stopped and self._failures.guards_something):
             state = SavedState.taken("loop", self.first_step + done, self._loop.save(), self._name)
