@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.validation import integer, one_of
 from rcac_numeric.experiments import cost_measures
 from rcac_numeric.experiments.analysed_run import AnalysedRun
-from rcac_numeric.plants.frozen import frozen_loop
 
 SIGNALS = ("z", "y", "u", "u_applied", "w")
 
@@ -188,7 +188,7 @@ def first_unstable_controller(r: AnalysedRun) -> float:
     """First step at which theta(k) describes an unstable controller; -1 if there is none."""
     run = r.run
     for row, theta in enumerate(run.theta):
-        if np.abs(run.settings.compensator(theta).poles()).max() > 1:
+        if np.abs(run.settings.compensator_of(theta).poles()).max() > 1:
             return float(row * run.stride)
     return -1.0
 
@@ -233,7 +233,9 @@ def _unstable(r: AnalysedRun, stop: int | None) -> np.ndarray:
     rows = run.theta if stop is None else run.theta[: -(-stop // run.stride)]
     return np.array(
         [
-            not frozen_loop(run.plant, run.settings.compensator(theta), row * run.stride).is_stable
+            not frozen_loop(
+                run.plant, run.settings.compensator_of(theta), row * run.stride
+            ).is_stable
             for row, theta in enumerate(rows)
         ]
     )
