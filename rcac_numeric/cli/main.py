@@ -39,7 +39,7 @@ main.add_command(place)
 @main.command("list")
 def list_command() -> None:
     """List the examples that can be verified."""
-    from rcac_numeric.experiments.files.sections import example_titles
+    from rcac_numeric.experiments.files.documents import example_titles
 
     for number, title in example_titles():
         click.echo(f"{number:<5} {title}")

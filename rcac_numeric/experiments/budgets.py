@@ -60,7 +60,7 @@ class Budget(Value):
         if needed > self.memory:
             raise InputError(
                 f"the run {name!r} of {steps} steps with l_theta = {sum(sizes)} coefficients and "
-                f"{repetitions} repetition{'s' * (repetitions > 1)} would take {needed:.3g} bytes; "
+                f"{repetitions} repetition{'s' * (repetitions > 1)} would keep {needed:.3g} bytes; "
                 f"{self.memory:.3g} are allowed. Use a smaller n_c, fewer steps, a larger stride "
                 f"or fewer repetitions; or allow more with Budget(memory={_above(needed)})."
             )

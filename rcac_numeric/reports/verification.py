@@ -8,7 +8,8 @@ from rich.console import Console
 from rich.markup import escape
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.experiments.verdicts import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verification
+from rcac_numeric.experiments.claims import CORRECTED, NOT_REPRODUCED, REPRODUCED
+from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.tables import complex_list, complex_text, finite_or_none, table_of
 
 if TYPE_CHECKING:

@@ -10,8 +10,9 @@ from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Choice, Numbers, Real
 from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.signal_measures import SIGNALS
 
-FORMS = {"noise": MapOf(Numbers())}
+FORMS = {"noise": MapOf(Numbers()), "signal": Choice(SIGNALS)}
 
 
 def _check(

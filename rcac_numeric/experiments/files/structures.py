@@ -76,7 +76,9 @@ STRUCTURES: Kinds[Structure] = Kinds(
     {
         "iir": iir,
         "fir": fir,
-        "quasi-fir": quasi_fir,
+        "quasi-fir": Table(
+            quasi_fir, given=GIVEN[:2], docs={"free_poles": "How many lags of u there are."}
+        ),
         "pid": pid,
         "fir + integrator": Table(fir_integrator, given=GIVEN[:2], forms={"F": Numbers()}),
         "feedforward": feedforward,
@@ -89,6 +91,21 @@ STRUCTURES: Kinds[Structure] = Kinds(
     default="iir",
     given=GIVEN,
 )
+
+
+def _structure(structure: Structure) -> Structure:
+    """A controller structure by itself.
+
+    Parameters
+    ----------
+    structure : str
+        What the regressor is made of.
+    """
+    return structure
+
+
+# [controller] as far as it says what the regressor is made of.
+STRUCTURE = Table(_structure, forms={"structure": STRUCTURES})
 
 
 def sizes_of(plant: Sizes) -> dict[str, Any]:

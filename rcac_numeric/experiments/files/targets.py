@@ -65,7 +65,7 @@ def _markov_of_plant(plant: Plant, n_bar: int) -> TargetModel:
 
 
 def _markov(plant: Plant, markov_parameters: Any, n_bar: int | None = None) -> TargetModel:
-    """The same of given parameters.
+    """The target model of section 2.4.5 with Markov parameters of your own.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ def _ud(
     lambda_ : number
         Forgetting factor, in (0, 1].
     lambda_changes : list of [step, lambda]
-        lambda from that step on.
+        lambda from each step on.
     forgetting : table
         lambda falls while z is larger than of late: `{ short = 10, long = 100, gain = 0.1 }`.
     process_noise : number or matrix
@@ -107,7 +107,7 @@ RECURSIVE = {
     "lambda_changes": ByStep(Real()),
     "forgetting": Table(VariableRateForgetting),
     "process_noise": Numbers(),
-    "reset": Table(CovarianceReset),
+    "reset": Table(CovarianceReset, docs=dict.fromkeys(("short", "long"), "Steps of `growth`.")),
 }
 
 UPDATES: Kinds[Any] = Kinds(

@@ -129,7 +129,7 @@ class ByStep(Form):
 
     def read(self, value: object, place: Place) -> dict[int, Any]:
         """As a mapping from steps."""
-        rows = ListOf(Row((Integer(), self.entry), "a list of pairs [step, value]"))
+        rows = ListOf(Row((Integer(), self.entry), "a pair [step, value]"))
         changes: dict[int, Any] = {}
         for step, entry in rows.read(value, place):
             if step in changes:

@@ -48,7 +48,7 @@ class Integer(Form):
     def read(self, value: object, place: Place) -> int:
         """As an int."""
         if isinstance(value, bool) or not isinstance(value, int):
-            raise place.refuse(value, "an integer")
+            raise place.error(f"{place} must be an integer, not {brief(value)}.")
         if value < self.at_least:
             raise place.refuse(value, f"at least {self.at_least}")
         if value > self.at_most:
@@ -148,14 +148,14 @@ class Flag(Form):
 class Numbers(Form):
     """A number, or lists of numbers nested up to three deep: a vector, a matrix, several of them."""
 
-    words = "a number or an array of numbers"
+    words = "a number or an array of real numbers"
 
     def read(self, value: object, place: Place) -> Any:
         """A number as a float, anything else as an array of float64."""
         if isinstance(value, list):
             _require_depth(value, place, self.words)
             return real_array(value, str(place))  # type: ignore[arg-type]
-        if isinstance(value, str) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, int | float):
             raise place.refuse(value, self.words)
         return number(value, str(place))
 
