@@ -1,3 +1,4 @@
+__version__: str
 from . import strategies as strategies
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError

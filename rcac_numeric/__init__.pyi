@@ -1,3 +1,4 @@
+__version__: str
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
 from .analysis.closed_loop import IntercalatedMatch as IntercalatedMatch
 from .analysis.closed_loop import intercalated_match as intercalated_match
@@ -17,6 +18,7 @@ from .checks.replays import ControlReplay as ControlReplay
 from .checks.replays import replay as replay
 from .controllers.compensator import Compensator as Compensator
 from .controllers.decentralized import Decentralized as Decentralized
+from .controllers.fixed import FixedController as FixedController
 from .controllers.kinds import feedforward as feedforward
 from .controllers.kinds import fir as fir
 from .controllers.kinds import fir_integrator as fir_integrator
@@ -24,6 +26,7 @@ from .controllers.kinds import iir as iir
 from .controllers.kinds import pid as pid
 from .controllers.kinds import quasi_fir as quasi_fir
 from .controllers.rules import CovarianceReset as CovarianceReset
+from .controllers.rules import ScheduledForgetting as ScheduledForgetting
 from .controllers.rules import SignalWeight as SignalWeight
 from .controllers.rules import VariableRateForgetting as VariableRateForgetting
 from .controllers.settings import ControllerSettings as ControllerSettings
@@ -32,6 +35,11 @@ from .controllers.structure import Structure as Structure
 from .controllers.structure import Tap as Tap
 from .controllers.structure import difference as difference
 from .controllers.structure import integral as integral
+from .controllers.updates import UD as UD
+from .controllers.updates import Covariance as Covariance
+from .controllers.updates import Gradient as Gradient
+from .controllers.updates import Instantaneous as Instantaneous
+from .controllers.updates import SlidingWindow as SlidingWindow
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
@@ -72,8 +80,8 @@ from .margins.disk import DiskMargin as DiskMargin
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
 from .plants.functions import FunctionPlant as FunctionPlant
 from .plants.linear import Plant as Plant
-from .plants.linear import servo_plant as servo_plant
-from .plants.linear import standard_plant as standard_plant
+from .plants.problems import servo_plant as servo_plant
+from .plants.problems import standard_plant as standard_plant
 from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule

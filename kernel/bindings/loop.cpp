@@ -91,8 +91,8 @@ private:
 // Each job at most `rows` steps further, in lanes (with that instruction set) where they are asked
 // for and the job fits; whether there is anything left to do.
 bool run_jobs(const std::vector<OwnedJob*>& owned, std::size_t threads, std::int64_t rows,
-              bool in_lanes, const std::string& level_name) {
-    const Level& lane_level = level(level_name.c_str());
+              bool in_lanes, const std::string& set_name) {
+    const InstructionSet& instructions = instruction_set(set_name.c_str());
     std::vector<Job*> jobs;
     for (OwnedJob* one : owned)
         if (!one->job.finished()) jobs.push_back(&one->job);
@@ -103,7 +103,7 @@ bool run_jobs(const std::vector<OwnedJob*>& owned, std::size_t threads, std::int
         const std::size_t first = groups.in_lanes.size();
         in_threads(first + groups.others.size(), threads, [&](std::size_t i) {
             if (i < first)
-                LaneLoop(groups.in_lanes[i], lane_level).run(rows);
+                LaneLoop(groups.in_lanes[i], instructions).run(rows);
             else
                 groups.others[i - first]->run(rows);
         });
@@ -147,7 +147,7 @@ void bind_loop(nb::module_& m) {
         .def_prop_ro("outcome",
                      [](const OwnedJob& self) { return static_cast<int>(self.job.outcome); });
     m.def("run_jobs", &run_jobs, nb::arg("jobs"), nb::arg("threads"), nb::arg("rows"),
-          nb::arg("lanes") = false, nb::arg("level") = "");
+          nb::arg("lanes") = false, nb::arg("instruction_set") = "");
 }
 
 }  // namespace rcac

@@ -30,7 +30,7 @@ void require_range(std::size_t l_theta, double forgetting) {
 
 nb::tuple replay_updates(const std::string& update, const Cube& Phi_f, const Matrix& target,
                          const Matrix& R_z, const Matrix& R_u, double forgetting, const Matrix& P_0,
-                         const Vector& theta_0, std::size_t repeat, const std::string& level_name) {
+                         const Vector& theta_0, std::size_t repeat, const std::string& set_name) {
     const std::size_t steps = Phi_f.shape(0), l_z = Phi_f.shape(1), l_theta = Phi_f.shape(2);
     require_range(l_theta, forgetting);
     require_shape(target, {steps, l_z}, "target");
@@ -39,7 +39,7 @@ nb::tuple replay_updates(const std::string& update, const Cube& Phi_f, const Mat
     require_shape(P_0, {l_theta, l_theta}, "P_0");
     require_shape(theta_0, {l_theta}, "theta_0");
     std::vector<double> theta(theta_0.data(), theta_0.data() + l_theta), P(l_theta * l_theta);
-    const auto run = make_update(update, P_0.data(), l_theta, level(level_name.c_str()));
+    const auto run = make_update(update, P_0.data(), l_theta, instruction_set(set_name.c_str()));
     bool finite = false;
     {
         nb::gil_scoped_release release;
@@ -56,14 +56,14 @@ nb::tuple replay_updates(const std::string& update, const Cube& Phi_f, const Mat
 
 nb::tuple replay_ud_lanes(const Cube& Phi_f, const Matrix& target, double forgetting,
                           const Cube& P_0, const Matrix& theta_0, std::size_t repeat,
-                          const std::string& level_name) {
+                          const std::string& set_name) {
     const std::size_t steps = Phi_f.shape(0), l_theta = Phi_f.shape(1);
     require_range(l_theta, forgetting);
     require_shape(Phi_f, {steps, l_theta, lanes}, "Phi_f");
     require_shape(target, {steps, lanes}, "target");
     require_shape(P_0, {lanes, l_theta, l_theta}, "P_0");
     require_shape(theta_0, {l_theta, lanes}, "theta_0");
-    const Level& chosen = level(level_name.c_str());
+    const InstructionSet& chosen = instruction_set(set_name.c_str());
     std::vector<double> theta(theta_0.data(), theta_0.data() + l_theta * lanes);
     std::vector<double> P(lanes * l_theta * l_theta);
     std::vector<std::int64_t> lost(lanes, 0);
@@ -91,18 +91,18 @@ nb::tuple replay_ud_lanes(const Cube& Phi_f, const Matrix& target, double forget
 
 void bind_updates(nb::module_& m) {
     m.attr("lanes") = lanes;
-    m.def("levels", [] {
+    m.def("instruction_sets", [] {
         std::vector<std::string> names;
-        const Levels all = levels();
+        const InstructionSets all = instruction_sets();
         for (std::size_t i = 0; i < all.count; ++i) names.push_back(all.first[i]->name);
         return names;
     });
     m.def("replay_updates", &replay_updates, nb::arg("update"), nb::arg("Phi_f"), nb::arg("target"),
           nb::kw_only(), nb::arg("R_z"), nb::arg("R_u"), nb::arg("forgetting") = 1.0,
-          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("repeat") = 1, nb::arg("level") = "");
+          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("repeat") = 1, nb::arg("instruction_set") = "");
     m.def("replay_ud_lanes", &replay_ud_lanes, nb::arg("Phi_f"), nb::arg("target"), nb::kw_only(),
           nb::arg("forgetting") = 1.0, nb::arg("P_0"), nb::arg("theta_0"), nb::arg("repeat") = 1,
-          nb::arg("level") = "");
+          nb::arg("instruction_set") = "");
 }
 
 }  // namespace rcac

@@ -183,7 +183,7 @@ public:
     std::int64_t reflections() const { return reflections_; }
     std::int64_t resets() const { return resets_; }
     bool frozen() const { return frozen_; }
-    // For whoever makes its steps elsewhere (lane_state.hpp).
+    // For whoever makes its steps elsewhere (lanes/state.hpp).
     History& signals() { return signals_; }
     TargetFilter& filter() { return filter_; }
     void has_stepped(std::int64_t steps) { step_ += steps; }

@@ -10,7 +10,7 @@
 
 namespace rcac {
 
-// Whether the run is of the common kind that lane_loop_body.hpp does: one controller with the
+// Whether the run is of the common kind that simd/lanes/loop.inl.hpp does: one controller with the
 // factorised update in the predictor form, nothing that acts on it while it runs, and a plant that
 // is nothing but constant matrices. Where l_z > 1 the weights are constant too.
 // It depends on the run's own settings alone, so that neither its company nor the step that it has

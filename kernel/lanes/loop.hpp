@@ -9,8 +9,8 @@ namespace rcac {
 // of a lane that raised the alarm. A run that ends leaves an idle lane.
 class LaneLoop {
 public:
-    explicit LaneLoop(const std::vector<Job*>& jobs, const Level& level = rcac::level())
-        : level_(&level), state_(*jobs.front()->loop), jobs_(jobs), a_(state_.a) {
+    explicit LaneLoop(const std::vector<Job*>& jobs, const InstructionSet& instructions)
+        : instructions_(&instructions), state_(*jobs.front()->loop), jobs_(jobs), a_(state_.a) {
         for (std::size_t i = 0; i < jobs_.size(); ++i) state_.load(i, *jobs_[i]->loop);
         w_.assign(lane_rows * a_.l_w * lanes, 0.0);
         u_.assign(lane_rows * a_.l_u * lanes, 0.0);
@@ -28,7 +28,7 @@ public:
         while (const std::size_t count = piece()) {
             for (std::size_t i = 0; i < jobs_.size(); ++i)
                 if (jobs_[i]) before(i, count);
-            const std::size_t made = level_->lane_steps(a_, count);
+            const std::size_t made = instructions_->lane_steps(a_, count);
             for (std::size_t i = 0; i < jobs_.size(); ++i)
                 if (jobs_[i]) after(i, made);
         }
@@ -82,7 +82,7 @@ private:
         for (std::size_t i = 0; i < made * width; ++i) to[i] = from[i * lanes + lane];
     }
 
-    // What closed_loop.hpp says of the last step, row `row` of the piece, in its order.
+    // What loop/closed_loop.hpp says of the last step, row `row` of the piece, in its order.
     Outcome verdict(std::size_t lane, std::size_t row) {
         const Job& job = *jobs_[lane];
         const double limit = job.loop->options().limit;
@@ -126,7 +126,7 @@ private:
         for (std::size_t i = lane; i < w_.size(); i += lanes) w_[i] = 0.0;
     }
 
-    const Level* level_;
+    const InstructionSet* instructions_;
     LaneState state_;
     std::vector<Job*> jobs_;  // null: has ended
     LaneArrays& a_;

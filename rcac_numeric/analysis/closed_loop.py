@@ -12,6 +12,8 @@ from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, signal_array
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -214,3 +216,11 @@ def intercalated_match(
     return IntercalatedMatch(
         omega, loop.intercalated_response(omega), target.frequency_response(omega)
     )
+
+
+def frozen_loop(plant: AnyPlant, compensator: Compensator, k: int) -> ClosedLoop:
+    """The plant of step k in a loop with a fixed compensator that reads y, or [y; r]."""
+    fixed = plant_at(plant, k)
+    if compensator.l_y > fixed.l_y:
+        fixed = measuring_command(fixed)
+    return ClosedLoop(fixed, compensator)

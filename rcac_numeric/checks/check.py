@@ -169,10 +169,11 @@ def check_controller(
     Examples
     --------
     >>> from rcac_numeric import (
-    ...     ControllerSettings, Step, check_controller, exogenous, fir_target, iir, simulate,
+    ...     UD, ControllerSettings, Step, check_controller, exogenous, fir_target, iir, simulate,
     ...     standard_plant)
     >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1e-4)
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1e-4))
     >>> run = simulate(plant, settings, exogenous([Step()], steps=1000))
     >>> check = check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
     ...     structure=iir(n_c=2), plant=plant, target=settings.target)

@@ -16,7 +16,8 @@ from rcac_numeric.experiments.files.structures import STRUCTURE, sizes_of
 from rcac_numeric.experiments.files.targets import TARGET
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import require_table
-from rcac_numeric.plants.linear import MATRICES, Plant, servo_plant, standard_plant
+from rcac_numeric.plants.linear import MATRICES, Plant
+from rcac_numeric.plants.problems import servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.signals.data_files import FORMATS, as_number, read_variables
 from rcac_numeric.targets.filters import target_model

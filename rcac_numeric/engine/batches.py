@@ -11,18 +11,19 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays.validation import instance_of, integer, items
-from rcac_numeric.controllers.decentralized import Decentralized
-from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.jobs import AnyPlant, PreparedRun
+from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.plants.any_plant import AnyPlant
 
 # Rows of each run between two looks at the keyboard.
 CHUNK = 1 << 16
 
 
 @dataclass(frozen=True, eq=False)
-class SimulationCase:
+class SimulationCase(Value):
     """The arguments of one `simulate`.
 
     Attributes
@@ -34,7 +35,7 @@ class SimulationCase:
     """
 
     plant: AnyPlant
-    settings: ControllerSettings | Decentralized
+    settings: AnyController
     w: ArrayLike
     options: Mapping[str, Any] = field(default_factory=dict)
 
@@ -84,10 +85,11 @@ def simulate_many(
     Examples
     --------
     >>> from rcac_numeric import (
-    ...     ControllerSettings, SimulationCase, WhiteNoise, exogenous, fir_target, iir,
+    ...     UD, ControllerSettings, SimulationCase, WhiteNoise, exogenous, fir_target, iir,
     ...     simulate_many, standard_plant)
     >>> plant = standard_plant("1/(q - 0.9)")
-    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1)
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1))
     >>> noise = [exogenous([WhiteNoise()], 100, seed) for seed in range(8)]
     >>> cases = [SimulationCase(plant, settings, w) for w in noise]
     >>> runs, in_lanes = simulate_many(cases), simulate_many(cases, lanes=True)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.states import SavedState
-
-if TYPE_CHECKING:
-    from rcac_numeric.controllers.decentralized import Decentralized
+from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.saturation import Saturation
 
 # How a run may end, in the order of the kernel's numbers.
 OUTCOMES = (
@@ -27,7 +26,7 @@ OUTCOMES = (
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Value):
     """A closed-loop run and its evidence.
 
     Attributes
@@ -60,8 +59,8 @@ class Run:
         From which `simulate` continues bit for bit; None where the run was not completed.
     """
 
-    plant: Any
-    settings: ControllerSettings | Decentralized
+    plant: AnyPlant
+    settings: AnyController
     w: Array
     u: Array
     y: Array
@@ -77,7 +76,7 @@ class Run:
     resets: int = 0
     first_step: int = 0
     state: SavedState | None = None
-    saturation: Any = None
+    saturation: Saturation | None = None
     x_0: Array | None = None
     divergence_limit: float = 1e100
 
@@ -89,7 +88,7 @@ class Run:
     @property
     def compensator(self) -> Compensator:
         """The controller after the last completed step."""
-        return self.settings.compensator(self.theta_final)
+        return self.settings.compensator_of(self.theta_final)
 
     def compensator_at(self, k: int) -> Compensator:
         """The controller that made u(k), for a step at which theta was kept."""
@@ -99,14 +98,7 @@ class Run:
                 f"theta({k}) was not kept; it is kept at multiples of {self.stride} below "
                 f"{self.steps}."
             )
-        return self.settings.compensator(self.theta[row])
+        return self.settings.compensator_of(self.theta[row])
 
     def __repr__(self) -> str:
         return f"Run({self.outcome}, steps={self.steps}, {self.plant!r})"
-
-
-def controllers_of(settings: ControllerSettings | Decentralized) -> tuple[ControllerSettings, ...]:
-    """The settings of every controller in the loop."""
-    if isinstance(settings, ControllerSettings):
-        return (settings,)
-    return tuple(settings.controllers)

@@ -12,10 +12,11 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class SavedState:
+class SavedState(Value):
     """The state of a controller, or of controller, actuator and plant together, after k steps.
 
     Attributes
@@ -30,8 +31,9 @@ class SavedState:
 
     Examples
     --------
-    >>> from rcac_numeric import Controller, ControllerSettings, TargetModel, iir
-    >>> settings = ControllerSettings(structure=iir(n_c=1), target=TargetModel([0, 1]), R_theta=1)
+    >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=1), target=TargetModel([0, 1]), update=UD(R_theta=1))
     >>> first, second = Controller(settings), Controller(settings)
     >>> for k in range(10):
     ...     _ = first.step(y=k % 3, z=k % 2)

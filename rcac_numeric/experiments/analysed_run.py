@@ -8,11 +8,18 @@ from functools import cached_property
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch, intercalated_match
+from rcac_numeric.analysis.closed_loop import (
+    ClosedLoop,
+    IntercalatedMatch,
+    frozen_loop,
+    intercalated_match,
+)
 from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
-from rcac_numeric.engine.runs import Run, controllers_of
-from rcac_numeric.plants.frozen import frozen_loop, measuring_command, plant_at
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel
@@ -23,6 +30,7 @@ class AnalysedRun:
     """A run with the analyses that claims ask of it, each made once and when it is needed."""
 
     run: Run
+    given_target: TargetModel | None = None
 
     @property
     def is_scalar(self) -> bool:
@@ -53,19 +61,20 @@ class AnalysedRun:
 
     @cached_property
     def target(self) -> TargetModel:
-        """The target model in force at the last step; the same for all controllers."""
+        """The target model to compare with: the one given, or that in force at the last step."""
+        if self.given_target is not None:
+            return self.given_target
         targets = []
         for settings in controllers_of(self.run.settings):
-            later = [m for k, m in settings.later_targets.items() if k <= self.last_step]
-            targets.append([settings.target, *later][-1])
-        first = targets[0]
-        if any(
-            not np.array_equal(getattr(first, name), getattr(other, name))
-            for other in targets[1:]
-            for name in ("numerator", "denominator")
-        ):
+            if isinstance(settings, ControllerSettings):
+                changes = settings.target_changes
+                later = [model for k, model in changes.items() if k <= self.last_step]
+                targets.append([settings.target, *later][-1])
+        if not targets:
+            raise InputError("nothing adapts in this run, so it has no target model of its own")
+        if any(other != targets[0] for other in targets[1:]):
             raise InputError("the controllers have different target models")
-        return first
+        return targets[0]
 
     @cached_property
     def loop(self) -> ClosedLoop:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric import (
+    UD,
     Compensator,
     ControllerLog,
     ControllerSettings,
@@ -77,7 +78,9 @@ def test_the_octave_log_is_consistent_and_says_everything(octave):
 
 def logged(plant, structure, signals, steps=300, **options):
     target = fir_target(plant)
-    settings = ControllerSettings(structure=structure, target=target, R_theta=1e-2, **options)
+    settings = ControllerSettings(
+        structure=structure, target=target, update=UD(R_theta=1e-2), **options
+    )
     run = simulate(plant, settings, exogenous(signals, steps))
     assert run.outcome == "completed"
     return run
