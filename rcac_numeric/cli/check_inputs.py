@@ -159,4 +159,5 @@ def read_target(table: Raw, plant: Plant | None, G_f: str | None) -> TargetModel
     if plant is None or "target" not in table:
         return None
     part = TARGET.table.read(table["target"], Place("the experiment file", "target"))
-    return part.build(plant=plant)
+    made: TargetModel = part.build(plant=plant)
+    return made

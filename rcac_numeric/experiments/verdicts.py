@@ -16,6 +16,7 @@ from rcac_numeric.experiments.experiment import Experiment, RunResult
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.measures import MEASURES
 
+
 @dataclass(frozen=True, eq=False)
 class Verification(Value):
     """An experiment after its runs: results and verdicts.

@@ -29,7 +29,6 @@ from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel
 
 
-
 class _Interval(Form):
     """Steps without update."""
 
@@ -74,11 +73,13 @@ def _lqg(
 
 
 # In place of a structure: the whole table is then of a controller that adapts nothing.
-FIXED = {"lqg": Kind(Variant(Table(_lqg, given=["whole_plant"], forms={"noise": NOISE})),
-                     is_whole=True)}  # fmt: skip
+FIXED: dict[str, Kind[Any]] = {
+    "lqg": Kind(Variant(Table(_lqg, given=["whole_plant"], forms={"noise": NOISE})), is_whole=True)
+}
+STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
 WEIGHT = Either(Table(SignalWeight), Numbers())
 FORMS: Mapping[str, Form] = {
-    "structure": Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default),
+    "structure": STRUCTURES_AND_FIXED,
     "update": UPDATES,
     "R_z": WEIGHT,
     "R_u": WEIGHT,

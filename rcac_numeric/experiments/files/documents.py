@@ -101,7 +101,7 @@ def _require_printable(text: str, file: str) -> None:
         if is_control or character in REORDERING:
             raise InputError(
                 f"{file}: the text {brief(text)} holds the control character "
-                f"{ascii(character)}, which a terminal would obey. Leave it out."
+                f"{character!a}, which a terminal would obey. Leave it out."
             )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
 from rcac_numeric.experiments.files.controllers import CONTROLLER
@@ -13,8 +15,8 @@ from rcac_numeric.experiments.files.targets import TARGETS
 from rcac_numeric.experiments.files.updates import UPDATES
 from rcac_numeric.experiments.format.markdown import (
     by_key_table,
-    kind_keys_table,
     keys_table,
+    kind_keys_table,
     kinds_table,
     with_tables,
 )
@@ -46,7 +48,7 @@ def reference_tables() -> dict[str, str]:
         "claims": keys_table(CLAIM),
         "claims.checks": keys_table(CHECK),
     }
-    spread: dict[str, tuple[str, Kinds[object]]] = {
+    spread: dict[str, tuple[str, Kinds[Any]]] = {
         "problems": ("problem", PROBLEMS),
         "models": ("model", TARGETS),
         "structures": ("structure", structures),

@@ -190,6 +190,7 @@ def read_run(base: Raw, override: Raw, file: str) -> RunTables:
     def place(table: str) -> Place:
         return Place(file, table, notes=(f"run {name!r}",) if table in override else ())
 
+    plant = read_plant(joined["plant"], place("plant"))
     course = COURSE.table.read(joined["run"], place("run")).build()
     common = joined["controller"]
     if course.arithmetic in UPDATES.kinds:  # what [run] says of the update
@@ -200,7 +201,7 @@ def read_run(base: Raw, override: Raw, file: str) -> RunTables:
         _require_agreement(part, course.arithmetic, place("controller"))
     return RunTables(
         name=name,
-        plant=read_plant(joined["plant"], place("plant")),
+        plant=plant,
         signals=SIGNALS.read(joined["signals"], place("signals")),
         controller=controller,
         saturation=SATURATION.table.read(joined["saturation"], place("saturation"))

@@ -17,13 +17,16 @@ class Sizes(Protocol):
     """What a structure asks of a plant: how wide it is."""
 
     @property
-    def l_u(self) -> int: ...
+    def l_u(self) -> int:
+        """Number of control inputs."""
 
     @property
-    def l_y(self) -> int: ...
+    def l_y(self) -> int:
+        """Number of measurements."""
 
     @property
-    def blocks(self) -> Any: ...
+    def blocks(self) -> Any:
+        """Widths of the blocks of w."""
 
 
 def _derived(now: Any, before: Any = None, pole: float = 0.0) -> DerivedSignal:
@@ -36,7 +39,7 @@ def _derived(now: Any, before: Any = None, pole: float = 0.0) -> DerivedSignal:
     pole : number
         In [-1, 1].
     """
-    return DerivedSignal(now, [0.0] * len(now) if before is None else before, pole)
+    return DerivedSignal(tuple(now), tuple([0.0] * len(now) if before is None else before), pole)
 
 
 def _taps(
@@ -66,9 +69,7 @@ def _taps(
 
 
 TAP = Row((Text(), Integer(), Integer()), '[signal, component, delay] such as ["y", 0, 1]')
-DERIVED = Table(
-    _derived, forms={"now": ListOf(Real()), "before": ListOf(Real()), "pole": Real()}
-)
+DERIVED = Table(_derived, forms={"now": ListOf(Real()), "before": ListOf(Real()), "pole": Real()})
 # What is said of the plant and does not stand in the file.
 GIVEN = ("l_u", "l_y", "l_r", "sizes")
 

@@ -64,14 +64,14 @@ def by_key_table(what: ByKey[Any]) -> str:
 
 
 def with_tables(page: str, tables: Mapping[str, str]) -> str:
-    """A page with its generated tables brought up to date.
+    r"""A page with its generated tables brought up to date.
 
     They stand between `<!-- table: NAME -->` and `<!-- end of table -->`.
 
     Examples
     --------
     >>> from rcac_numeric.experiments.format.markdown import with_tables
-    >>> print(with_tables("<!-- table: a -->\\nold\\n<!-- end of table -->", {"a": "new"}))
+    >>> print(with_tables("<!-- table: a -->\nold\n<!-- end of table -->", {"a": "new"}))
     <!-- table: a -->
     new
     <!-- end of table -->
@@ -102,7 +102,7 @@ def _default(key: Key) -> str:
         return f'`"{key.form.default}"`' if key.form.default else "needed"
     if key.is_required:
         return "needed"
-    if key.default is None or key.default == "" or key.default == ():
+    if key.default is None or key.default in ("", ()):
         return ""
     if isinstance(key.default, bool):
         return f"`{str(key.default).lower()}`"

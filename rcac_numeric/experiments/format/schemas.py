@@ -66,6 +66,6 @@ def _then(table: Table[Any], selector: str, kinds: Kinds[Any], kind: Kind[Any]) 
     variants = []
     for variant in kind.variants:
         needed = [key.name for key in variant.table.keys if key.is_required]
-        beside = {name: False for name in sorted(own - variant.names)}
+        beside = dict.fromkeys(sorted(own - variant.names), False)
         variants.append({"required": needed, "properties": beside})
-    return {"properties": {name: False for name in sorted(unread)}, "anyOf": variants}
+    return {"properties": dict.fromkeys(sorted(unread), False), "anyOf": variants}

@@ -138,8 +138,9 @@ class Table(Form, Generic[T]):
     def _require_read(self, table: Raw, chosen: Mapping[str, Kind[Any]], here: Place) -> None:
         """Refuse a key that another kind than the chosen one reads."""
         own = {key.name for key in self.keys}
-        for name in table.keys() & (self.elsewhere[0].all_keys() if self.elsewhere else {}):
-            raise here.error(f"{here.where} sets {name!r}, which {self.elsewhere[1]}.")
+        if self.elsewhere is not None:
+            for name in table.keys() & self.elsewhere[0].all_keys():
+                raise here.error(f"{here.where} sets {name!r}, which {self.elsewhere[1]}.")
         allowed = own.union(*(kind.variant(table).names for kind in chosen.values()))
         for name in table:
             if name not in allowed:

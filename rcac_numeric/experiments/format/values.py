@@ -117,9 +117,7 @@ class Choice(Form):
             raise place.refuse(value, "a string")
         if value not in self.choices:
             hint = did_you_mean(value, self.choices)
-            raise place.error(
-                f"{place} = {brief(value)} is not known; choose {self.words}.{hint}"
-            )
+            raise place.error(f"{place} = {brief(value)} is not known; choose {self.words}.{hint}")
         return value
 
     def schema(self) -> Schema:
@@ -146,7 +144,7 @@ class Flag(Form):
 
 @dataclass(frozen=True)
 class Numbers(Form):
-    """A number, or lists of numbers nested up to three deep: a vector, a matrix, several of them."""
+    """A number, or lists of numbers nested up to three deep: a vector, a matrix, several."""
 
     words = "a number or an array of real numbers"
 
@@ -154,7 +152,7 @@ class Numbers(Form):
         """A number as a float, anything else as an array of float64."""
         if isinstance(value, list):
             _require_depth(value, place, self.words)
-            return real_array(value, str(place))  # type: ignore[arg-type]
+            return real_array(value, str(place))
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise place.refuse(value, self.words)
         return number(value, str(place))

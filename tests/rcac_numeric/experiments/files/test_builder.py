@@ -1,8 +1,6 @@
 """From tables to experiments: what each key becomes, and which ones are refused."""
 
 import copy
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -131,7 +129,11 @@ def test_a_run_that_names_another_kind_drops_what_that_does_not_read():
         {"name": "a"},
         {"name": "b", "controller": {"structure": "pid"}},
         {"name": "c", "controller": {"update": "gradient", "step_size": 1e-3}},
-        {"name": "d", "controller": {"structure": "lqg"}, "target": {"model": "filter", "G_f": "-1/q"}},
+        {
+            "name": "d",
+            "controller": {"structure": "lqg"},
+            "target": {"model": "filter", "G_f": "-1/q"},
+        },
         {"name": "e", "target": {"model": "pole placement", "poles": ["1/2"]}},
     ]  # fmt: skip
     table = case(runs=runs, target={"d_zu": 1, "H": -3})
@@ -269,7 +271,10 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ({"controller": {"structure": "taps", "taps": ["u"]}}, "taps has the entry 'u'"),
         ({"controller": {"structure": "taps", "taps": [["x", 0, 1]]}}, "'x' is not known"),
         ({"controller": {"n_c": None}}, "needs the key 'n_c'"),
-        ({"controller": {"structure": "pid", "n_c": None, "terms": 3}}, "terms = 3 must be a string"),
+        (
+            {"controller": {"structure": "pid", "n_c": None, "terms": 3}},
+            "terms = 3 must be a string",
+        ),
         (
             {
                 "controller": {
