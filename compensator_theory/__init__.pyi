@@ -43,6 +43,7 @@ from .matrices.sylvester import resultant as resultant
 from .matrices.sylvester import sylvester_m as sylvester_m
 from .matrices.sylvester import sylvester_m1 as sylvester_m1
 from .matrices.sylvester import sylvester_m2 as sylvester_m2
+from .observers.counting import count_observer_forms as count_observer_forms
 from .observers.decisions import ObserverDecision as ObserverDecision
 from .observers.design import ObserverBasedCompensator as ObserverBasedCompensator
 from .observers.design import observer_based_compensator as observer_based_compensator
@@ -83,7 +84,6 @@ from .roots.counts import count_half_plane_roots as count_half_plane_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
-from .roots.real_factors import count_observer_forms as count_observer_forms
 from .roots.regions import locate_half_plane_roots as locate_half_plane_roots
 from .roots.regions import locate_unit_disk_roots as locate_unit_disk_roots
 from .roots.schur_cohn import count_unit_disk_roots as count_unit_disk_roots

@@ -1,9 +1,9 @@
 __version__: str
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
-from .analysis.closed_loop import IntercalatedMatch as IntercalatedMatch
-from .analysis.closed_loop import intercalated_match as intercalated_match
 from .analysis.exact_comparison import ExactComparison as ExactComparison
 from .analysis.exact_comparison import compare_exactly as compare_exactly
+from .analysis.match import IntercalatedMatch as IntercalatedMatch
+from .analysis.match import intercalated_match as intercalated_match
 from .analysis.observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import PlacementConditioning as PlacementConditioning
@@ -104,10 +104,10 @@ from .targets.high_authority import high_authority_target_model as high_authorit
 from .targets.markov import markov_parameters as markov_parameters
 from .targets.markov import markov_target as markov_target
 from .targets.model import TargetModel as TargetModel
-from .targets.model import fir_target as fir_target
-from .targets.model import pole_placement_target as pole_placement_target
 from .targets.modelling import ModellingInformation as ModellingInformation
 from .targets.modelling import modelling_information as modelling_information
 from .targets.output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros
 from .targets.output_subspaces import output_subspace_target as output_subspace_target
 from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
+from .targets.pole_placement import fir_target as fir_target
+from .targets.pole_placement import pole_placement_target as pole_placement_target

@@ -17,11 +17,12 @@ from compensator_theory.matrices.invariant_subspaces import (
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
 from compensator_theory.polynomials.poly import canonical, format_polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
 
 
 @dataclass(frozen=True)
-class YoulaForm:
+class YoulaForm(ExactValue):
     r"""An observer, state feedback, and a stable or unstable filter of the innovations.
 
     .. math::

@@ -7,10 +7,11 @@ from sympy import ImmutableMatrix
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.sylvester import sylvester_m, sylvester_m1, sylvester_m2
 from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.values import ExactValue
 
 
 @dataclass(frozen=True)
-class PropositionCheck:
+class PropositionCheck(ExactValue):
     """Both sides of an equivalence, evaluated for one case.
 
     Attributes

@@ -13,10 +13,11 @@ from compensator_theory.polynomials.poly import (
     monic,
     polynomial,
 )
+from compensator_theory.polynomials.values import ExactValue
 
 
 @dataclass(frozen=True)
-class BezoutIdentity:
+class BezoutIdentity(ExactValue):
     r"""A greatest common divisor and its certificate.
 
     .. math:: x\,a + y\,b = g, \qquad a = g\,\bar a, \quad b = g\,\bar b

@@ -2,17 +2,26 @@
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import Any
+from typing import TypeAlias, cast
 
 import sympy
 from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import as_symbol, canonical, from_expression, polynomial
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import (
+    PolynomialLike,
+    canonical,
+    from_expression,
+    polynomial,
+)
+from compensator_theory.polynomials.variables import as_symbol
+
+SpectrumLike: TypeAlias = PolynomialLike | Iterable[NumberLike]
+"""A polynomial in any form but a list, or a collection of roots."""
 
 
-def polynomial_from_roots(roots: Iterable[Any], variable: str | Symbol) -> Poly:
+def polynomial_from_roots(roots: Iterable[NumberLike], variable: str | Symbol) -> Poly:
     r"""Multiply out the monic real polynomial with the given exact roots.
 
     .. math:: p(s) = \prod_i (s - \lambda_i)
@@ -68,7 +77,7 @@ def polynomial_from_roots(roots: Iterable[Any], variable: str | Symbol) -> Poly:
     return canonical(product)
 
 
-def polynomial_or_roots(value: Any, variable: str | Symbol) -> Poly:
+def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     """Read what is to be placed: a polynomial, or its roots in any collection.
 
     A list, tuple, array, set or generator holds *roots*; coefficients are written as a polynomial.
@@ -85,4 +94,6 @@ def polynomial_or_roots(value: Any, variable: str | Symbol) -> Poly:
     True
     """
     is_collection = isinstance(value, Iterable) and not isinstance(value, str | Poly | sympy.Expr)
-    return polynomial_from_roots(value, variable) if is_collection else polynomial(value, variable)
+    if is_collection:
+        return polynomial_from_roots(cast(Iterable[NumberLike], value), variable)
+    return polynomial(cast(PolynomialLike, value), variable)

@@ -4,7 +4,7 @@ import math
 import numbers
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy
 from sympy import Expr, Float, Rational
@@ -12,8 +12,11 @@ from sympy import Expr, Float, Rational
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.expressions import parse_expression
 
+NumberLike: TypeAlias = int | float | complex | Fraction | Decimal | str | Expr
+"""What :func:`exact_number` reads; NumPy scalars and numbers of python-flint too."""
 
-def exact_number(value: object, *, binary: bool = False) -> Expr:
+
+def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
     r"""Turn a number of any kind into an exact SymPy number or expression.
 
     A float means its shortest decimal, :math:`0.1 \mapsto 1/10`, unless ``binary=True`` asks for

@@ -1,38 +1,22 @@
 """Exact polynomials in one variable: the one way in from text, expressions, lists and roots."""
 
 from collections.abc import Iterable, Sequence
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import sympy
 from sympy import QQ, Expr, Poly, Symbol
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.expressions import parse_expression
-from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.variables import (
+    as_symbol,
+    require_one_symbol_a_name,
+    shared_variable,
+)
 
-PolynomialLike: TypeAlias = Poly | Expr | str | int | Sequence[Any]
+PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
 """What :func:`polynomial` reads."""
-
-OPERATORS = ("s", "z", "q")
-"""Names that are taken for the variable when none is given."""
-
-
-def as_symbol(variable: str | Symbol) -> Symbol:
-    """Return the symbol of that name, as every function here names its variable.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.poly import as_symbol
-    >>> as_symbol("q")
-    q
-    """
-    if isinstance(variable, Symbol):
-        return variable
-    found = parse_expression(variable) if isinstance(variable, str) else None
-    if not isinstance(found, Symbol):
-        raise InputError(f"{variable!r} cannot be a variable; give a name such as 's' or 'q'")
-    return found
 
 
 def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
@@ -70,7 +54,7 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
         return _from_poly(obj, variable)
     if isinstance(obj, str) or not isinstance(obj, Iterable):
         expression = exact_number(obj)
-        symbol = _variable_of(expression, variable)
+        symbol = shared_variable([expression], variable)
         return from_expression(expression, symbol)
     coefficients = [exact_number(value) for value in obj]
     if not coefficients:
@@ -111,7 +95,7 @@ def canonical(poly: Poly) -> Poly:
     Raises
     ------
     InputError
-        If a coefficient is not real.
+        If a coefficient is not real, or lies in a finite field, or there are several generators.
 
     Examples
     --------
@@ -121,14 +105,19 @@ def canonical(poly: Poly) -> Poly:
     >>> canonical(Poly(a * q + q - a * q, q))
     Poly(q, q, domain='QQ')
     """
+    if len(poly.gens) > 1:
+        raise InputError(f"{poly} has several generators; say which is the variable")
     if poly.domain.is_QQ:
         return poly
-    if poly.domain.is_RR or poly.domain.is_CC:
+    if poly.domain.is_FiniteField:
+        raise InputError(f"{poly} has coefficients in a finite field; rational ones are needed")
+    if not poly.domain.is_Exact or poly.domain.is_EX or poly.domain.is_EXRAW:
         return from_expression(exact_number(poly.as_expr()), poly.gen)
     if any(value.has(sympy.I) for value in poly.all_coeffs()):
         raise InputError(
             f"{poly.as_expr()} has complex coefficients; complex roots must come in conjugate pairs"
         )
+    require_one_symbol_a_name(poly.free_symbols | {poly.gen})
     small = poly.retract() if poly.domain.is_Composite else poly
     domain = small.domain
     if domain.is_ZZ:
@@ -154,10 +143,10 @@ def monic(poly: Poly) -> Poly:
     >>> monic(polynomial("2*s + 3"))
     Poly(s + 3/2, s, domain='QQ')
     """
-    require_poly(poly)
+    poly = require_poly(poly)
     if poly.is_zero:
         raise InputError("the zero polynomial has no monic multiple")
-    if poly.is_monic and poly.domain.is_Exact:
+    if poly.is_monic:
         return poly
     return canonical(poly.set_domain(poly.domain.get_field()).monic())
 
@@ -198,23 +187,27 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
     return canonical(poly * from_expression(sympy.sympify(factor), poly.gen))
 
 
-def require_poly(poly: Any) -> None:
-    """Refuse what is not a polynomial over the rationals or over symbols.
+def require_poly(poly: Poly) -> Poly:
+    """Return a polynomial over the rationals or over symbols in canonical form.
 
     Raises
     ------
     InputError
-        The message says how to make one.
+        If it is none; the message says how to make one.
 
     Examples
     --------
-    >>> from compensator_theory.polynomials.poly import polynomial, require_poly
-    >>> require_poly(polynomial("s + 1"))
+    >>> from sympy import Poly
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.poly import require_poly
+    >>> require_poly(Poly(2 * s + 1))
+    Poly(2*s + 1, s, domain='QQ')
     """
     if not isinstance(poly, Poly):
         raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
-    if not poly.domain.is_Exact or poly.domain.is_FiniteField:
+    if not poly.domain.is_Exact:
         raise InputError(f"{poly} is not exact; read it with polynomial(...) first")
+    return canonical(poly)
 
 
 def is_rational(poly: Poly) -> bool:
@@ -231,36 +224,15 @@ def is_rational(poly: Poly) -> bool:
     >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
     (True, False)
     """
-    require_poly(poly)
-    return bool(poly.domain.is_QQ or poly.domain.is_ZZ)
+    return bool(require_poly(poly).domain.is_QQ)
 
 
 def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
-    if poly.domain.is_FiniteField:
-        raise InputError(f"{poly} has coefficients in a finite field; rational ones are needed")
-    if not poly.domain.is_Exact:
-        poly = Poly([exact_number(float(c)) for c in poly.all_coeffs()], poly.gen)
-    if len(poly.gens) > 1:
-        if variable is None:
-            raise InputError(f"{poly} has several generators; say which is the variable")
-        return from_expression(poly.as_expr(), as_symbol(variable))
-    if variable is not None and poly.gen != as_symbol(variable):
-        if poly.degree() > 0:
-            raise InputError(f"{poly.as_expr()} is a polynomial in {poly.gen}, not in {variable}")
-        return from_expression(poly.as_expr(), as_symbol(variable))
-    return canonical(poly)
-
-
-def _variable_of(expression: Expr, variable: str | Symbol | None) -> Symbol:
-    if variable is not None:
-        return as_symbol(variable)
-    symbols = expression.free_symbols
-    usual = [symbol for symbol in symbols if symbol.name in OPERATORS]
-    candidates = usual or list(symbols)
-    if len(candidates) != 1:
-        names = ", ".join(sorted(symbol.name for symbol in symbols)) or "none"
-        raise InputError(
-            f"the variable of {expression} is not evident (symbols: {names}); name it, "
-            "for instance variable='s'"
-        )
-    return candidates[0]
+    if len(poly.gens) > 1 and variable is not None:
+        return from_expression(exact_number(poly.as_expr()), as_symbol(variable))
+    poly = canonical(poly)
+    if variable is None or poly.gen == (symbol := as_symbol(variable)):
+        return poly
+    if poly.degree() > 0:
+        raise InputError(f"{poly.as_expr()} is a polynomial in {poly.gen}, not in {variable}")
+    return from_expression(poly.as_expr(), symbol)

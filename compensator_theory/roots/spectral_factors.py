@@ -15,6 +15,7 @@ from compensator_theory.polynomials.poly import (
     polynomial,
 )
 from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
     Enclosure,
@@ -32,7 +33,7 @@ from compensator_theory.roots.unit_circle_enclosures import (
 
 
 @dataclass(frozen=True)
-class SpectralFactor:
+class SpectralFactor(ExactValue):
     r"""A monic Schur polynomial and a constant with the given product on the unit circle.
 
     .. math:: c\,\chi(z)\,\chi(1/z) = N(z) N(1/z) + r\, D(z) D(1/z) = z^{-m} p(z)
@@ -154,7 +155,7 @@ def spectral_factor(
         raise InputError(f"r = {weight} must be a rational number of at least 0")
     first, second = _read(N, D, variable)
     size = int(max(first.degree(), second.degree(), 0))
-    palindrome = _spectrum(first, size) + _spectrum(second, size).mul_ground(weight)
+    palindrome = spectrum_of(first, size) + spectrum_of(second, size).mul_ground(weight)
     return factor_palindrome(canonical(palindrome), size, digits)
 
 
@@ -191,7 +192,7 @@ def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> Spectr
     bits = working_bits(digits)
     if palindrome.is_zero:
         raise NoSolutionError("the spectrum to be factored is zero everywhere, and no factor is")
-    require_rational(palindrome)
+    palindrome = require_rational(palindrome)
     stripped = reciprocal_polynomial(reciprocal_polynomial(palindrome))
     if stripped != reciprocal_polynomial(stripped):
         raise InputError(f"{format_polynomial(palindrome)} is not palindromic")
@@ -237,8 +238,16 @@ def _read(N: PolynomialLike, D: PolynomialLike | None, variable: str | Symbol | 
     return found
 
 
-def _spectrum(poly: Poly, size: int) -> Poly:
-    """Return z**size poly(z) poly(1/z)."""
+def spectrum_of(poly: Poly, size: int) -> Poly:
+    r"""Return :math:`z^k a(z) a(1/z)` for a polynomial a of at most degree k.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.spectral_factors import spectrum_of
+    >>> spectrum_of(polynomial("z - 2"), 2).as_expr()
+    -2*z**3 + 5*z**2 - 2*z
+    """
     if poly.is_zero:
         return poly
     degree = int(poly.degree())

@@ -3,10 +3,9 @@
 import operator
 from collections.abc import Iterable
 from functools import reduce
-from typing import Any
 
 import flint
-from sympy import Poly, Rational
+from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.polynomials.reciprocals import monic_reciprocal_polynomial
@@ -66,7 +65,7 @@ def enclose_split_at_unit_circle(
     >>> print(inside, "|", outside)
     q - 0.26794919243112270647 | q - 3.7320508075688772935
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     bits = working_bits(digits)
     try:
         return tuple(exact_enclosure(factor) for factor in split_at_unit_circle(poly))  # type: ignore[return-value]
@@ -87,7 +86,9 @@ def enclose_split_at_unit_circle(
         bits *= 2
 
 
-def product_of_roots(balls: Iterable[tuple[Any, int]], variable: Any) -> PolynomialEnclosure:
+def product_of_roots(
+    balls: Iterable[tuple[flint.acb, int]], variable: Symbol
+) -> PolynomialEnclosure:
     """Multiply out the monic polynomial with the given balls as roots, conjugates included.
 
     Parameters

@@ -14,11 +14,12 @@ from compensator_theory.polynomials.poly import (
     polynomial,
     scaled,
 )
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 
 
 @dataclass(frozen=True, repr=False)
-class TransferFunction:
+class TransferFunction(ExactValue):
     r"""A quotient of two exact polynomials with monic denominator, never reduced silently.
 
     .. math:: G = \frac{N}{D}, \qquad D(s) = s^n + D_{n-1}s^{n-1} + \cdots + D_0

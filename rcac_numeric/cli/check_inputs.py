@@ -19,7 +19,9 @@ from rcac_numeric.experiments.format.tables import require_table
 from rcac_numeric.plants.linear import MATRICES, Plant
 from rcac_numeric.plants.problems import servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantSchedule
-from rcac_numeric.signals.data_files import FORMATS, as_number, read_variables
+from rcac_numeric.signals.data_files import FORMATS, read_variables
+from rcac_numeric.signals.text_tables import as_number
+from rcac_numeric.signals.wording import shortened
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.model import TargetModel
 
@@ -99,7 +101,8 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
         found_plant = plant_in(variables, plant)
         if found_plant is None:
             raise InputError(
-                f"{plant} has no plant: A, B and C are needed, and it has {', '.join(variables)}."
+                f"{plant} has no plant: A, B and C are needed, and it has "
+                f"{shortened(', '.join(variables))}."
             )
         return found_plant, {}
     return (servo_plant(plant) if problem == "servo" else standard_plant(plant)), {}

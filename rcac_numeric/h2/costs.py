@@ -11,6 +11,7 @@ import numpy as np
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.lyapunov import stein_solution
 from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.state_space import StateSpace, state_space_of
@@ -22,7 +23,7 @@ ROUNDING = 4 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
-class H2Cost:
+class H2Cost(Value):
     """The stationary mean square of z for white noise w, in its parts.
 
     Attributes

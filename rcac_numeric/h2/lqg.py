@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from compensator_theory.errors import ImproperError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
 from rcac_numeric.h2.costs import H2Cost, h2_cost
@@ -23,14 +23,11 @@ from rcac_numeric.h2.stabilising_solution import StabilisingSolution
 from rcac_numeric.h2.state_space import StateSpace, compensator_from_state_space
 from rcac_numeric.plants.linear import Plant
 
-if TYPE_CHECKING:
-    import control
-
 FORMS = ("predictor", "filter")
 
 
 @dataclass(frozen=True, eq=False)
-class LQG:
+class LQG(Value):
     """An LQG controller u = G_c y and what says how good it is.
 
     Attributes
@@ -70,14 +67,14 @@ class LQG:
         """The plant in a loop with `compensator`."""
         return ClosedLoop(self.plant, self.compensator)
 
-    def to_control(self) -> control.StateSpace:
-        """The controller as a discrete-time python-control system with unspecified period."""
+    def to_control(self) -> Any:
+        """The controller as a discrete-time python-control StateSpace with unspecified period."""
         import control  # a second of import time, paid only here
 
         return control.ss(*self.state_space, True)
 
     @cached_property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> ComplexArray:
         """The 2n closed-loop poles, the eigenvalues of A + BC_c and of A - B_cC, (A.11)."""
         return np.concatenate([self.regulator.poles, self.estimator.poles])
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from sympy import Matrix, Symbol
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
+from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import matrix
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.h2.lyapunov import stein_solution
 
 StateSpace = tuple[Array, Array, Array, Array]
 
@@ -98,13 +102,8 @@ def compensator_from_state_space(A_c: Any, B_c: Any, C_c: Any, D_c: Any = None) 
 
 
 def _of_one_output(A: Array, B: Array, C: Array, D: Array) -> Compensator:
-    from sympy import Matrix, Symbol
-
-    from compensator_theory import exact_number
-    from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-
     a, b, c, d = (
-        Matrix(*m.shape, [exact_number(float(entry), binary=True) for entry in m.ravel()])
+        Matrix(*m.shape, [exact.exact_number(float(entry), binary=True) for entry in m.ravel()])
         for m in (A, B, C, D)
     )
     maps = transfer_matrix_of_realisation(a, b, c, d, Symbol("q"))
@@ -177,8 +176,6 @@ def _independent(rows: Array) -> bool:
 
 def _observable(A: Array, C: Array) -> int:
     """The number of modes of A that C shows, by the observability Gramian of a scaled A."""
-    from rcac_numeric.h2.lyapunov import stein_solution
-
     scale = 2 * max(float(np.abs(np.linalg.eigvals(A)).max()), 1e-3)
     gramian = stein_solution(A.T / scale, C.T @ C)
     values = np.linalg.eigvalsh(gramian)

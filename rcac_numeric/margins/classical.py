@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.boundaries import (
     StabilityBoundary,
     delay_boundary,
@@ -20,12 +22,9 @@ from rcac_numeric.margins.crossovers import gain_crossovers, phase_crossovers
 from rcac_numeric.margins.disk import DiskMargin, disk_margin_of
 from rcac_numeric.margins.opened_loop import OpenedLoop, broken_loop
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 @dataclass(frozen=True, eq=False)
-class Margins:
+class Margins(Value):
     """How far a loop is from instability, and the evidence.
 
     Attributes
@@ -109,7 +108,7 @@ class Margins:
         ]
         return "\n".join(lines)
 
-    def plot(self) -> Figure:
+    def plot(self) -> figures.Figure:
         """The Nyquist curve near -1 with the margins marked."""
         from rcac_numeric.plots.margins import plot_margins
 

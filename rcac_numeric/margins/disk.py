@@ -11,13 +11,14 @@ from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.opened_loop import OpenedLoop
 
 Matrices = tuple[Array, Array, Array, Array]
 
 
-@dataclass(frozen=True)
-class DiskMargin:
+@dataclass(frozen=True, eq=False)
+class DiskMargin(Value):
     """The symmetric disk margin, based on S - T (sigma = 0), and the peaks of S and T.
 
     Every factor (1 + d/2) / (1 - d/2) with complex abs(d) < alpha, and every factor of a gain and

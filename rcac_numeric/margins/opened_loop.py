@@ -13,10 +13,11 @@ from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, one_of, real_array
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class OpenedLoop:
+class OpenedLoop(Value):
     """The loop transfer function L = C (qI - A)^{-1} B + D that is closed by 1 + L = 0.
 
     Parameters

@@ -13,9 +13,10 @@ from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.high_authority import high_authority_target_model
 from rcac_numeric.targets.markov import markov_target
-from rcac_numeric.targets.model import TargetModel, fir_target, pole_placement_target
+from rcac_numeric.targets.model import TargetModel
 from rcac_numeric.targets.modelling import ModellingInformation, modelling_information
 from rcac_numeric.targets.output_subspaces import output_subspace_target
+from rcac_numeric.targets.pole_placement import fir_target, pole_placement_target
 
 
 def _fir(
