@@ -30,8 +30,9 @@ class Budget(Value):
 
     Examples
     --------
-    >>> from rcac_numeric.experiments.budgets import Budget
-    >>> twice = Budget(memory=2 * Budget().memory)
+    >>> from rcac_numeric import Budget, load_experiment
+    >>> case = load_experiment(
+    ...     "examples/boost_converter.toml", budget=Budget(memory=2 * Budget().memory))
     """
 
     memory: float = 5e8

@@ -61,7 +61,7 @@ def _servo_of_G(G: Any, performance: str = "measured") -> Plant:
     G : transfer function
         In q.
     performance : {"measured", "true"}
-        Whether z is e_n, what is measured, or e_0 without the noise v.
+        Whether z is e_n, which is measured, or e_0, without the noise v.
     """
     _require_coprime(G)
     return servo_plant(G, performance=performance)

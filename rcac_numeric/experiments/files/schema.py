@@ -22,7 +22,7 @@ def json_schema() -> dict[str, Any]:
 
     Examples
     --------
-    >>> from rcac_numeric.experiments.files.schema import json_schema
+    >>> from rcac_numeric import json_schema
     >>> schema = json_schema()
     >>> sorted(schema["properties"])[:3], schema["properties"]["run"]["properties"]["steps"]["type"]
     (['claims', 'controller', 'controllers'], 'integer')

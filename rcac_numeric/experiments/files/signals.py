@@ -89,6 +89,17 @@ def _recorded(record: Any, column: Any = None, *, folder: Path) -> Signal:
     return Recorded(record)
 
 
+def _sum(parts: list[Signal]) -> Signal:
+    """A sum of signals, added in their order.
+
+    Parameters
+    ----------
+    parts : list of signals
+        The signals that are added.
+    """
+    return Sum(tuple(parts))
+
+
 SIGNAL: ByKey[Signal] = ByKey("a signal", number=Step)
 SIGNAL.register("step", Step)
 SIGNAL.register("ramp", Ramp)
@@ -106,8 +117,7 @@ SIGNAL.register(
         )
     },
 )
-SIGNAL.register("sum", Sum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")},
-                docs={"parts": "The signals that are added."})  # fmt: skip
+SIGNAL.register("sum", _sum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
 SIGNAL.register(
     "recorded", _recorded, given=["folder"], forms={"record": _Record(), "column": _Column()}
 )

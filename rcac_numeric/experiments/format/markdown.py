@@ -57,7 +57,7 @@ def by_key_table(what: ByKey[Any]) -> str:
     rows = []
     for name, table in what.kinds.items():
         first, *others = table.keys
-        keys = ", ".join(f"`{key.name}` {_brief(key)}" for key in others)
+        keys = "; ".join(map(_brief, others))
         rows.append(f"| `{name}` | {cell(table.summary)} | {cell(first.doc)} | {cell(keys)} |")
     head = ["| key | what it is | its value | other keys |", "|---|---|---|---|"]
     return "\n".join([*head, *rows])
@@ -115,4 +115,5 @@ def _optional(key: Key) -> str:
 
 def _brief(key: Key) -> str:
     default = _default(key)
-    return f"({default}): {key.doc}" if default not in ("", "needed") else f": {key.doc}"
+    shown = f" ({default})" if default not in ("", "needed") else ""
+    return f"`{key.name}`{shown}: {key.doc.removesuffix('.')}"
