@@ -51,9 +51,11 @@ from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
+from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.files.builder import load_example as load_example
 from .experiments.files.builder import load_experiment as load_experiment
+from .experiments.files.schema import json_schema as json_schema
 from .experiments.verdicts import Verification as Verification
 from .experiments.verdicts import verify as verify
 from .h2.agreement import ExactAgreement as ExactAgreement

@@ -37,6 +37,7 @@ LAYERS = {
         "analysis",
         "margins",
         "h2",
+        "experiments.format",
         "experiments",
         "experiments.dissertation",
         "experiments.files",
