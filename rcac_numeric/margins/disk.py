@@ -15,6 +15,8 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.opened_loop import OpenedLoop
 
 Matrices = tuple[Array, Array, Array, Array]
+# A response below this is not refined: divided by it, the matrices of its level set leave float64.
+SMALLEST = 1e-150
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +157,7 @@ def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
     starts = [0.0, np.pi, *np.abs(np.angle(np.linalg.eigvals(A)))] if n else [0.0]
     best, where = max((value(w), float(w)) for w in starts)
     for _ in range(60):
-        if not n or best == 0:
+        if not n or best < SMALLEST:
             break
         level = best * (1 + rtol)
         crossings = _level_crossings(system, level, n, m, p)
