@@ -1,4 +1,5 @@
 from . import strategies as strategies
+from .errors import BudgetError as BudgetError
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError
 from .errors import FunctionFailedError as FunctionFailedError
@@ -67,10 +68,13 @@ from .placement.propositions import PropositionCheck as PropositionCheck
 from .placement.propositions import check_proposition_3 as check_proposition_3
 from .placement.propositions import check_proposition_4 as check_proposition_4
 from .placement.solutions import PolePlacement as PolePlacement
+from .polynomials.budget import Budget as Budget
+from .polynomials.budget import budget as budget
 from .polynomials.common_factors import BezoutIdentity as BezoutIdentity
 from .polynomials.common_factors import bezout_identity as bezout_identity
 from .polynomials.expressions import parse_expression as parse_expression
 from .polynomials.from_roots import polynomial_from_roots as polynomial_from_roots
+from .polynomials.from_roots import read_roots as read_roots
 from .polynomials.numbers import exact_number as exact_number
 from .polynomials.poly import monic as monic
 from .polynomials.poly import polynomial as polynomial
