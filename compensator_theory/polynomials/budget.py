@@ -1,6 +1,7 @@
 """How large a request may be: one budget, asked before the work begins."""
 
 import math
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -24,7 +25,7 @@ class Budget:
     degree : int
         Of a polynomial, and order of a compensator.
     digits : int
-        Of a number's numerator and denominator; Python itself prints no more than 4300.
+        Of the numerator and denominator of a number in a text, an int, a Fraction or a Decimal.
     field_degree : int
         Of the number field that irrational numbers span together: sqrt(2) and sqrt(3) span 4.
     entries : int
@@ -43,7 +44,7 @@ class Budget:
     degree: int = 1_000
     digits: int = 4_000
     field_degree: int = 16
-    entries: int = 1_000_000
+    entries: int = 500_000
 
 
 _USUAL = Budget()
@@ -92,6 +93,42 @@ def budget(**limits: int) -> Iterator[Budget]:
         yield changed
     finally:
         _current.reset(token)
+
+
+@contextmanager
+def unlimited() -> Iterator[None]:
+    """Ask nothing: for what was computed here and is only put into another form.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import ask, unlimited
+    >>> with unlimited():
+    ...     ask("degree", 10**9, "a result")
+    """
+    token = _current.set(Budget(*[sys.maxsize] * len(fields(Budget))))
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+@contextmanager
+def long_integers() -> Iterator[None]:
+    """Let Python print integers of any length, as exact results have them.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import long_integers
+    >>> with long_integers():
+    ...     len(str(10**5000))
+    5001
+    """
+    usual = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(0)
+    try:
+        yield
+    finally:
+        sys.set_int_max_str_digits(usual)
 
 
 def limit_of(name: str) -> int:

@@ -8,11 +8,11 @@ from sympy import QQ, Expr, Poly, Symbol
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
-    require_readable,
     require_small_field,
     tree_of,
 )
@@ -69,7 +69,8 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
         )
     if not isinstance(obj, Iterable):
         expression = exact_number(obj)
-        return from_expression(expression, shared_variable([expression], variable))
+        symbol = shared_variable([expression], variable)
+        return _from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
     coefficients = read_coefficients(obj)
     if variable is None:
         raise InputError(
@@ -78,7 +79,20 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     symbol = as_symbol(variable)
     if any(symbol in value.free_symbols for value in coefficients):
         raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
-    return _from_coefficients(dict(enumerate(reversed(coefficients))), symbol)
+    return from_coefficients(coefficients, symbol)
+
+
+def from_coefficients(descending: Sequence[Expr], variable: Symbol) -> Poly:
+    """Return the polynomial with exact coefficients that were computed here.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials.poly import from_coefficients
+    >>> from_coefficients([a, a - a], s)
+    Poly(a*s, s, domain='QQ[a]')
+    """
+    return _from_powers(dict(enumerate(map(sympy.sympify, reversed(descending)))), variable)
 
 
 def from_expression(expression: Expr, variable: Symbol) -> Poly:
@@ -91,9 +105,9 @@ def from_expression(expression: Expr, variable: Symbol) -> Poly:
     >>> from_expression(s * (s + a), s)
     Poly(s**2 + a*s, s, domain='QQ[a]')
     """
-    require_readable(expression)
-    quotient = multiplied_out(tree_of(expression), least_denominators=True)
-    return _from_quotient(quotient, variable)
+    with unlimited():
+        quotient = multiplied_out(tree_of(expression), least_denominators=True)
+        return _from_quotient(quotient, variable)
 
 
 def canonical(poly: Poly) -> Poly:
@@ -160,29 +174,6 @@ def monic(poly: Poly) -> Poly:
     return canonical(poly.set_domain(poly.domain.get_field()).monic())
 
 
-def format_polynomial(poly: Poly) -> str:
-    """Write a polynomial in descending powers, as :func:`polynomial` reads it.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.poly import format_polynomial, polynomial
-    >>> format_polynomial(polynomial("a - s/3 + (a + 1)*s**2"))
-    '(a + 1)*s**2 - s/3 + a'
-    """
-    text = ""
-    for power, coefficient in sorted(poly.as_dict().items(), reverse=True):
-        unit = poly.gen ** power[0]
-        if coefficient.is_Add:
-            term = f"({coefficient})" if power[0] == 0 else f"({coefficient})*{unit}"
-        else:
-            term = str(coefficient * unit)
-        sign, term = ("-", term[1:]) if term.startswith("-") else ("+", term)
-        text += f" {sign} {term}"
-    if not text:
-        return "0"
-    return text[3:] if text.startswith(" +") else "-" + text[3:]
-
-
 def scaled(poly: Poly, factor: Expr) -> Poly:
     """Multiply a polynomial by a number or by an expression in other symbols.
 
@@ -193,7 +184,10 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
     >>> scaled(polynomial("s + 2"), 1/a)
     Poly(1/a*s + 2/a, s, domain='QQ(a)')
     """
-    return canonical(poly * from_expression(sympy.sympify(factor), poly.gen))
+    number = sympy.sympify(factor)
+    if number.is_Rational and poly.domain.is_QQ:
+        return poly.mul_ground(QQ(int(number.p), int(number.q)))
+    return canonical(poly * from_expression(number, poly.gen))
 
 
 def require_poly(poly: Poly) -> Poly:
@@ -260,7 +254,7 @@ def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
             f"{_short(numerator / denominator)} is not a polynomial in {variable}; give numerator "
             "and denominator of a rational function separately"
         )
-    return _from_coefficients({k: c / denominator for k, c in powers.items()}, variable)
+    return _from_powers({k: c / denominator for k, c in powers.items()}, variable)
 
 
 def _by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
@@ -275,7 +269,7 @@ def _by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
     return {k: sympy.Add(*terms) for k, terms in found.items()}
 
 
-def _from_coefficients(powers: dict[int, Expr], variable: Symbol) -> Poly:
+def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
     if all(c.is_Rational for c in powers.values()):
         values = {(k,): QQ(int(c.p), int(c.q)) for k, c in powers.items()}
         return Poly(values, variable, domain=QQ)

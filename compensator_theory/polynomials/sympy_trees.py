@@ -4,7 +4,7 @@ import sympy
 from sympy import Expr, Float, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask, ask_for_number
+from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.quotients import Leaf, Power, Product, Sum, Tree
 
 _IRRATIONAL = (
@@ -25,7 +25,7 @@ def require_readable(expression: Expr) -> None:
     InputError
         If something is not finite, not commutative, or of another kind.
     BudgetError
-        If it is too large, too deeply nested, or a number is too long.
+        If it is too large or too deeply nested.
 
     Examples
     --------
@@ -43,8 +43,8 @@ def require_readable(expression: Expr) -> None:
         if part in (sympy.nan, sympy.oo, -sympy.oo, sympy.zoo):
             raise InputError("the expression is not finite; exact data must be finite")
         if part.is_Rational:
-            ask_for_number(int(part.p), int(part.q))
-        elif isinstance(part, sympy.polys.rootoftools.ComplexRootOf):
+            continue
+        if isinstance(part, sympy.polys.rootoftools.ComplexRootOf):
             ask("field_degree", int(part.poly.degree()), f"the number {part}")
         elif isinstance(part, _ARITHMETIC) or (isinstance(part, _IRRATIONAL) and part.args):
             waiting += [(argument, depth + 1) for argument in part.args]

@@ -86,7 +86,7 @@ class _Report:
         }
 
     def __str__(self) -> str:
-        from compensator_theory.polynomials.poly import format_polynomial
+        from compensator_theory.polynomials.formatting import format_polynomial
 
         plant, compensator, feedback = self.loop
         sign = "" if feedback == 1 else "-"
