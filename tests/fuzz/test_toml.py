@@ -84,7 +84,7 @@ def mutated(rng):
         for step in path[:-1]:
             holder = holder[step]
         accident = rng.randrange(7)
-        if accident == 0 and path[-1] in holder or accident == 0 and isinstance(holder, list):
+        if (accident == 0 and path[-1] in holder) or (accident == 0 and isinstance(holder, list)):
             del holder[path[-1]]
         elif accident == 1 and isinstance(holder, dict):
             holder[rng.choice(KEYS)] = copy.deepcopy(rng.choice(ODD))
@@ -163,7 +163,9 @@ def test_mutated_text(seed, folder):
         elif accident == 1:
             del text[at : at + rng.choice([1, 1, 5, 50])]
         elif accident == 2:
-            text[at:at] = bytes(rng.choice([b"[", b"]", b"{", b'"', b"'''", b"\n", b"=", b"9", b"-"]))
+            text[at:at] = bytes(
+                rng.choice([b"[", b"]", b"{", b'"', b"'''", b"\n", b"=", b"9", b"-"])
+            )
         else:
             start = rng.randrange(len(text))
             text[at:at] = text[start : start + rng.randrange(60)]
