@@ -94,11 +94,11 @@ from .plots.run import plot_sheet as plot_sheet
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
 from .signals.recordings import recorded_channels as recorded_channels
+from .signals.sequences import Levels as Levels
+from .signals.sequences import Piecewise as Piecewise
 from .signals.signal import Signal as Signal
 from .signals.signal import exogenous as exogenous
 from .signals.waveforms import Harmonic as Harmonic
-from .signals.waveforms import Levels as Levels
-from .signals.waveforms import Piecewise as Piecewise
 from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step

@@ -16,8 +16,8 @@ from rcac_numeric.arrays.validation import vector
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine.callbacks import Failures
-from rcac_numeric.engine.compiled_controllers import compiled_controller
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.states import SavedState, saved_state
 
 NOTHING = np.zeros(0)

@@ -13,15 +13,15 @@ from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.callbacks import Failures
 from rcac_numeric.engine.compatibility import (
     AnyController,
     command_position,
     controllers_of,
     require_fit,
 )
-from rcac_numeric.engine.compiled_controllers import compiled_controller
-from rcac_numeric.engine.compiled_plants import compiled_plant
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
