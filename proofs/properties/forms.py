@@ -13,8 +13,8 @@ from compensator_theory import (
 )
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.observers.counting import count_partitions
 from compensator_theory.observers.form import ObserverForm
-from compensator_theory.roots.real_factors import count_partitions
 from compensator_theory.strategies import matrices
 
 from ..ledger.checks import for_all

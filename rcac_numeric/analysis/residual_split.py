@@ -10,13 +10,14 @@ from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import signal_array
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class ResidualSplit:
+class ResidualSplit(Value):
     """z - G_f u~ = (G~zu~ - G_f) u~ + G~zw w, for one fixed theta* and recorded signals.
 
     Attributes

@@ -14,6 +14,7 @@ from rcac_numeric.engine.reference.run import require_supported, simulate_refere
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.claims import Claim
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -27,10 +28,12 @@ class RunSpecification(Value):
 
     Attributes
     ----------
+    settings : ControllerSettings, Decentralized or FixedController
     target : TargetModel, optional
-        What the loop is compared with; that of the settings by default.
+        What the loop is compared with; by default the target model that the controller has at
+        the last step. A controller that adapts nothing has none of its own.
     reference : bool
-        Run in certified ball arithmetic with 250 digits.
+        Whether the run is made in certified ball arithmetic with 250 digits.
     repetitions, perturbation : int, float
         The run is repeated with w multiplied by 1 + perturbation * (standard normal), to see
         whether its outcome hangs on the last bits. The first repetition is unperturbed.
@@ -104,51 +107,6 @@ class RunResult(Value):
 
 
 @dataclass(frozen=True, eq=False)
-class Check(Value):
-    """A measure of one run and the interval in which it must lie.
-
-    Attributes
-    ----------
-    measure, arguments
-        A name of `measures.MEASURES` and its keyword arguments.
-    run, relative_to : names of runs
-        With `relative_to` the measure is divided by that of the other run, repetition by
-        repetition.
-    statistic : {"each", "median"}
-        Whether every repetition must lie in the interval, or the median.
-    """
-
-    measure: str
-    run: str
-    at_least: float = -np.inf
-    at_most: float = np.inf
-    relative_to: str = ""
-    statistic: str = "each"
-    arguments: Mapping[str, object] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
-class Claim(Value):
-    """Something said of an experiment, with the checks that decide whether it holds.
-
-    Attributes
-    ----------
-    text, claimed : str
-        What is said, and the number or behaviour that is claimed.
-    correction : str
-        What had to be read differently from the source for the checks to be the right ones.
-    recorded : str
-        The verdict of record; a run that computes another one has changed.
-    """
-
-    text: str
-    claimed: str
-    checks: tuple[Check, ...]
-    correction: str = ""
-    recorded: str = ""
-
-
-@dataclass(frozen=True, eq=False)
 class Experiment(Value):
     """A numbered example or a user's own case.
 
@@ -167,6 +125,11 @@ class Experiment(Value):
     claims: Sequence[Claim]
     notes: str = ""
     description: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("runs", "description"):
+            object.__setattr__(self, name, dict(getattr(self, name)))
+        object.__setattr__(self, "claims", tuple(self.claims))
 
     @property
     def main_run(self) -> RunSpecification:

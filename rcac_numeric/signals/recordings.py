@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +11,11 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer, real_array
+from rcac_numeric.signals.budget import require_readable
+from rcac_numeric.signals.numpy_files import read_npy
 from rcac_numeric.signals.signal import Signal
+from rcac_numeric.signals.text_tables import read_table
+from rcac_numeric.signals.wording import shortened
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -104,65 +106,37 @@ def read_recording(path: str | Path, column: int | str = 0) -> Array:
     array([0. , 0.5])
     """
     file = Path(path)
-    readers = {".csv": _from_text, ".npy": _from_numpy}
-    if file.suffix.lower() not in readers:
+    if file.suffix.lower() not in (".csv", ".npy"):
         raise InputError(f"{file} is not a recording that can be read; use .csv or .npy.")
     try:
-        names, table = readers[file.suffix.lower()](file)
+        require_readable(file)
+        if file.suffix.lower() == ".csv":
+            names, table = read_table(file, named=False)
+        else:
+            names, table = [], _columns(file)
     except OSError as error:
         raise InputError(f"{file} cannot be read: {error.strerror or error}.") from None
     return real_array(table[:, _index(column, names, table.shape[1], file)], str(file))
 
 
+def _columns(file: Path) -> np.ndarray:
+    table = read_npy(file)
+    if table.ndim not in (1, 2) or table.size == 0:
+        raise InputError(
+            f"{file} holds an array of shape {table.shape}; (steps,) or (steps, columns) is needed."
+        )
+    return table.reshape(len(table), -1)
+
+
 def _index(column: int | str, names: list[str], width: int, file: Path) -> int:
     if isinstance(column, str):
         if column not in names:
-            known = f"it has {', '.join(names)}" if names else "its columns have no names"
+            known = (
+                f"it has {shortened(', '.join(names))}" if names else "its columns have no names"
+            )
             raise InputError(f"{file} has no column {column!r}; {known}.")
         return names.index(column)
     index = integer(column, "column")
     if index >= width:
         raise InputError(f"{file} has no column {index}; it has {width}, counted from 0.")
     return index
-
-
-def _from_text(file: Path) -> tuple[list[str], Array]:
-    try:
-        with file.open(newline="", encoding="utf-8-sig") as stream:
-            rows = [(i, row) for i, row in enumerate(csv.reader(stream), 1) if any(row)]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{file} is not a text file of numbers: {error}.") from None
-    names: list[str] = []
-    if rows and all(_number(entry) is None for entry in rows[0][1]):
-        names = [entry.strip() for entry in rows.pop(0)[1]]
-    if not rows:
-        raise InputError(f"{file} has no row of numbers.")
-    width = len(names) or len(rows[0][1])
-    table = np.empty((len(rows), width))
-    for i, (line, row) in enumerate(rows):
-        if len(row) != width:
-            raise InputError(f"{file}, line {line}: {len(row)} entries where {width} are needed.")
-        for j, entry in enumerate(row):
-            if (value := _number(entry)) is None:
-                raise InputError(f"{file}, line {line}: {entry.strip()!r} is not a number.")
-            table[i, j] = value
-    return names, table
-
-
-def _from_numpy(file: Path) -> tuple[list[str], Array]:
-    try:
-        table: Any = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError) as error:
-        raise InputError(f"{file} is not an array of numbers: {error}.") from None
-    if table.ndim not in (1, 2) or table.size == 0:
-        raise InputError(
-            f"{file} holds an array of shape {table.shape}; (steps,) or (steps, columns) is needed."
-        )
-    return [], table.reshape(len(table), -1)
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None

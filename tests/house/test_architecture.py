@@ -32,11 +32,13 @@ LAYERS = {
         "targets",
         "identification",
         "controllers",
+        "engine.compiled",
         "engine",
         "engine.reference",
         "analysis",
         "margins",
         "h2",
+        "experiments.format",
         "experiments",
         "experiments.dissertation",
         "experiments.files",
@@ -96,6 +98,8 @@ def is_module(name):
 
 def rank(module):
     """(package, floor) of a module; what stands beside the folders is on the ground."""
+    # The compiled module is what the engine stands on, wherever it is installed.
+    module = module.replace("engine._kernel", "engine.compiled")
     package, _, rest = folder(module).partition(".")
     layers = LAYERS.get(package, [])
     return package, layers.index(rest) if rest else -1

@@ -83,10 +83,10 @@ def test_recordings_in_files(tmp_path):
     ("content", "column", "message"),
     [
         ("1,2\n3", 0, "line 2: 1 entries where 2 are needed"),
-        ("1,2\n3,x", 0, "line 2: 'x' is not a number"),
-        ("r,2\n3,4", 0, "line 1: 'r' is not a number"),
+        ("1,2\n3,x", 0, "line 2, column 2: 'x' is not a number"),
+        ("r,2\n3,4", 0, "line 1, column 1: 'r' is not a number"),
         ("r,d\n", 0, "no row of numbers"),
-        ("", 0, "no row of numbers"),
+        ("", 0, "is empty"),
         ("r,d\n1,2", "v", "no column 'v'; it has r, d"),
         ("1,2", "r", "its columns have no names"),
         ("1,2", 2, "no column 2; it has 2"),
@@ -104,7 +104,7 @@ def test_bad_text_files_are_named(tmp_path, content, column, message):
     ("name", "content", "message"),
     [
         ("a.npy", b"no array", "not an array of numbers"),
-        ("a.npy", b"", "not an array of numbers"),
+        ("a.npy", b"", "is empty"),
         ("a.csv", b"\xff\xfe\x00", "not a text file"),
         ("a.mat", b"", "use .csv or .npy"),
         ("missing.csv", None, "cannot be read: No such file"),

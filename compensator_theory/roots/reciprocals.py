@@ -3,7 +3,8 @@
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import canonical, format_polynomial, monic, require_poly
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, monic, require_poly
 
 
 def reciprocal_polynomial(poly: Poly) -> Poly:
@@ -27,7 +28,7 @@ def reciprocal_polynomial(poly: Poly) -> Poly:
     >>> reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(-6/5*z + 1, z, domain='QQ')
     """
-    require_poly(poly)
+    poly = require_poly(poly)
     if poly.is_zero:
         raise InputError("the zero polynomial has no degree and thus no reciprocal polynomial")
     return canonical(Poly(poly.all_coeffs()[::-1], poly.gen))
@@ -60,6 +61,7 @@ def monic_reciprocal_polynomial(poly: Poly) -> Poly:
     >>> monic_reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(z - 5/6, z, domain='QQ')
     """
+    poly = require_poly(poly)
     if poly.is_zero or poly.TC() == 0:
         raise InputError(
             f"{format_polynomial(poly)} is zero at 0, and the reciprocal of 0 is no number; divide "
