@@ -43,6 +43,7 @@ from .controllers.updates import SlidingWindow as SlidingWindow
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
+from .engine.interruption import RunInterrupted as RunInterrupted
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
@@ -58,6 +59,10 @@ from .experiments.files.schema import json_schema as json_schema
 from .experiments.verdicts import Verification as Verification
 from .experiments.verdicts import verify as verify
 from .h2.agreement import ExactAgreement as ExactAgreement
+from .h2.conversion import ConversionCertificate as ConversionCertificate
+from .h2.conversion import (
+    compensator_from_state_space as compensator_from_state_space,
+)
 from .h2.costs import H2Cost as H2Cost
 from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
@@ -65,9 +70,6 @@ from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
-from .h2.state_space import (
-    compensator_from_state_space as compensator_from_state_space,
-)
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.era import eigensystem_realisation as eigensystem_realisation
 from .identification.modelling import (
@@ -92,11 +94,11 @@ from .plots.run import plot_sheet as plot_sheet
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
 from .signals.recordings import recorded_channels as recorded_channels
+from .signals.sequences import Levels as Levels
+from .signals.sequences import Piecewise as Piecewise
 from .signals.signal import Signal as Signal
 from .signals.signal import exogenous as exogenous
 from .signals.waveforms import Harmonic as Harmonic
-from .signals.waveforms import Levels as Levels
-from .signals.waveforms import Piecewise as Piecewise
 from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step

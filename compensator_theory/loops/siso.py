@@ -6,7 +6,8 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
-from compensator_theory.polynomials.poly import canonical, format_polynomial, scaled
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.variables import is_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.realisations import Realisation

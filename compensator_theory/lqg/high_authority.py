@@ -9,7 +9,7 @@ from sympy import ImmutableMatrix, Poly
 from compensator_theory.lqg.poles import LQGPoles
 from compensator_theory.lqg.riccati import RiccatiSolution, solve_riccati
 from compensator_theory.lqg.targets import scalar_numerators
-from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.systems.standard_problems import StandardProblem

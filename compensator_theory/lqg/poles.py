@@ -16,11 +16,12 @@ from compensator_theory.errors import (
 from compensator_theory.lqg.regulator_data import regulator_data
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import rational, to_flint
-from compensator_theory.polynomials.poly import canonical, format_polynomial
-from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.roots.enclosures import PolynomialEnclosure
+from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.roots.spectral_factors import SpectralFactor, factor_palindrome
 from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures

@@ -7,8 +7,9 @@ from sympy import ImmutableMatrix, Poly
 
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.observers.gains import observer_gain, regulator_gain, wanted_spectrum
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
-from compensator_theory.polynomials.poly import canonical, format_polynomial
+from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
 from compensator_theory.systems.transfer_functions import TransferFunction

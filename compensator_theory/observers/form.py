@@ -8,8 +8,8 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.realisations import Realisation
 

@@ -10,7 +10,8 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.observers.counting import count_observer_forms
 from compensator_theory.observers.form import ObserverForm
-from compensator_theory.polynomials.poly import format_polynomial, is_rational
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import certified_roots
 from compensator_theory.systems.realisations import Realisation

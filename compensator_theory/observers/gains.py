@@ -11,8 +11,9 @@ from compensator_theory.errors import (
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import solve
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
-from compensator_theory.polynomials.poly import format_polynomial, monic
+from compensator_theory.polynomials.poly import monic
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.controllability import (
     controllability_matrix,

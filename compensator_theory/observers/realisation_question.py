@@ -16,7 +16,8 @@ from compensator_theory.observers.decisions import NumberOfForms, ObserverDecisi
 from compensator_theory.observers.enumeration import observer_forms
 from compensator_theory.observers.questions import decide_by_parity
 from compensator_theory.observers.youla import youla_forms
-from compensator_theory.polynomials.poly import canonical, format_polynomial, is_rational, monic
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, is_rational, monic
 from compensator_theory.roots.real_factors import real_multiplicities
 from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
 

@@ -10,14 +10,9 @@ from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.linear_algebra import AffineSolution, solve_affine
 from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
-from compensator_theory.polynomials.poly import (
-    canonical,
-    format_polynomial,
-    monic,
-    polynomial,
-    scaled,
-)
+from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
 
@@ -223,4 +218,5 @@ def _placement(
 def _pair(vector: ImmutableMatrix, G: TransferFunction, n_c: int) -> tuple[Poly, Poly]:
     coefficients = list(vector)
     denominator, numerator = coefficients[: n_c + 1], coefficients[:n_c:-1]
-    return polynomial(denominator, G.variable), polynomial(numerator or [0], G.variable)
+    s = G.variable
+    return from_coefficients(denominator, s), from_coefficients(numerator or [sympy.S.Zero], s)

@@ -1,6 +1,6 @@
 """Exact polynomials in one variable: the one way in from text, expressions, lists and roots."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import TypeAlias
 
 import sympy
@@ -8,7 +8,14 @@ from sympy import QQ, Expr, Poly, Symbol
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.budget import unlimited
+from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
+from compensator_theory.polynomials.quotients import Quotient, multiplied_out
+from compensator_theory.polynomials.sympy_trees import (
+    require_small_field,
+    tree_of,
+)
 from compensator_theory.polynomials.variables import (
     as_symbol,
     require_one_symbol_a_name,
@@ -52,19 +59,40 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     """
     if isinstance(obj, Poly):
         return _from_poly(obj, variable)
-    if isinstance(obj, str) or not isinstance(obj, Iterable):
+    if isinstance(obj, str):
+        quotient = read_text(obj)
+        return _from_quotient(quotient, shared_variable([quotient.value()], variable))
+    if isinstance(obj, Mapping | Set | bytes | bytearray):
+        raise InputError(
+            f"a {type(obj).__name__} has no first and last coefficient; list the coefficients from "
+            "the highest power down, as in [1, 3, 2]"
+        )
+    if not isinstance(obj, Iterable):
         expression = exact_number(obj)
         symbol = shared_variable([expression], variable)
-        return from_expression(expression, symbol)
-    coefficients = [exact_number(value) for value in obj]
-    if not coefficients:
-        raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
+        return _from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
+    coefficients = read_coefficients(obj)
     if variable is None:
-        raise InputError(f"the coefficients {coefficients} need a variable, for instance 's'")
+        raise InputError(
+            f"the {len(coefficients)} coefficients need a variable, for instance variable='s'"
+        )
     symbol = as_symbol(variable)
     if any(symbol in value.free_symbols for value in coefficients):
-        raise InputError(f"a coefficient in {coefficients} contains the variable {symbol} itself")
-    return from_expression(sum(c * symbol**k for k, c in enumerate(reversed(coefficients))), symbol)
+        raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
+    return from_coefficients(coefficients, symbol)
+
+
+def from_coefficients(descending: Sequence[Expr], variable: Symbol) -> Poly:
+    """Return the polynomial with exact coefficients that were computed here.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials.poly import from_coefficients
+    >>> from_coefficients([a, a - a], s)
+    Poly(a*s, s, domain='QQ[a]')
+    """
+    return _from_powers(dict(enumerate(map(sympy.sympify, reversed(descending)))), variable)
 
 
 def from_expression(expression: Expr, variable: Symbol) -> Poly:
@@ -77,14 +105,9 @@ def from_expression(expression: Expr, variable: Symbol) -> Poly:
     >>> from_expression(s * (s + a), s)
     Poly(s**2 + a*s, s, domain='QQ[a]')
     """
-    try:
-        result = Poly(expression, variable, extension=True)
-    except (PolynomialError, GeneratorsError, CoercionFailed) as error:
-        raise InputError(
-            f"{expression} is not a polynomial in {variable}; give numerator and denominator of a "
-            "rational function separately"
-        ) from error
-    return canonical(result)
+    with unlimited():
+        quotient = multiplied_out(tree_of(expression), least_denominators=True)
+        return _from_quotient(quotient, variable)
 
 
 def canonical(poly: Poly) -> Poly:
@@ -151,29 +174,6 @@ def monic(poly: Poly) -> Poly:
     return canonical(poly.set_domain(poly.domain.get_field()).monic())
 
 
-def format_polynomial(poly: Poly) -> str:
-    """Write a polynomial in descending powers, as :func:`polynomial` reads it.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.poly import format_polynomial, polynomial
-    >>> format_polynomial(polynomial("a - s/3 + (a + 1)*s**2"))
-    '(a + 1)*s**2 - s/3 + a'
-    """
-    text = ""
-    for power, coefficient in sorted(poly.as_dict().items(), reverse=True):
-        unit = poly.gen ** power[0]
-        if coefficient.is_Add:
-            term = f"({coefficient})" if power[0] == 0 else f"({coefficient})*{unit}"
-        else:
-            term = str(coefficient * unit)
-        sign, term = ("-", term[1:]) if term.startswith("-") else ("+", term)
-        text += f" {sign} {term}"
-    if not text:
-        return "0"
-    return text[3:] if text.startswith(" +") else "-" + text[3:]
-
-
 def scaled(poly: Poly, factor: Expr) -> Poly:
     """Multiply a polynomial by a number or by an expression in other symbols.
 
@@ -184,7 +184,10 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
     >>> scaled(polynomial("s + 2"), 1/a)
     Poly(1/a*s + 2/a, s, domain='QQ(a)')
     """
-    return canonical(poly * from_expression(sympy.sympify(factor), poly.gen))
+    number = sympy.sympify(factor)
+    if number.is_Rational and poly.domain.is_QQ:
+        return poly.mul_ground(QQ(int(number.p), int(number.q)))
+    return canonical(poly * from_expression(number, poly.gen))
 
 
 def require_poly(poly: Poly) -> Poly:
@@ -236,3 +239,53 @@ def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
     if poly.degree() > 0:
         raise InputError(f"{poly.as_expr()} is a polynomial in {poly.gen}, not in {variable}")
     return from_expression(poly.as_expr(), symbol)
+
+
+def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
+    """Return a quotient that is a polynomial; what divides it is cancelled first."""
+    reduced = quotient.reduced()
+    sides = reduced.polynomials(variable)
+    if sides is not None and sides[1].degree() == 0:
+        return sides[0].quo_ground(sides[1].LC())
+    numerator, denominator = reduced.sides()
+    powers = _by_powers(numerator, variable)
+    if powers is None or variable in denominator.free_symbols:
+        raise InputError(
+            f"{_short(numerator / denominator)} is not a polynomial in {variable}; give numerator "
+            "and denominator of a rational function separately"
+        )
+    return _from_powers({k: c / denominator for k, c in powers.items()}, variable)
+
+
+def _by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
+    """Collect an expanded expression by powers; None if it is no polynomial in the variable."""
+    found: dict[int, list[Expr]] = {}
+    for term in sympy.Add.make_args(expression):
+        rest, power = term.as_independent(variable, as_Add=False)
+        base, exponent = power.as_base_exp()
+        if power != 1 and not (base == variable and exponent.is_Integer and exponent > 0):
+            return None
+        found.setdefault(0 if power == 1 else int(exponent), []).append(rest)
+    return {k: sympy.Add(*terms) for k, terms in found.items()}
+
+
+def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
+    if all(c.is_Rational for c in powers.values()):
+        values = {(k,): QQ(int(c.p), int(c.q)) for k, c in powers.items()}
+        return Poly(values, variable, domain=QQ)
+    require_one_symbol_a_name(set().union({variable}, *(c.free_symbols for c in powers.values())))
+    require_small_field(list(powers.values()))
+    try:
+        result = Poly({(k,): c for k, c in powers.items()}, variable, extension=True)
+    except (PolynomialError, GeneratorsError, CoercionFailed) as error:
+        whole = sum(c * variable**k for k, c in powers.items())
+        raise InputError(
+            f"the coefficients of {_short(whole)} span no field that is known here; write symbols "
+            "in their place"
+        ) from error
+    return canonical(result)
+
+
+def _short(expression: Expr) -> str:
+    text = str(expression)
+    return text if len(text) <= 100 else text[:97] + "..."

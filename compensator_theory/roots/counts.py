@@ -6,7 +6,8 @@ from itertools import pairwise
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import canonical, format_polynomial, is_rational
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
 
 

@@ -7,14 +7,10 @@ import sympy
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    format_polynomial,
-    polynomial,
-)
-from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
+from compensator_theory.polynomials.poly import PolynomialLike, canonical
+from compensator_theory.polynomials.shared import in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
@@ -24,6 +20,7 @@ from compensator_theory.roots.enclosures import (
     ball_of_number,
     enclosure_of_ball,
 )
+from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.unit_circle import split_at_unit_circle
 from compensator_theory.roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle,
@@ -153,7 +150,8 @@ def spectral_factor(
     weight = exact_number(r)
     if not (weight.is_Rational and weight >= 0):
         raise InputError(f"r = {weight} must be a rational number of at least 0")
-    first, second = _read(N, D, variable)
+    read = in_one_variable(N, 0 if D is None else D, variable=variable)
+    first, second = (p if p.is_zero else require_rational(p) for p in read)
     size = int(max(first.degree(), second.degree(), 0))
     palindrome = spectrum_of(first, size) + spectrum_of(second, size).mul_ground(weight)
     return factor_palindrome(canonical(palindrome), size, digits)
@@ -219,23 +217,6 @@ def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> Spectr
         zeros = exact_enclosure(power).coefficients[1:]
         chi_ball = PolynomialEnclosure(enclosed.coefficients + zeros, palindrome.gen)
         return SpectralFactor(palindrome, degree, None, chi_ball, enclosure_of_ball(constant_ball))
-
-
-def _read(N: PolynomialLike, D: PolynomialLike | None, variable: str | Symbol | None) -> list[Poly]:
-    if variable is None:
-        for candidate in (N, D):
-            try:
-                variable = polynomial(candidate).gen if candidate is not None else None
-            except InputError:
-                continue
-            if variable is not None:
-                break
-    found = [polynomial(N, variable)]
-    found.append(polynomial(0 if D is None else D, found[0].gen))
-    for poly in found:
-        if not poly.is_zero:
-            require_rational(poly)
-    return found
 
 
 def spectrum_of(poly: Poly, size: int) -> Poly:

@@ -8,7 +8,6 @@ import flint
 from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.polynomials.reciprocals import monic_reciprocal_polynomial
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
@@ -17,6 +16,7 @@ from compensator_theory.roots.enclosures import (
     ball_of_enclosure,
     enclosure_of_ball,
 )
+from compensator_theory.roots.reciprocals import monic_reciprocal_polynomial
 from compensator_theory.roots.unit_circle import (
     is_inside,
     require_none_on_circle,

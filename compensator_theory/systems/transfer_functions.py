@@ -7,13 +7,8 @@ import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.polynomials.poly import (
-    canonical,
-    format_polynomial,
-    monic,
-    polynomial,
-    scaled,
-)
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 

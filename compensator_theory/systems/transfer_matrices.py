@@ -6,7 +6,7 @@ import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.transfer_functions import TransferFunction
 

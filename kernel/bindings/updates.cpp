@@ -16,23 +16,18 @@ using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::
 template <class Array>
 void require_shape(const Array& array, const std::vector<std::size_t>& shape, const char* name) {
     for (std::size_t i = 0; i < shape.size(); ++i)
-        if (array.shape(i) != shape[i])
-            throw std::invalid_argument(std::string(name) + ": extent " +
-                                        std::to_string(array.shape(i)) + " where " +
-                                        std::to_string(shape[i]) + " belongs");
-}
-
-void require_range(std::size_t l_theta, double forgetting) {
-    if (l_theta == 0) throw std::invalid_argument("l_theta is 0");
-    if (!(forgetting > 0.0 && forgetting <= 1.0))
-        throw std::invalid_argument("forgetting lies outside (0, 1]");
+        refuse_unless(array.shape(i) == shape[i], std::string(name) + ": extent " +
+                                                      std::to_string(array.shape(i)) + " where " +
+                                                      std::to_string(shape[i]) + " belongs");
 }
 
 nb::tuple replay_updates(const std::string& update, const Cube& Phi_f, const Matrix& target,
                          const Matrix& R_z, const Matrix& R_u, double forgetting, const Matrix& P_0,
                          const Vector& theta_0, std::size_t repeat, const std::string& set_name) {
     const std::size_t steps = Phi_f.shape(0), l_z = Phi_f.shape(1), l_theta = Phi_f.shape(2);
-    require_range(l_theta, forgetting);
+    require_width(l_theta, 1, "l_theta");
+    require_width(l_z, 1, "l_z");
+    require_forgetting(forgetting, "forgetting");
     require_shape(target, {steps, l_z}, "target");
     require_shape(R_z, {l_z, l_z}, "R_z");
     require_shape(R_u, {l_z, l_z}, "R_u");
@@ -58,7 +53,8 @@ nb::tuple replay_ud_lanes(const Cube& Phi_f, const Matrix& target, double forget
                           const Cube& P_0, const Matrix& theta_0, std::size_t repeat,
                           const std::string& set_name) {
     const std::size_t steps = Phi_f.shape(0), l_theta = Phi_f.shape(1);
-    require_range(l_theta, forgetting);
+    require_width(l_theta, 1, "l_theta");
+    require_forgetting(forgetting, "forgetting");
     require_shape(Phi_f, {steps, l_theta, lanes}, "Phi_f");
     require_shape(target, {steps, lanes}, "target");
     require_shape(P_0, {lanes, l_theta, l_theta}, "P_0");

@@ -27,7 +27,7 @@ inline bool fits_lanes(Loop& loop) {
         c.frozen() || !plan.events.empty() || !plan.noise.empty() ||
         !plan.structure.derived.empty() || plan.forgetting.long_window > 0 ||
         plan.reset.every > 0 || plan.reset.trace_below > 0.0 || plan.reset.growth > 0.0 ||
-        plan.k_filter > 0)
+        plan.k_filter > 0 || plan.targets.size() > 1)
         return false;
     if (c.l_z() > 3 || plan.R_z.function || plan.R_u.function) return false;
     // A W that is not positive definite ends a run; that is the ordinary loop's business.

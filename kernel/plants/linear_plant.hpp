@@ -88,7 +88,7 @@ public:
     }
 
     void visit(Archive& archive) override {
-        archive(k_);
+        archive(k_, 0, Archive::longest);
         auto number = static_cast<std::int64_t>(number_);
         archive(number, 0, static_cast<std::int64_t>(segments_.size()) - 1);
         if (archive.reading()) {

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.analysis.stability import decide_stability
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
@@ -115,13 +116,20 @@ class ClosedLoop(Value):
 
     @property
     def spectral_radius(self) -> float:
-        """Largest modulus of a pole."""
+        """Largest modulus of a computed pole.
+
+        The eigenvalues of a strongly non-normal loop are wrong by more than rounding, in rare
+        cases across the unit circle; `is_stable` is not read off them.
+        """
         return float(np.abs(self.poles()).max(initial=0.0))
 
-    @property
+    @cached_property
     def is_stable(self) -> bool:
-        """Whether every pole is inside the unit circle."""
-        return self.spectral_radius < 1
+        """Whether every pole of the float64 loop is inside the unit circle, as a decision.
+
+        By `decide_stability`: powers, eigenvalues with their bound, or an exact count.
+        """
+        return decide_stability(self.matrices[0]).is_stable
 
     def frequency_response(self, omega: ArrayLike) -> ComplexArray:
         """The response (2.9) from w to z; shape (len(omega), l_z, l_w), omega in rad/sample."""

@@ -116,6 +116,11 @@ class ControllerLog(Value):
 
     def _finite(self, name: str, value: ArrayLike) -> Array:
         array = np.asarray(value)
+        if array.dtype.kind == "c":
+            raise InputError(
+                f"{self.source}: {name} must be an array of real numbers, and its entries are "
+                "complex."
+            )
         if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
             first = np.argwhere(~np.isfinite(array))[0]
             raise InputError(

@@ -8,7 +8,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
@@ -29,6 +29,20 @@ input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a de
 interrupted; 141 the output was closed.
 """
 LONGEST = 2000  # characters of a message
+
+Result = TypeVar("Result")
+
+
+class ClosedPipeError(Exception):
+    """Nobody reads the output any more; click answers a BrokenPipeError by itself."""
+
+
+def piped(call: Callable[[], Result]) -> Result:
+    """What `call` returns; a closed pipe is kept from click."""
+    try:
+        return call()
+    except BrokenPipeError:
+        raise ClosedPipeError from None
 
 
 def ended(command: Callable[[], Any]) -> int:
@@ -53,7 +67,7 @@ def _after(error: BaseException) -> int:
             return error.exit_code
         case KeyboardInterrupt() | click.Abort():
             return _said("interrupted.", INTERRUPTED)
-        case BrokenPipeError():
+        case BrokenPipeError() | ClosedPipeError():
             _discard_output()
             return CLOSED_PIPE
         case click.ClickException():

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from rcac_numeric.cli.exits import EXIT_STATUS, ended
+from rcac_numeric.cli.exits import EXIT_STATUS, ended, piped
 
 # A command is one file and one line here: its function, and what `rcac --help` says of it. It is
 # imported when it is asked for, so that `rcac list` waits for neither NumPy nor SymPy.
@@ -44,6 +44,14 @@ class Commands(click.Group):
         """The table of `rcac --help`, which imports none of them."""
         with formatter.section("Commands"):
             formatter.write_dl([(name, COMMANDS[name][1]) for name in sorted(COMMANDS)])
+
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
+        """As click does it; `rcac --help` prints here."""
+        return piped(lambda: super(Commands, self).make_context(*args, **extra))
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """As click does it."""
+        return piped(lambda: super(Commands, self).invoke(ctx))
 
     def main(
         self, args: Sequence[str] | None = None, prog_name: str | None = None,

@@ -1,7 +1,7 @@
 """How theta is updated: each update with the settings that it has, and no others.
 
 A new update is a class here, its kernel in kernel/updates, and a line in
-`rcac_numeric.engine.compiled_updates`.
+`rcac_numeric.engine.compiled.updates`.
 """
 
 from __future__ import annotations

@@ -73,8 +73,17 @@ class Job:
     def outcome(self) -> int: ...
 
 def run_jobs(
-    jobs: Sequence[Job], threads: int, rows: int, lanes: bool = False, instruction_set: str = ""
-) -> bool: ...
+    jobs: Sequence[Job],
+    threads: int,
+    seconds: float,
+    lanes: bool = False,
+    instruction_set: str = "",
+) -> bool:
+    """Go on for about `seconds` and at least one step; whether there is anything left to do.
+
+    The results do not depend on where the work is cut. Releases the interpreter lock.
+    """
+
 def controller(
     *,
     l_u: int,

@@ -16,8 +16,8 @@ from rcac_numeric.arrays.validation import vector
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine.callbacks import Failures
-from rcac_numeric.engine.compiled_controllers import compiled_controller
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.states import SavedState, saved_state
 
 NOTHING = np.zeros(0)
@@ -179,7 +179,7 @@ class Controller:
             raise DivergedError(self._broken)
         with self._alone():
             values = self._kernel.save()
-        return SavedState("controller", self.k, values, fingerprint(self.settings))
+        return SavedState.taken("controller", self.k, values, fingerprint(self.settings))
 
     def restore(self, state: SavedState) -> None:
         """Go back, or forward, to a saved state of a controller with the same settings.
@@ -191,7 +191,7 @@ class Controller:
         """
         with self._alone():
             saved_state(state, "state").restore_into(
-                self._kernel, "controller", fingerprint(self.settings)
+                self._kernel, "controller", fingerprint(self.settings), lambda: self._kernel.k
             )
             self._broken, self._failures.error = "", None
 

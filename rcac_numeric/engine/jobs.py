@@ -13,15 +13,15 @@ from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.callbacks import Failures
 from rcac_numeric.engine.compatibility import (
     AnyController,
     command_position,
     controllers_of,
     require_fit,
 )
-from rcac_numeric.engine.compiled_controllers import compiled_controller
-from rcac_numeric.engine.compiled_plants import compiled_plant
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -81,20 +81,26 @@ class PreparedRun:
     def _continue(self, start: SavedState) -> None:
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
-        saved_state(start, "start").restore_into(self._loop, "loop", self._name)
+        saved_state(start, "start").restore_into(
+            self._loop, "loop", self._name, lambda: self._kernels[0].k
+        )
         self.first_step = start.k
 
-    def result(self) -> Run:
-        """What the job has done so far, as a run; raises where a function of the user failed."""
-        done, outcome = self.job.done, self.job.outcome
-        kernels = self._kernels
-        name = OUTCOMES[outcome]
-        if name == "overflow" and self._failures.error is not None:
-            name = "weight failed"  # the kernel was handed a NaN in its place
+    def result(self, interrupted: bool = False) -> Run:
+        """What the job has done so far, as a run.
+
+        A function of the user that failed is an outcome, "plant failed" or "weight failed", and
+        `Run.failure` says how. Where the job was interrupted in a function of the user, its state
+        is in the middle of a step, and none is handed out.
+        """
+        done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
+        # A function in which the key was pressed looks to the kernel like one that failed.
+        at_work = outcome == 0 or self._failures.error is None
+        stopped = interrupted and done < len(self.w) and at_work
         state = None
-        if outcome == 0:
-            state = SavedState("loop", self.first_step + done, self._loop.save(), self._name)
-        run = Run(
+        if outcome == 0 and not (stopped and self._failures.guards_something):
+            state = SavedState.taken("loop", self.first_step + done, self._loop.save(), self._name)
+        return Run(
             plant=self.plant,
             settings=self.settings,
             w=self.w[:done],
@@ -104,7 +110,7 @@ class PreparedRun:
             theta=self._kept(done),
             theta_final=self._last(outcome),
             stride=self.stride,
-            outcome=name,
+            outcome="interrupted" if stopped else self._name_of(outcome),
             guard_count=sum(kernel.guard_count for kernel in kernels),
             guard_first_step=min(
                 (k.guard_first_step for k in kernels if k.guard_first_step >= 0), default=-1
@@ -117,16 +123,23 @@ class PreparedRun:
             saturation=self.saturation,
             x_0=self.x_0,
             divergence_limit=self.divergence_limit,
+            failure=self._failures.words,
         )
+
+    def require_no_failure(self, run: Run) -> None:
+        """Raise where a function of the user failed; the run so far goes with the error."""
         if self._failures.error is not None:
-            error = self._failures.error
             raise FunctionFailedError(
-                f"a function of the plant or of a weight failed at step {self.first_step + done}: "
-                f"{type(error).__name__}: {error} The steps before are in the attribute run of "
-                "this error.",
+                "a function of the plant or of a weight failed at step "
+                f"{self.first_step + run.steps}: {run.failure} The steps before are in the "
+                "attribute run of this error.",
                 run,
-            ) from error
-        return run
+            ) from self._failures.error
+
+    def _name_of(self, outcome: int) -> str:
+        if OUTCOMES[outcome] == "overflow" and self._failures.error is not None:
+            return "weight failed"  # the kernel was handed a NaN in its place
+        return OUTCOMES[outcome]
 
     def _kept(self, done: int) -> Array:
         rows = -(-done // self.stride)

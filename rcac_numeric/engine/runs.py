@@ -22,7 +22,7 @@ OUTCOMES = (
     "plant not finite",
     "plant failed",
     "unsupported R_theta",
-)  # and "weight failed", which the kernel does not tell from "overflow"
+)  # and "weight failed", which the kernel does not tell from "overflow", and "interrupted"
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class Run(Value):
         directions without excitation, which a `reset` or lambda = 1 prevents); "plant not
         finite"; "plant failed" (a function returned nonzero or raised); "weight failed" (a weight
         that is a function raised or returned no weight); "unsupported R_theta" (an
-        update was decided by rounding and the settings ask to stop there).
+        update was decided by rounding and the settings ask to stop there); "interrupted" (Ctrl-C).
         The arrays end before the failed step.
     guard_count, guard_first_step : int
         Updates decided by rounding and the first such step (-1: none): for "ud", a direction
@@ -56,7 +56,9 @@ class Run(Value):
     reflections, resets : int
         Updates after which poles were reflected (6.2.2), and covariance resets.
     state : SavedState, optional
-        From which `simulate` continues bit for bit; None where the run was not completed.
+        From which `simulate` continues bit for bit; None where the run failed.
+    failure : str
+        What a function of the plant or of a weight raised; empty where none did.
     """
 
     plant: AnyPlant
@@ -79,6 +81,7 @@ class Run(Value):
     saturation: Saturation | None = None
     x_0: Array | None = None
     divergence_limit: float = 1e100
+    failure: str = ""
 
     @property
     def steps(self) -> int:

@@ -10,16 +10,13 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.interruption import run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
-
-# Rows that the kernel runs before Python may look at a key that was pressed.
-CHUNK = 1 << 16
 
 
 def simulate(
@@ -62,6 +59,9 @@ def simulate(
     FunctionFailedError
         Where a function of the plant or of a weight raised or returned the wrong shape; the
         attribute `run` of the error holds what came before.
+    RunInterrupted
+        On Ctrl-C, within about 0.1 s; its attribute `run` holds the run so far, whose `state`
+        goes on from there.
 
     Examples
     --------
@@ -91,9 +91,10 @@ def simulate(
         saturation=saturation,
         start=start,
     )
-    while _kernel.run_jobs([prepared.job], 1, CHUNK):
-        pass
-    return prepared.result()
+    run_to_end([prepared])
+    run = prepared.result()
+    prepared.require_no_failure(run)
+    return run
 
 
 def frozen_twin(run: Run, k: int) -> Run:

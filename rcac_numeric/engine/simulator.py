@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import FunctionFailedError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import vector
-from rcac_numeric.engine.callbacks import Failures
-from rcac_numeric.engine.compiled_plants import compiled_plant
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.plants.any_plant import AnyPlant
 
 

@@ -8,19 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from compensator_theory.errors import ImproperError
+from compensator_theory.errors import IllConditionedError, ImproperError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, one_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
+from rcac_numeric.h2.conversion import ConversionCertificate, converted
 from rcac_numeric.h2.costs import H2Cost, h2_cost
 from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.riccati import stabilising_solution
 from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
-from rcac_numeric.h2.state_space import StateSpace, compensator_from_state_space
+from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.plants.linear import Plant
 
 FORMS = ("predictor", "filter")
@@ -59,8 +60,31 @@ class LQG(Value):
 
     @cached_property
     def compensator(self) -> Compensator:
-        """The controller as the difference equation (2.28)."""
-        return compensator_from_state_space(*self.state_space)
+        """The controller as the difference equation (2.28), verified against `state_space`.
+
+        Raises
+        ------
+        IllConditionedError
+            Where no difference equation with float64 coefficients has its response, or where the
+            loop with `compensator` is not stable though that with `state_space` is.
+        """
+        found = self._converted[0]
+        if np.isfinite(self.cost.value) and not ClosedLoop(self.plant, found).is_stable:
+            raise IllConditionedError(
+                "rounding the difference equation of this LQG controller to float64 makes the loop "
+                "unstable, though that with its state space is stable. Use state_space or "
+                "to_control()."
+            )
+        return found
+
+    @property
+    def certificate(self) -> ConversionCertificate:
+        """How well `compensator` reproduces `state_space`, and where that was checked."""
+        return self._converted[1]
+
+    @cached_property
+    def _converted(self) -> tuple[Compensator, ConversionCertificate]:
+        return converted(self.state_space)
 
     @property
     def loop(self) -> ClosedLoop:
@@ -212,8 +236,8 @@ def _state_space(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> StateSpace
             "I + D_f D_0 is singular, so that the filter form is no proper controller of y; use "
             'form = "predictor".'
         )
-    C = np.linalg.solve(loop, C_c - D_f @ plant.C)
-    D = np.linalg.solve(loop, D_f)
+    C = np.asarray(np.linalg.solve(loop, C_c - D_f @ plant.C), dtype=np.float64)
+    D = np.asarray(np.linalg.solve(loop, D_f), dtype=np.float64)
     through = plant.B - B_c @ plant.D_0
     return plant.A - B_c @ plant.C + through @ C, B_c + through @ D, C, D
 

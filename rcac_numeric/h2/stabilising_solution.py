@@ -7,9 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
+from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.h2.lyapunov import stein_solution
 
 
 @dataclass(frozen=True, eq=False)

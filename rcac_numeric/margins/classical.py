@@ -31,9 +31,10 @@ class Margins(Value):
     ----------
     loop : OpenedLoop
     is_stable : bool
-        Whether the nominal loop is stable. An unstable loop has no margins: they are None.
+        Whether the nominal loop is stable, by `decide_stability`. An unstable loop has no
+        margins: they are None.
     spectral_radius : float
-        Of the nominal loop.
+        Of the nominal loop, from computed eigenvalues.
     gain_up, gain_down : StabilityBoundary or None
         The nearest factors above and below 1 by which L may be multiplied before a pole reaches
         the unit circle; infinite and 0 where there is none. Of a loop that is stable without
@@ -169,7 +170,7 @@ def stability_margins(
         raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
     gains, phases = gain_crossovers(opened), phase_crossovers(opened)
     radius = opened.radius()
-    stable = radius < 1
+    stable = opened.is_stable
     return Margins(
         loop=opened,
         is_stable=stable,

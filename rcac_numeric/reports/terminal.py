@@ -38,13 +38,16 @@ def print_sheet(sheet: Sheet, console: Console | None = None) -> None:
     """
     out = console or _Output(highlight=False)
     wraps = console is not None or out.is_terminal
-    out.print(Styled(), _title(sheet.title, sheet.remark), sep="\n")
+    if wraps:
+        out.print()
+    out.print(_title(sheet.title, sheet.remark), soft_wrap=not wraps)
     for sentence in sheet.health:
         _print_text(out, sentence, wraps)
     for section in sheet.sections:
         _print_section(out, section, wraps)
     if sheet.notes:
-        out.print(Styled(), Styled(printable(sheet.notes)), sep="\n")
+        out.print()
+        out.print(Styled(printable(sheet.notes)), soft_wrap=not wraps)
 
 
 def as_text(sheet: Sheet, width: int = 100) -> str:

@@ -83,7 +83,8 @@ def _numeric(contents: Mapping[str, np.ndarray]) -> dict[str, Array]:
     found: dict[str, Array] = {}
     for name, value in contents.items():
         if value.dtype.kind in "iufb" and value.size:
-            found[name] = np.asarray(value, dtype=np.float64)
+            with np.errstate(invalid="ignore"):  # a NaN of single precision may be signalling
+                found[name] = np.asarray(value, dtype=np.float64)
         elif value.dtype.kind == "c":
             found[name] = value
     return found

@@ -132,9 +132,8 @@ class _Version5:
         if any(len(part) != count for part in parts):
             raise DamagedError(f"{name} of shape {tuple(shape)} has {len(parts[-1])} entries")
         kind = CLASSES[code & 0xFF]
-        values = parts[0].astype(kind)
-        if len(parts) > 1:
-            values = parts[0] + 1j * parts[1]
+        with np.errstate(invalid="ignore", over="ignore"):  # damaged numbers are numbers
+            values = parts[0].astype(kind) if len(parts) == 1 else _complex(*parts)
         return name, values.reshape(shape, order="F")
 
     def _sparse(self, body: memoryview, shape: list[int], *, is_complex: bool) -> np.ndarray:
@@ -144,7 +143,7 @@ class _Version5:
         starts, body = self._element(body)
         values, body = self._element(body)
         if is_complex:
-            values = values + 1j * self._element(body)[0]
+            values = _complex(values, self._element(body)[0])
         kinds = rows.dtype.kind + starts.dtype.kind
         if len(shape) != 2 or len(starts) != shape[1] + 1 or "f" in kinds:
             raise DamagedError("a sparse matrix has no columns")
@@ -176,3 +175,11 @@ class _Version5:
         if size > len(view) - start or size % dtype.itemsize:
             raise DamagedError(f"an element of {size} bytes has {max(len(view) - start, 0)}")
         return np.frombuffer(view[start : start + size], dtype), view[step:]
+
+
+def _complex(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
+    if len(real) != len(imaginary):
+        raise DamagedError(f"{len(real)} real parts have {len(imaginary)} imaginary ones")
+    values = real.astype(np.complex128)
+    values.imag = imaginary
+    return values

@@ -61,12 +61,12 @@ def _variable(view: memoryview, order: str, budget: Budget) -> tuple[str, Any, m
     if shape_of_it != FULL:
         return name, None, view
     budget.take((rows, columns))
-    return name, parts[0] if len(parts) == 1 else parts[0] + 1j * parts[1], view
+    return name, parts[0] if len(parts) == 1 else _complex(*parts), view
 
 
 def _sparse(table: np.ndarray, budget: Budget) -> np.ndarray:
     """Rows (i, j, value), or (i, j, real, imaginary), from 1 on; the last one is the shape."""
-    if len(table) < 1 or table.shape[1] not in (3, 4) or not np.isfinite(table[:, :2]).all():
+    if len(table) < 1 or table.shape[1] not in (3, 4) or not (abs(table[:, :2]) < 2**31).all():
         raise ValueError("a sparse matrix has no shape")
     where = table[:, :2].astype(np.int64)
     shape = (int(where[-1, 0]), int(where[-1, 1]))
@@ -74,7 +74,13 @@ def _sparse(table: np.ndarray, budget: Budget) -> np.ndarray:
     if min(shape) < 0 or (entries < 0).any() or (entries >= np.array(shape)).any():
         raise ValueError("a sparse matrix has entries outside of it")
     budget.take(shape)
-    values = table[:-1, 2] if table.shape[1] == 3 else table[:-1, 2] + 1j * table[:-1, 3]
+    values = table[:-1, 2] if table.shape[1] == 3 else _complex(table[:-1, 2], table[:-1, 3])
     full = np.zeros(shape, dtype=values.dtype)
     np.add.at(full, (entries[:, 0], entries[:, 1]), values)
     return full
+
+
+def _complex(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
+    values = real.astype(np.complex128)
+    values.imag = imaginary
+    return values

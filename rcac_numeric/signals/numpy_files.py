@@ -11,6 +11,7 @@ from numpy.lib import format as npy
 
 from compensator_theory.errors import InputError
 from rcac_numeric.signals.budget import Budget
+from rcac_numeric.signals.wording import shortened
 
 
 def read_npz(file: Path) -> dict[str, np.ndarray]:
@@ -32,7 +33,9 @@ def read_npz(file: Path) -> dict[str, np.ndarray]:
     except InputError:
         raise
     except Exception as error:  # zipfile, its decompressors and NumPy each have their own
-        raise InputError(f"{file} is not an .npz file of numbers: {error}.") from None
+        raise InputError(
+            f"{file} is not an .npz file of numbers: {shortened(str(error), 200)}."
+        ) from None
     return found
 
 
@@ -52,7 +55,9 @@ def read_npy(file: Path) -> np.ndarray:
     except InputError:
         raise
     except Exception as error:
-        raise InputError(f"{file} is not an array of numbers: {error}.") from None
+        raise InputError(
+            f"{file} is not an array of numbers: {shortened(str(error), 200)}."
+        ) from None
 
 
 def _require_room(stream: IO[bytes], budget: Budget) -> None:
@@ -65,4 +70,8 @@ def _require_room(stream: IO[bytes], budget: Budget) -> None:
 
 
 def _array(stream: Any) -> np.ndarray:
-    return np.asarray(npy.read_array(stream, allow_pickle=False))
+    values: np.ndarray = np.asarray(npy.read_array(stream, allow_pickle=False))
+    if values.dtype.kind != "f":
+        return values
+    with np.errstate(invalid="ignore"):  # a NaN of single precision may be a signalling one
+        return values.astype(np.float64)

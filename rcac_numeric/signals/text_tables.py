@@ -58,7 +58,9 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
             with _opened(file) as stream:
                 table = _checked_table(file, stream, skipped, labels, delimiter)
     except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{file} is not a text file of numbers: {error}.") from None
+        raise InputError(
+            f"{file} is not a text file of numbers: {shortened(str(error), 200)}."
+        ) from None
     if not len(table):
         held = f"the names {shortened(', '.join(names))} and " if names else ""
         raise InputError(f"{file} has {held}no row of numbers.")

@@ -32,6 +32,7 @@ LAYERS = {
         "targets",
         "identification",
         "controllers",
+        "engine.compiled",
         "engine",
         "engine.reference",
         "analysis",
@@ -97,6 +98,8 @@ def is_module(name):
 
 def rank(module):
     """(package, floor) of a module; what stands beside the folders is on the ground."""
+    # The compiled module is what the engine stands on, wherever it is installed.
+    module = module.replace("engine._kernel", "engine.compiled")
     package, _, rest = folder(module).partition(".")
     layers = LAYERS.get(package, [])
     return package, layers.index(rest) if rest else -1

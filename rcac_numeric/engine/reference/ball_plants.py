@@ -5,7 +5,7 @@ from __future__ import annotations
 from flint import arb, arb_mat
 from numpy.typing import ArrayLike
 
-from rcac_numeric.engine.compiled_plants import initial_state
+from rcac_numeric.engine.compiled.plants import initial_state
 from rcac_numeric.engine.reference.balls import balls
 from rcac_numeric.plants.linear import MATRICES, Plant
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule

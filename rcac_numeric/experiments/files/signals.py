@@ -16,16 +16,9 @@ from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schem
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.signals.recordings import Recorded, read_recording
+from rcac_numeric.signals.sequences import Levels, Piecewise
 from rcac_numeric.signals.signal import Signal, Sum
-from rcac_numeric.signals.waveforms import (
-    Harmonic,
-    Levels,
-    Piecewise,
-    Pulse,
-    Ramp,
-    Step,
-    WhiteNoise,
-)
+from rcac_numeric.signals.waveforms import Harmonic, Pulse, Ramp, Step, WhiteNoise
 
 
 class _Record(Form):

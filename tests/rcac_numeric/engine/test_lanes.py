@@ -174,7 +174,7 @@ def test_every_instruction_set_does_the_same(cases):
     singles = [simulate(**arguments(case)) for case in cases]
     for instruction_set in _kernel.instruction_sets():
         prepared = [PreparedRun(**arguments(case)) for case in cases]
-        while _kernel.run_jobs([one.job for one in prepared], 2, 7, True, instruction_set):
+        while _kernel.run_jobs([one.job for one in prepared], 2, 1e-5, True, instruction_set):
             pass
         for case, single, one in zip(cases, singles, prepared, strict=True):
             assert_close(one.result(), single, uncertainty(case, single))

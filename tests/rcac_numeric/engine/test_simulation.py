@@ -28,8 +28,8 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
-from rcac_numeric.engine.callbacks import Failures
-from rcac_numeric.engine.compiled_plants import compiled_plant
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.plants import compiled_plant
 from tests.support.strategies import controllers, plants, seeds
 
 

@@ -6,13 +6,9 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    format_polynomial,
-    monic,
-    polynomial,
-)
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic
+from compensator_theory.polynomials.shared import in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
 
@@ -87,12 +83,12 @@ def bezout_identity(
         Anything :func:`polynomial` reads, in one variable, not both zero. With symbols, for generic
         values of them.
     variable : str or Symbol, optional
-        Default: evident from `a` or from `b`.
+        Default: evident from the two together, as :func:`shared_variable` decides.
 
     Raises
     ------
     InputError
-        If both are zero, or their variables differ.
+        If both are zero, or the variable is not evident.
 
     Examples
     --------
@@ -103,7 +99,7 @@ def bezout_identity(
     >>> print(bezout_identity("s + a", "s + b", "s").is_coprime)
     None
     """
-    first, second = _pair(a, b, variable)
+    first, second = in_one_variable(a, b, variable=variable)
     if first.is_zero and second.is_zero:
         raise InputError("a and b are both zero; every polynomial divides them")
     field = (first.unify(second)[0]).domain.get_field()
@@ -114,15 +110,3 @@ def bezout_identity(
     quotients = (canonical(over_field[0].quo(gcd)), canonical(over_field[1].quo(gcd)))
     x, y = (canonical(p.set_domain(p.domain.get_field()).quo_ground(leading)) for p in (x, y))
     return BezoutIdentity(first, second, gcd, x, y, quotients)
-
-
-def _pair(a: PolynomialLike, b: PolynomialLike, variable: str | sympy.Symbol | None) -> list[Poly]:
-    """Read both; where one shows no variable (a constant), the other's is taken."""
-    if variable is None:
-        for candidate in (a, b):
-            try:
-                variable = polynomial(candidate).gen
-            except InputError:
-                continue
-            break
-    return [polynomial(a, variable), polynomial(b, variable)]

@@ -3,7 +3,8 @@
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import canonical, format_polynomial, monic, require_poly
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, monic, require_poly
 
 
 def reciprocal_polynomial(poly: Poly) -> Poly:

@@ -19,8 +19,8 @@ from rcac_numeric.controllers.rules import SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings, Weight
 from rcac_numeric.controllers.updates import Gradient
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.callbacks import Failures
-from rcac_numeric.engine.compiled_updates import Event, KernelUpdate, kernel_update
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.updates import Event, KernelUpdate, kernel_update
 from rcac_numeric.targets.model import TargetModel
 
 NEVER = 2**62  # a step that no run reaches

@@ -11,9 +11,16 @@ class Failures:
 
     def __init__(self) -> None:
         self.error: Exception | None = None
+        self.guards_something = False
+
+    @property
+    def words(self) -> str:
+        """The exception in words; empty where there is none."""
+        return "" if self.error is None else f"{type(self.error).__name__}: {self.error}"
 
     def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """`function`, but an exception is kept here and None returned."""
+        self.guards_something = True
 
         def guarded(*arguments: Any) -> Any:
             try:

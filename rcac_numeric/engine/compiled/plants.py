@@ -15,7 +15,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import float_array, real_array
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.callbacks import Failures
+from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.linear import MATRICES, Plant
