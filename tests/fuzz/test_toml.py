@@ -1,8 +1,8 @@
 """Experiment files that nobody would write: only our errors, and never long or large.
 
 What is tried is made of the shipped files and of the format's own declarations: keys are taken
-away, misspelt, moved and repeated, values replaced by others of every kind. The default is a sample;
-HYPOTHESIS_PROFILE=thorough tries 10^5.
+away, misspelt, moved and repeated, values replaced by others of every kind. The default is a
+sample; HYPOTHESIS_PROFILE=thorough tries 10^5.
 """
 
 import copy
@@ -42,8 +42,9 @@ ODD = [
     0, 1, -1, 2, 3, 17, 400, 20_000, 2**31, 2**63, 10**40, 0.0, -0.0, 0.5, 1.5, -2.5, 1e-300,
     5e-324, 1e300, float("inf"), float("-inf"), float("nan"), True, False, "", "x", "1/3", "pi/8",
     "q", "1/q", "-1/q**2", "(q - 0.5)/(q**2 - 0.25)", "1/(q - 2)", "q**q", "1/0", "0.8j", "sqrt(2)",
-    "a*q", "__import__('os')", "1e99999", "((((", "\u202e", "main", "iir", "fir", "ud", "lqg", "servo",
-    "standard", "rms", [], [[]], [[[]]], [1], [1, 2], [[1]], [[1, 2], [3, 4]], [[1, 2], [3]],
+    "a*q", "__import__('os')", "1e99999", "((((", "\u202e", "main", "iir", "fir", "ud", "lqg",
+    "servo", "standard", "rms", [], [[]], [[[]]], [1], [1, 2], [[1]], [[1, 2], [3, 4]],
+    [[1, 2], [3]],
     ["1/2", "-1/2"], ["0.5j"], [True], [[5]], [[5, 0.5]], [[10], [5, 7]], [None], {}, {"a": 1},
     {"z_squared": 1}, {"step": 1}, {"harmonic": "pi/8"}, {"white_noise": 0.1}, {"sum": [1, 2]},
     {"piecewise": [[0, 1], [5, 2]]}, {"recorded": [1.0] * 50}, {"recorded": "no.csv"},

@@ -184,7 +184,7 @@ def _told(
 def _information(plant: Plant) -> ModellingInformation:
     if plant.n > LARGEST_PLANT:
         raise InputError(
-            f"the plant has {plant.n} states; its relative degree and zeros are read off exactly up "
+            f"the plant has {plant.n} states; its relative degree and zeros are found exactly up "
             f"to {LARGEST_PLANT}. Say d_zu, H and nmp_zeros in [target]."
         )
     return modelling_information(plant)
