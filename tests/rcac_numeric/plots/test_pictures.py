@@ -59,7 +59,9 @@ def test_results_draw_themselves():
     """`plot` of each result is the function of the folder above."""
     run = load_example("4.7").main_run.execute()
     assert len(run.first.plot("4.7").axes) == 6
-    check = check_controller(read_log("examples/octave/rcac_loop.mat"), structure=iir(n_c=4),
-                             plant=run.first.plant, target=run.first.compared_with, k_w=50)  # fmt: skip
+    log, target = read_log("examples/octave/rcac_loop.mat"), run.first.compared_with
+    check = check_controller(
+        log, structure=iir(n_c=4), plant=run.first.plant, target=target, k_w=50
+    )
     assert len(check.plot().axes) == 7
     assert len(check.margins["u"].plot().axes) == 3
