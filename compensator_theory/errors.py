@@ -22,6 +22,10 @@ class InputError(CompensatorError):
     """An argument has the wrong type, shape, range or value (NaN and infinity included)."""
 
 
+class BudgetError(InputError):
+    """A request is larger than the :class:`~compensator_theory.Budget` allows."""
+
+
 class NotCoprimeError(CompensatorError):
     """Numerator and denominator share a root, so some poles cannot be moved."""
 
@@ -52,6 +56,10 @@ class UnitCircleError(CompensatorError):
 
 class DivergedError(CompensatorError):
     """A closed loop left the range of float64; what came before is kept in the result."""
+
+
+class IllConditionedError(CompensatorError):
+    """Rounding decides the answer, so that it is undecided; exact data or other units may help."""
 
 
 class FunctionFailedError(CompensatorError):

@@ -1,8 +1,9 @@
+__version__: str
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
-from .analysis.closed_loop import IntercalatedMatch as IntercalatedMatch
-from .analysis.closed_loop import intercalated_match as intercalated_match
 from .analysis.exact_comparison import ExactComparison as ExactComparison
 from .analysis.exact_comparison import compare_exactly as compare_exactly
+from .analysis.match import IntercalatedMatch as IntercalatedMatch
+from .analysis.match import intercalated_match as intercalated_match
 from .analysis.observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import PlacementConditioning as PlacementConditioning
@@ -17,6 +18,7 @@ from .checks.replays import ControlReplay as ControlReplay
 from .checks.replays import replay as replay
 from .controllers.compensator import Compensator as Compensator
 from .controllers.decentralized import Decentralized as Decentralized
+from .controllers.fixed import FixedController as FixedController
 from .controllers.kinds import feedforward as feedforward
 from .controllers.kinds import fir as fir
 from .controllers.kinds import fir_integrator as fir_integrator
@@ -24,6 +26,7 @@ from .controllers.kinds import iir as iir
 from .controllers.kinds import pid as pid
 from .controllers.kinds import quasi_fir as quasi_fir
 from .controllers.rules import CovarianceReset as CovarianceReset
+from .controllers.rules import ScheduledForgetting as ScheduledForgetting
 from .controllers.rules import SignalWeight as SignalWeight
 from .controllers.rules import VariableRateForgetting as VariableRateForgetting
 from .controllers.settings import ControllerSettings as ControllerSettings
@@ -32,9 +35,15 @@ from .controllers.structure import Structure as Structure
 from .controllers.structure import Tap as Tap
 from .controllers.structure import difference as difference
 from .controllers.structure import integral as integral
+from .controllers.updates import UD as UD
+from .controllers.updates import Covariance as Covariance
+from .controllers.updates import Gradient as Gradient
+from .controllers.updates import Instantaneous as Instantaneous
+from .controllers.updates import SlidingWindow as SlidingWindow
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
+from .engine.interruption import RunInterrupted as RunInterrupted
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
@@ -42,12 +51,18 @@ from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
+from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.files.builder import load_example as load_example
 from .experiments.files.builder import load_experiment as load_experiment
+from .experiments.files.schema import json_schema as json_schema
 from .experiments.verdicts import Verification as Verification
 from .experiments.verdicts import verify as verify
 from .h2.agreement import ExactAgreement as ExactAgreement
+from .h2.conversion import ConversionCertificate as ConversionCertificate
+from .h2.conversion import (
+    compensator_from_state_space as compensator_from_state_space,
+)
 from .h2.costs import H2Cost as H2Cost
 from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
@@ -55,9 +70,6 @@ from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
-from .h2.state_space import (
-    compensator_from_state_space as compensator_from_state_space,
-)
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.era import eigensystem_realisation as eigensystem_realisation
 from .identification.modelling import (
@@ -72,8 +84,8 @@ from .margins.disk import DiskMargin as DiskMargin
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
 from .plants.functions import FunctionPlant as FunctionPlant
 from .plants.linear import Plant as Plant
-from .plants.linear import servo_plant as servo_plant
-from .plants.linear import standard_plant as standard_plant
+from .plants.problems import servo_plant as servo_plant
+from .plants.problems import standard_plant as standard_plant
 from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
@@ -82,11 +94,11 @@ from .plots.run import plot_sheet as plot_sheet
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
 from .signals.recordings import recorded_channels as recorded_channels
+from .signals.sequences import Levels as Levels
+from .signals.sequences import Piecewise as Piecewise
 from .signals.signal import Signal as Signal
 from .signals.signal import exogenous as exogenous
 from .signals.waveforms import Harmonic as Harmonic
-from .signals.waveforms import Levels as Levels
-from .signals.waveforms import Piecewise as Piecewise
 from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step
@@ -96,10 +108,10 @@ from .targets.high_authority import high_authority_target_model as high_authorit
 from .targets.markov import markov_parameters as markov_parameters
 from .targets.markov import markov_target as markov_target
 from .targets.model import TargetModel as TargetModel
-from .targets.model import fir_target as fir_target
-from .targets.model import pole_placement_target as pole_placement_target
 from .targets.modelling import ModellingInformation as ModellingInformation
 from .targets.modelling import modelling_information as modelling_information
 from .targets.output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros
 from .targets.output_subspaces import output_subspace_target as output_subspace_target
 from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
+from .targets.pole_placement import fir_target as fir_target
+from .targets.pole_placement import pole_placement_target as pole_placement_target

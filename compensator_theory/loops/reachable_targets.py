@@ -4,7 +4,8 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError, NotReachableTargetError
-from compensator_theory.polynomials.poly import canonical, format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.standard_problems import StandardProblem
 

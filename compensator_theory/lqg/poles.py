@@ -1,11 +1,10 @@
 """LQG closed-loop poles of plants with any number of signals, by an exact determinant."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import flint
 import sympy
-from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import (
     InputError,
@@ -14,18 +13,24 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
-from compensator_theory.polynomials.poly import as_symbol, canonical, format_polynomial
-from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
+from compensator_theory.lqg.regulator_data import regulator_data
+from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.matrices.flint_matrices import rational, to_flint
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.roots.enclosures import PolynomialEnclosure
+from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.roots.spectral_factors import SpectralFactor, factor_palindrome
 from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
 from compensator_theory.systems.controllability import uncontrollable_polynomial
-from compensator_theory.systems.standard_problems import MatrixLike, StandardProblem, exact_matrix
+from compensator_theory.systems.standard_problems import StandardProblem
 
 
 @dataclass(frozen=True)
-class LQGPoles:
+class LQGPoles(ExactValue):
     r"""Where LQG puts the closed-loop poles.
 
     .. math:: \mathrm{mspec}(\tilde A) = \mathrm{mspec}(A + BC_c) \cup \mathrm{mspec}(A - B_cC)
@@ -174,7 +179,7 @@ def regulator_spectrum(
     >>> regulator_spectrum([[3]], [[1]], [[2]], [[0]], z).as_expr()
     4*z
     """
-    a, b, e_1, e_2 = _read(A, B, E_1, E_2)
+    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
     variable = as_symbol(variable)
     n, l_u = b.shape
     constant = sympy.BlockMatrix(
@@ -187,12 +192,12 @@ def regulator_spectrum(
          [sympy.zeros(n, n), -a.T, sympy.zeros(n, l_u)],
          [sympy.zeros(l_u, n), b.T, sympy.zeros(l_u, l_u)]]
     ).as_explicit()  # fmt: skip
-    pencil = [_to_flint(matrix) for matrix in (constant, slope)]
+    pencil = [to_flint(matrix) for matrix in (constant, slope)]
     points = [flint.fmpq(k) for k in range(-n, n + 1)]
     values = [(pencil[0] + point * pencil[1]).det() for point in points]
     ascending = _interpolated(points, values)
     sign = -1 if n % 2 else 1
-    descending = [sign * Rational(int(c.p), int(c.q)) for c in reversed(ascending)]
+    descending = [sign * rational(c) for c in reversed(ascending)]
     return canonical(Poly(descending, variable))
 
 
@@ -210,7 +215,7 @@ def is_palindromic(poly: Poly) -> bool:
     return bool(reciprocal_polynomial(reflected) == reflected)
 
 
-def _interpolated(points: list[Any], values: list[Any]) -> list[Any]:
+def _interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
     """Return ascending coefficients through the points, by Newton's divided differences."""
     table = list(values)
     for order in range(1, len(points)):
@@ -220,28 +225,6 @@ def _interpolated(points: list[Any], values: list[Any]) -> list[Any]:
     for i in range(len(points) - 2, -1, -1):
         result = result * flint.fmpq_poly([-points[i], 1]) + table[i]
     return list(result.coeffs())
-
-
-def _read(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike
-) -> tuple[ImmutableMatrix, ...]:
-    named = {"A": A, "B": B, "E_1": E_1, "E_2": E_2}
-    a, b, e_1, e_2 = (exact_matrix(value, name) for name, value in named.items())
-    shapes = ((a.rows, a.rows), (a.rows, b.cols), (e_1.rows, a.rows), (e_1.rows, b.cols))
-    for name, matrix, shape in zip(named, (a, b, e_1, e_2), shapes, strict=True):
-        if matrix.shape != shape:
-            raise InputError(
-                f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
-                "the other matrices show"
-            )
-        if not all(entry.is_Rational for entry in matrix):
-            raise InputError(f"{name} has entries that are not rational numbers; substitute them")
-    return a, b, e_1, e_2
-
-
-def _to_flint(matrix: Matrix) -> Any:
-    entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
-    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
 
 
 def _require_stable_hidden_modes(plant: StandardProblem) -> None:

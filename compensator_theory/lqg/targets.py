@@ -6,6 +6,7 @@ from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.roots.unit_circle import require_none_on_circle
 from compensator_theory.roots.unit_circle_enclosures import (
@@ -19,7 +20,7 @@ from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True)
-class HighAuthorityTarget:
+class HighAuthorityTarget(ExactValue):
     r"""The target model (4.24), corrected.
 
     .. math:: G_f = \frac{H_{d_{zu}}\, q^{m}\, N_{zu,u}}

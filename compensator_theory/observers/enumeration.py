@@ -15,10 +15,10 @@ from compensator_theory.matrices.invariant_subspaces import (
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
 from compensator_theory.matrices.subspace_families import sample_subspaces, subspace_family
+from compensator_theory.observers.counting import number_of_selections
 from compensator_theory.observers.form import ObserverForm, form_of_subspace
 from compensator_theory.observers.form_lists import ObserverForms
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.roots.real_factors import number_of_selections
 from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
 
 

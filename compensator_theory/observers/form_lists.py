@@ -2,22 +2,23 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.observers.counting import count_observer_forms
 from compensator_theory.observers.form import ObserverForm
-from compensator_theory.polynomials.poly import format_polynomial, is_rational
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import certified_roots
-from compensator_theory.roots.real_factors import count_observer_forms
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
 
 
 @dataclass(frozen=True)
-class ObserverForms:
+class ObserverForms(ExactValue):
     r"""The observer-based forms that :func:`observer_forms` found, and why there are no others.
 
     Attributes
@@ -133,7 +134,7 @@ class ObserverForms:
 
         return self._least(distance)
 
-    def _least(self, cost: Callable[[ObserverForm], Any]) -> ObserverForm:
+    def _least(self, cost: Callable[[ObserverForm], Expr | float]) -> ObserverForm:
         if not self.forms:
             raise NoSolutionError(
                 "there is no isolated form to choose from; "

@@ -2,23 +2,20 @@
 
 from sympy import Poly
 
-from compensator_theory.errors import ImproperError
+from compensator_theory.loops.siso import LoopPart, siso_loop, well_posed_loop
 from compensator_theory.observers.decisions import ObserverDecision
 from compensator_theory.observers.questions import (
-    closed_loop_of_pair,
     pair_is_observer_based,
-    siso_loop,
     transfer_function_is_observer_based,
 )
-from compensator_theory.polynomials.poly import format_polynomial, is_rational
+from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.roots.counts import count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.systems.conversions import TransferFunctionLike
-from compensator_theory.systems.realisations import Realisation
 
 
 def is_lqg_suboptimal(
-    plant: TransferFunctionLike | Realisation,
+    plant: LoopPart,
     compensator: TransferFunctionLike,
     *,
     feedback: int,
@@ -69,12 +66,7 @@ def is_lqg_suboptimal(
     """
     question = "Is it suboptimal for every LQG problem?"
     G, G_c = siso_loop(plant, compensator, feedback)
-    Dtilde = closed_loop_of_pair(G, G_c.reduced(), feedback)
-    if Dtilde.degree() < G.order + G_c.reduced().order:
-        raise ImproperError(
-            f"the loop of {G} and {G_c} is not well posed: the direct terms cancel and the closed "
-            f"loop {format_polynomial(Dtilde)} has too few poles"
-        )
+    Dtilde = well_posed_loop(G, G_c.reduced(), feedback)
     stable = _is_stable(Dtilde)
     if stable is False:
         return ObserverDecision(question, True, "the closed loop is unstable", None, Dtilde)

@@ -7,17 +7,18 @@ from sympy import Poly
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.observers.counting import (
+    count_observer_forms,
+    count_partitions,
+    number_of_selections,
+)
 from compensator_theory.observers.decisions import NumberOfForms, ObserverDecision
 from compensator_theory.observers.enumeration import observer_forms
 from compensator_theory.observers.questions import decide_by_parity
 from compensator_theory.observers.youla import youla_forms
-from compensator_theory.polynomials.poly import canonical, format_polynomial, is_rational, monic
-from compensator_theory.roots.real_factors import (
-    count_observer_forms,
-    count_partitions,
-    number_of_selections,
-    real_multiplicities,
-)
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, is_rational, monic
+from compensator_theory.roots.real_factors import real_multiplicities
 from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
 
 QUESTION = "Is the realisation observer-based?"

@@ -16,12 +16,14 @@ from compensator_theory.matrices.invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
-from compensator_theory.polynomials.poly import canonical, format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
 
 
 @dataclass(frozen=True)
-class YoulaForm:
+class YoulaForm(ExactValue):
     r"""An observer, state feedback, and a stable or unstable filter of the innovations.
 
     .. math::

@@ -1,33 +1,25 @@
 """Every compensator of given order that places the closed-loop poles at given points."""
 
-from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import sympy
 from sympy import ImmutableMatrix, Poly
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
-from compensator_theory.loops.sensitivity import require_sign
+from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.linear_algebra import AffineSolution, solve_affine
 from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
-from compensator_theory.polynomials.from_roots import polynomial_or_roots
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    format_polynomial,
-    monic,
-    polynomial,
-    scaled,
-)
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
+from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
 
 
 def place_poles(
     plant: TransferFunctionLike,
-    target: PolynomialLike | Sequence[Any],
+    target: SpectrumLike,
     n_c: int | None = None,
     *,
     feedback: int,
@@ -114,7 +106,7 @@ def place_poles(
     return _exactly_proper(placement) if properness == "exactly proper" else placement
 
 
-def _target(target: Any, G: TransferFunction) -> Poly:
+def _target(target: SpectrumLike, G: TransferFunction) -> Poly:
     return monic(polynomial_or_roots(target, G.variable))
 
 
@@ -226,4 +218,5 @@ def _placement(
 def _pair(vector: ImmutableMatrix, G: TransferFunction, n_c: int) -> tuple[Poly, Poly]:
     coefficients = list(vector)
     denominator, numerator = coefficients[: n_c + 1], coefficients[:n_c:-1]
-    return polynomial(denominator, G.variable), polynomial(numerator or [0], G.variable)
+    s = G.variable
+    return from_coefficients(denominator, s), from_coefficients(numerator or [sympy.S.Zero], s)

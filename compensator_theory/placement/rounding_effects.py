@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
-from sympy import Poly, Rational, Symbol
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import canonical, is_rational, scaled
+from compensator_theory.polynomials.poly import canonical, is_rational
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
 from compensator_theory.systems.transfer_functions import TransferFunction
@@ -16,7 +18,7 @@ DANGEROUS_SHARE = 0.1
 
 
 @dataclass(frozen=True)
-class RoundingEffect:
+class RoundingEffect(ExactValue):
     """Closed-loop poles before and after the coefficients were rounded once.
 
     Attributes
@@ -96,13 +98,7 @@ def rounding_effect(
     rounded = TransferFunction(
         rounded_polynomial(compensator.numerator), rounded_polynomial(compensator.denominator)
     )
-    exact, moved = (
-        canonical(
-            plant.denominator * G_c.denominator
-            - scaled(plant.numerator * G_c.numerator, Rational(feedback))
-        )
-        for G_c in (compensator, rounded)
-    )
+    exact, moved = (closed_loop_of_pair(plant, G_c, feedback) for G_c in (compensator, rounded))
     roots = certified_roots(exact), certified_roots(moved)
     displacement, share = _largest_move(*roots, plant.variable)
     return RoundingEffect(exact, moved, displacement, share, is_stable(exact), is_stable(moved))

@@ -10,14 +10,17 @@ from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.loops.sensitivity import sensitivity_function
+from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.placement.rounding_effects import rounding_effect
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import canonical, format_polynomial, scaled
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True)
-class PolePlacement:
+class PolePlacement(ExactValue):
     r"""Every compensator that :func:`place_poles` found.
 
     .. math:: D (D_c + \textstyle\sum_i \alpha_i\,\delta D_i)
@@ -84,11 +87,9 @@ class PolePlacement:
 
     def closed_loop_polynomial(self, compensator: TransferFunction) -> Poly:
         """Return D D_c - f N N_c for any compensator in the same variable."""
-        through = self.plant.numerator * compensator.numerator
-        around = self.plant.denominator * compensator.denominator
-        return canonical(around - scaled(through, sympy.Integer(self.feedback)))
+        return closed_loop_of_pair(self.plant, compensator, self.feedback)
 
-    def member(self, parameters: Sequence[Any]) -> TransferFunction:
+    def member(self, parameters: Sequence[NumberLike]) -> TransferFunction:
         """Return one compensator of the family.
 
         Parameters

@@ -5,6 +5,7 @@ from sympy import ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -12,7 +13,6 @@ from compensator_theory.matrices.linear_algebra import (
     solve,
 )
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
 
 
 def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:

@@ -10,7 +10,8 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials.expressions import parse_quotient
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import OPERATORS, as_symbol, polynomial, scaled
+from compensator_theory.polynomials.poly import polynomial, scaled
+from compensator_theory.polynomials.variables import OPERATORS, as_symbol
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.systems.transfer_functions import TransferFunction
 

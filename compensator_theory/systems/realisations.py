@@ -7,11 +7,12 @@ import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
-from compensator_theory.polynomials.poly import as_symbol
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
 from compensator_theory.systems.state_space import (
     controllable_canonical_form,
     transfer_matrix_of_realisation,
@@ -23,8 +24,8 @@ RealisationLike = Any
 """What :func:`realisation` reads."""
 
 
-@dataclass(frozen=True)
-class Realisation:
+@dataclass(frozen=True, init=False)
+class Realisation(ExactValue):
     r"""A plant or a compensator in a given basis, hidden modes included.
 
     .. math:: \dot x = A x + B u, \qquad y = C x + D u
@@ -54,34 +55,43 @@ class Realisation:
     (True, '(4)/(s**2 + 4*s + 3)')
     """
 
-    A: MatrixLike
-    B: MatrixLike
-    C: MatrixLike
-    D: MatrixLike = None
-    variable: Symbol = Symbol("s")  # noqa: RUF009  (immutable)
+    A: ImmutableMatrix
+    B: ImmutableMatrix
+    C: ImmutableMatrix
+    D: ImmutableMatrix
+    variable: Symbol
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "variable", as_symbol(self.variable))
-        A, B, C = (exact_matrix(getattr(self, name), name) for name in "ABC")
-        D = ImmutableMatrix.zeros(C.rows, B.cols) if self.D is None else exact_matrix(self.D, "D")
-        needed = {"A": (A.rows, A.rows), "B": (A.rows, B.cols), "C": (C.rows, A.rows)}
-        needed["D"] = (C.rows, B.cols)
-        for name, matrix in zip("ABCD", (A, B, C, D), strict=True):
+    def __init__(
+        self,
+        A: MatrixLike,
+        B: MatrixLike,
+        C: MatrixLike,
+        D: MatrixLike | None = None,
+        variable: str | Symbol = "s",
+    ) -> None:
+        symbol = as_symbol(variable)
+        object.__setattr__(self, "variable", symbol)
+        a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
+        d = ImmutableMatrix.zeros(c.rows, b.cols) if D is None else exact_matrix(D, "D")
+        needed = {"A": (a.rows, a.rows), "B": (a.rows, b.cols), "C": (c.rows, a.rows)}
+        needed["D"] = (c.rows, b.cols)
+        for name, matrix in zip("ABCD", (a, b, c, d), strict=True):
             rows, columns = needed[name]
             if matrix.shape != (rows, columns):
                 raise InputError(
                     f"{name} is {matrix.rows} x {matrix.cols} but must be {rows} x {columns}, as "
                     "the other matrices show"
                 )
-            if self.variable in matrix.free_symbols:
+            if symbol in matrix.free_symbols:
                 raise InputError(
-                    f"{name} contains {self.variable}, the variable of the transfer function; name "
+                    f"{name} contains {symbol}, the variable of the transfer function; name "
                     "another one with variable="
                 )
             object.__setattr__(self, name, matrix)
-        if not (B.cols and C.rows):
+        require_one_symbol_a_name({symbol}.union(*(m.free_symbols for m in (a, b, c, d))))
+        if not (b.cols and c.rows):
             raise InputError(
-                f"a realisation needs inputs and outputs; it has {B.cols} and {C.rows}"
+                f"a realisation needs inputs and outputs; it has {b.cols} and {c.rows}"
             )
 
     @property

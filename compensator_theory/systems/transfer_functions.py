@@ -7,18 +7,14 @@ import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.polynomials.poly import (
-    canonical,
-    format_polynomial,
-    monic,
-    polynomial,
-    scaled,
-)
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 
 
 @dataclass(frozen=True, repr=False)
-class TransferFunction:
+class TransferFunction(ExactValue):
     r"""A quotient of two exact polynomials with monic denominator, never reduced silently.
 
     .. math:: G = \frac{N}{D}, \qquad D(s) = s^n + D_{n-1}s^{n-1} + \cdots + D_0

@@ -6,12 +6,13 @@ import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True, repr=False)
-class TransferMatrix:
+class TransferMatrix(ExactValue):
     r"""A polynomial matrix over one monic polynomial.
 
     .. math:: G = \frac{1}{D}\begin{bmatrix} N_{11} & \cdots \\ \vdots & \ddots \end{bmatrix}

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from sympy import Poly
 
+import compensator_theory as exact
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.pairing import pairing
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
-if TYPE_CHECKING:
-    from sympy import Poly
-
-    from compensator_theory import PolePlacement
-
 
 @dataclass(frozen=True, eq=False)
-class ExactComparison:
+class ExactComparison(Value):
     """A converged controller beside the exact answer; scalar loops.
 
     Attributes
@@ -48,7 +44,7 @@ class ExactComparison:
     reached: Poly
     asked: Poly | None
     obstacle: str
-    compensators: PolePlacement | None
+    compensators: exact.PolePlacement | None
     poles: ComplexArray
     zeros: dict[str, ComplexArray]
     target_poles: ComplexArray
@@ -89,7 +85,7 @@ class ExactComparison:
         found = self.compensators
         length = self.compensator.n_c + 1
 
-        def vector(denominator: Poly, numerator: Poly) -> NDArray[np.float64]:
+        def vector(denominator: Poly, numerator: Poly) -> Array:
             parts = [
                 [float(p.nth(length - 1 - i)) for i in range(length)]
                 for p in (denominator, numerator)
@@ -134,14 +130,6 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
     >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
     (4e-06, 1e-06)
     """
-    from compensator_theory import (
-        TransferFunction,
-        closed_loop_polynomial,
-        closed_loop_zero_polynomial,
-        place_poles,
-        target_characteristic_polynomial,
-    )
-
     if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
         raise InputError(
             f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}, l_z = {plant.l_z}; the exact "
@@ -149,18 +137,18 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
         )
     problem = plant.problem
     N_c, D_c = exact_polynomials(compensator)
-    reached = closed_loop_polynomial(problem, N_c, D_c)
+    reached = exact.closed_loop_polynomial(problem, N_c, D_c)
     asked, placed, obstacle = None, None, ""
     try:
-        if not isinstance(target.exact, TransferFunction):
+        if not isinstance(target.exact, exact.TransferFunction):
             raise InputError(
                 "the target model was given by float64 coefficients only."
                 if target.exact is None
                 else f"the target model is {target.l_z} x {target.l_u}, not scalar."
             )
-        asked = target_characteristic_polynomial(problem, compensator.n_c, target.exact)
+        asked = exact.target_characteristic_polynomial(problem, compensator.n_c, target.exact)
         strictness = _strictness(compensator)
-        placed = place_poles(
+        placed = exact.place_poles(
             problem.transfer_function("yu"),
             asked,
             compensator.n_c,
@@ -171,7 +159,7 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
         obstacle = str(error)
     zeros = {}
     for index, name in enumerate(plant.channels):
-        polynomial = closed_loop_zero_polynomial(problem, N_c, D_c, index)
+        polynomial = exact.closed_loop_zero_polynomial(problem, N_c, D_c, index)
         if not polynomial.is_zero:
             zeros[name] = _roots(polynomial)
     return ExactComparison(
@@ -190,10 +178,8 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
 
 def exact_polynomials(compensator: Compensator) -> tuple[Poly, Poly]:
     """(N_c, D_c) in q with the exact values of their float64 coefficients."""
-    from compensator_theory import exact_number, polynomial
-
     N_c, D_c = (
-        polynomial([exact_number(float(c), binary=True) for c in coefficients], "q")
+        exact.polynomial([exact.exact_number(float(c), binary=True) for c in coefficients], "q")
         for coefficients in (compensator.numerator, compensator.denominator)
     )
     return N_c, D_c
@@ -204,11 +190,9 @@ def _worst(pairs: list[tuple[complex, complex]]) -> float:
 
 
 def _roots(polynomial: Poly) -> ComplexArray:
-    from compensator_theory import certified_roots
-
     if polynomial.degree() < 1:
         return np.zeros(0, dtype=np.complex128)
-    roots = [r.value for r in certified_roots(polynomial) for _ in range(r.multiplicity)]
+    roots = [r.value for r in exact.certified_roots(polynomial) for _ in range(r.multiplicity)]
     return np.array(roots, dtype=np.complex128)
 
 

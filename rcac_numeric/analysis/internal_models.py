@@ -8,6 +8,7 @@ import numpy as np
 
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 
 # A controller pole this near the unit circle counts as an internal model.
@@ -42,8 +43,8 @@ class Drift:
         return f"theta {verdict}: {moved}"
 
 
-@dataclass(frozen=True)
-class InternalModel:
+@dataclass(frozen=True, eq=False)
+class InternalModel(Value):
     """A controller pole on or near the unit circle.
 
     Attributes

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensator_theory.roots.certified import root_balls
-
-Array = NDArray[np.float64]
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 
 # For one root: the columns that the regulator may take, and those that are left for the observer.
 Choice = list[tuple[list[int], list[int]]]
@@ -30,7 +29,7 @@ def rounded_roots(Dtilde: Any) -> list[tuple[complex, int]]:
 
 def kernel_bases(
     loop: Array, roots: list[tuple[complex, int]]
-) -> tuple[Array, NDArray[np.complex128], list[Choice]]:
+) -> tuple[Array, ComplexArray, list[Choice]]:
     """Return columns that span the kernels, the root of each, and what may be chosen per root.
 
     A choice is a pair of lists of columns: those of the kernel of the power e for the regulator,

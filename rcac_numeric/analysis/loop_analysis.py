@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch, intercalated_match
+from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
+from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import signal_array

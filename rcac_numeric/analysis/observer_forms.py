@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from sympy import ImmutableMatrix
 
 from compensator_theory import (
@@ -20,13 +19,13 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from rcac_numeric.analysis.invariant_subspaces import kernel_bases, rounded_roots, selections
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, number
-
-Array = NDArray[np.float64]
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class NumericObserverForms:
+class NumericObserverForms(Value):
     r"""Observer-based forms of a compensator, one in each slice of the arrays.
 
     .. math:: T^{-1} A_c T = A + BK - FC, \qquad T^{-1} B_c = F, \qquad C_c T = K
@@ -58,8 +57,8 @@ class NumericObserverForms:
     T: Array
     K: Array
     F: Array | None
-    regulator_roots: NDArray[np.complex128]
-    observer_roots: NDArray[np.complex128]
+    regulator_roots: ComplexArray
+    observer_roots: ComplexArray
     residual: Array
     condition: Array
     rejected: int

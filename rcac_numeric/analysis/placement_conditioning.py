@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from sympy import Poly
@@ -21,13 +21,12 @@ from compensator_theory import (
 from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.placement.rounding_effects import is_stable
 from compensator_theory.polynomials.poly import canonical, scaled
-
-if TYPE_CHECKING:
-    from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class PlacementConditioning:
+class PlacementConditioning(Value):
     """An exact pole placement beside the float64 solution of the same linear equations.
 
     Attributes

@@ -10,13 +10,14 @@ from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import signal_array
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class ResidualSplit:
+class ResidualSplit(Value):
     """z - G_f u~ = (G~zu~ - G_f) u~ + G~zw w, for one fixed theta* and recorded signals.
 
     Attributes
@@ -114,10 +115,12 @@ def split_residual(
     Examples
     --------
     >>> from rcac_numeric import (
-    ...     ControllerSettings, WhiteNoise, exogenous, fir_target, iir, simulate, split_residual,
+    ...     UD, ControllerSettings, WhiteNoise, exogenous, fir_target, iir, simulate,
+    ...     split_residual,
     ...     standard_plant)
     >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1)
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1))
     >>> run = simulate(plant, settings, exogenous([WhiteNoise()], steps=500))
     >>> split = split_residual(
     ...     plant, run.compensator, settings.target, u=run.u, y=run.y, z=run.z, w=run.w)

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import DivergedError, InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch
+from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
+from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import ComplexArray
@@ -176,10 +177,11 @@ def check_controller(
     Examples
     --------
     >>> from rcac_numeric import (
-    ...     ControllerSettings, Step, check_controller, exogenous, fir_target, iir, simulate,
+    ...     UD, ControllerSettings, Step, check_controller, exogenous, fir_target, iir, simulate,
     ...     standard_plant)
     >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1e-4)
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1e-4))
     >>> run = simulate(plant, settings, exogenous([Step()], steps=1000))
     >>> check = check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
     ...     structure=iir(n_c=2), plant=plant, target=settings.target)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rcac_numeric.experiments.files.sections import example_titles
+from rcac_numeric.experiments.files.documents import example_titles
 from rcac_numeric.signals.wording import printable
 
 

@@ -5,17 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch
+from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
+from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.engine.runs import Run, controllers_of
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -72,16 +73,15 @@ class AnalysedRun(Value):
             return self.target
         targets = []
         for settings in controllers_of(self.run.settings):
-            later = [m for k, m in settings.later_targets.items() if k <= self.last_step]
-            targets.append([settings.target, *later][-1])
-        first = targets[0]
-        if any(
-            not np.array_equal(getattr(first, name), getattr(other, name))
-            for other in targets[1:]
-            for name in ("numerator", "denominator")
-        ):
+            if isinstance(settings, ControllerSettings):
+                changes = settings.target_changes
+                later = [model for k, model in changes.items() if k <= self.last_step]
+                targets.append([settings.target, *later][-1])
+        if not targets:
+            raise InputError("nothing adapts in this run, so it has no target model of its own")
+        if any(other != targets[0] for other in targets[1:]):
             raise InputError("the controllers have different target models")
-        return first
+        return targets[0]
 
     @property
     def loop(self) -> ClosedLoop:

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from sympy import Matrix
 
+import compensator_theory as theory
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.pairing import pairing
-from rcac_numeric.h2.noise import NoiseInputs, exact_noise_inputs
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.h2.noise import NoiseInputs
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
 from rcac_numeric.plants.linear import Plant
 
-if TYPE_CHECKING:
-    from compensator_theory import LQGPoles
-
 
 @dataclass(frozen=True, eq=False)
-class ExactAgreement:
+class ExactAgreement(Value):
     """How far the poles from the Riccati equations are from the exact ones.
 
     Attributes
@@ -37,7 +35,7 @@ class ExactAgreement:
         d-th root of a rounding error, so judge by the coefficients.
     """
 
-    exact: LQGPoles | None
+    exact: theory.LQGPoles | None
     reason: str
     coefficient_distance: float | None
     pole_distance: float | None
@@ -58,13 +56,11 @@ def exact_agreement(
     estimator: StabilisingSolution,
 ) -> ExactAgreement:
     """Compare with `compensator_theory.lqg_poles`, which is exact for any R_2 and V_2."""
-    from compensator_theory import StandardProblem, lqg_poles
-
     try:
-        D_1, D_2 = exact_noise_inputs(plant, inputs)
+        D_1, D_2 = _exact_noise_inputs(plant, inputs)
         p = plant.problem
-        exact = lqg_poles(
-            StandardProblem(
+        exact = theory.lqg_poles(
+            theory.StandardProblem(
                 A=p.A, B=p.B, C=p.C, D_1=D_1, D_0=p.D_0, D_2=D_2, E_1=p.E_1, E_2=p.E_2, E_0=None,
                 variable=p.variable,
             )
@@ -82,13 +78,18 @@ def exact_agreement(
     return ExactAgreement(exact, "", coefficients, poles)
 
 
+def _exact_noise_inputs(plant: Plant, inputs: NoiseInputs) -> tuple[Matrix, Matrix]:
+    """(D_1, D_2) with exact entries; the factor of the intensities is rounded to float64 first."""
+    entries = [theory.exact_number(float(c)) for c in inputs.factor.ravel()]
+    factor = Matrix(*inputs.factor.shape, entries)
+    return plant.problem.D_1 * factor, plant.problem.D_2 * factor
+
+
 def _characteristic_polynomial(solution: StabilisingSolution) -> Array:
     return np.real(np.poly(solution.poles)) if len(solution.poles) else np.ones(1)
 
 
-def _pole_distance(polynomial: object, poles: NDArray[np.complex128]) -> float:
-    from compensator_theory import certified_roots
-
-    exact = [r.value for r in certified_roots(polynomial) for _ in range(r.multiplicity)]
+def _pole_distance(polynomial: object, poles: ComplexArray) -> float:
+    exact = [r.value for r in theory.certified_roots(polynomial) for _ in range(r.multiplicity)]
     pairs = pairing(np.array(exact, dtype=np.complex128), poles)
     return max((abs(a - b) for a, b in pairs), default=0.0)

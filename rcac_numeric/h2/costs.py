@@ -8,38 +8,55 @@ from typing import Any
 
 import numpy as np
 
-from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.errors import IllConditionedError, ImproperError, InputError
+from rcac_numeric.analysis.gramians import stein_solution
+from rcac_numeric.analysis.stability import EPS, decide_stability
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of
-from rcac_numeric.h2.lyapunov import stein_solution
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.h2.cost_evidence import (
+    NARROW,
+    enclosed_cost,
+    loop_rounding,
+    moved_cost,
+    residual_error,
+)
 from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.state_space import StateSpace, state_space_of
 from rcac_numeric.plants.linear import Plant
 
-# For each state, how near to the circle a computed pole may be one on it: (q^2 - 0.56 q + 1) has
-# poles of modulus 1, and eigenvalues of modulus 1 - 1e-16.
-ROUNDING = 4 * float(np.finfo(float).eps)
+# Relative error of J, by the bound that its residuals and its data leave, up to which float64 is
+# trusted; beyond it the cost is computed in ball arithmetic.
+TRUSTED = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class H2Cost:
+class H2Cost(Value):
     """The stationary mean square of z for white noise w, in its parts.
 
     Attributes
     ----------
     value : float
-        J of (A.3); infinite where the loop is not asymptotically stable, or rounding cannot tell:
-        a radius within a few roundings of 1.
+        J of (A.3); infinite where the loop is not asymptotically stable, or J is beyond float64.
     shares : mapping from names of noises to floats
         Each noise's own part of `value`, the others being off.
     terms : mapping from names to floats
         "state" tr(Q_1 R_1), "cross" 2 tr(R_12 C_c Q_12'), "control" tr(Q_2 C_c' R_2 C_c) and
         "direct", what w adds to z within the same step.
     spectral_radius : float
-        Of the closed loop.
+        Of the closed loop, from computed eigenvalues; those of a strongly non-normal loop are
+        wrong by more than rounding, and whether `value` is finite is not read off them.
     discrepancy : float
         Difference between `value`, from the dual equation, and the sum of the terms, from the
         covariance (4.23), over the sum of their sizes.
+    error_bound : float
+        Relative error of `value` that is left: by the residuals of both Lyapunov equations and
+        the rounding of the loop's matrices, to first order.
+    sensitivity : float
+        Relative change of J, to first order, when every entry of the loop's matrices changes by
+        one rounding of float64: digits beyond it are those of the numbers as given.
+    evidence : {"float64", "ball arithmetic", "unstable", "beyond float64"}
+        How `value` is known.
     """
 
     value: float
@@ -47,6 +64,9 @@ class H2Cost:
     terms: Mapping[str, float]
     spectral_radius: float
     discrepancy: float
+    error_bound: float = 0.0
+    sensitivity: float = 0.0
+    evidence: str = "float64"
 
     def __float__(self) -> float:
         return self.value
@@ -83,9 +103,14 @@ def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = 
         Where I - D_c D_0 is singular.
     InputError
         Where the compensator or the intensities do not fit the plant.
+    IllConditionedError
+        Where the loop is stable for these numbers, but changing each entry by one rounding can
+        change J by as much as J: rounding decides, and J is undecided.
 
     Notes
     -----
+    Stability is decided by `decide_stability`, never by the computed radius; J is taken from
+    float64 where its error is at most 1e-9 by the bound, else from ball arithmetic.
     Source: (4.20)-(4.23). Errata: (4.21) leaves out the cross term, which is zero for R_12 = 0
     only, and the direct term.
 
@@ -110,29 +135,61 @@ def _cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) -> H2Cost:
     if not (np.isfinite(A).all() and np.isfinite(B).all()):
         raise InputError("the closed loop has entries beyond float64; rescale the signals.")
     radius = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
-    if not radius < 1 - ROUNDING * len(A):
-        return _infinite(inputs, radius)
-    covariance = stein_solution(A, B @ B.T)
     u_x, u_w = plant.E_2 @ K_x, plant.E_2 @ K_w
+    rounding = loop_rounding(plant, compensator, inputs)
+    try:
+        if not decide_stability(A, rounding[0]).is_stable:
+            return _infinite(inputs, radius)
+    except IllConditionedError:
+        return _enclosed(plant, compensator, inputs, radius)
+    Z, W = E_x + u_x, E_w + u_w
+    X, Y = stein_solution(A, B @ B.T), stein_solution(A.T, Z.T @ Z)
     terms = {
-        "state": _mean_square(E_x, covariance),
-        "cross": 2 * float(np.sum((E_x @ covariance) * u_x)),
-        "control": _mean_square(u_x, covariance),
-        "direct": float(np.sum((E_w + u_w) ** 2)),
+        "state": _mean_square(E_x, X),
+        "cross": 2 * float(np.sum((E_x @ X) * u_x)),
+        "control": _mean_square(u_x, X),
+        "direct": float(np.sum(W**2)),
     }
-    Z = E_x + u_x
-    each = np.sum(B * (stein_solution(A.T, Z.T @ Z) @ B), axis=0)
-    each = each + np.sum((E_w + u_w) ** 2, axis=0)
+    each = np.sum(B * (Y @ B), axis=0) + np.sum(W**2, axis=0)
+    value = float(each.sum())
+    loop, gramians = (A, B, Z), (X, Y)
+    error = residual_error(loop, gramians) + moved_cost(loop, gramians, rounding)
+    if not error <= TRUSTED * value:
+        return _enclosed(plant, compensator, inputs, radius)
+    once = (EPS * np.abs(A), EPS * np.abs(B), EPS * np.abs(Z))
+    sensitivity = moved_cost(loop, gramians, once)
+    return _result(
+        inputs, [float(one) for one in each], terms, radius,
+        error_bound=error / value if value else 0.0,
+        sensitivity=sensitivity / value if value else 0.0,
+    )  # fmt: skip
+
+
+def _enclosed(plant: Plant, compensator: StateSpace, inputs: NoiseInputs, radius: float) -> H2Cost:
+    found = enclosed_cost(plant, compensator, inputs)
+    if found is None:
+        return _infinite(inputs, radius)
+    each, terms, sensitivity = found
+    return _result(
+        inputs, each, terms, radius,
+        error_bound=NARROW, sensitivity=sensitivity, evidence="ball arithmetic",
+    )  # fmt: skip
+
+
+def _result(
+    inputs: NoiseInputs, each: list[float], terms: dict[str, float], radius: float, **evidence: Any
+) -> H2Cost:
     # The shares are sums of squares; the terms may cancel and leave less than nothing.
-    each = np.maximum(each, 0.0)
-    value, total = float(each.sum()), sum(terms.values())
+    each = [max(share, 0.0) for share in each]
+    value, total = sum(each), sum(terms.values())
     if not (np.isfinite(value) and np.isfinite(total)):
-        return _infinite(inputs, radius)  # beyond float64
+        return _infinite(inputs, radius, "beyond float64")
     shares = dict.fromkeys(inputs.names, 0.0)
     for name, share in zip(inputs.names, each, strict=True):
-        shares[name] += float(share)
+        shares[name] += share
     size = sum(map(abs, terms.values()))
-    return H2Cost(value, shares, terms, radius, abs(value - total) / size if size else 0.0)
+    gap = abs(value - total) / size if size else 0.0
+    return H2Cost(value, shares, terms, radius, gap, **evidence)
 
 
 def loop_matrices(
@@ -150,8 +207,8 @@ def loop_matrices(
     direct = np.eye(plant.l_u) - D_c @ plant.D_0
     if np.linalg.matrix_rank(direct) < plant.l_u:
         raise ImproperError("I - D_c D_0 is singular: u and y depend on each other in a circle.")
-    K_x = np.linalg.solve(direct, np.hstack([D_c @ plant.C, C_c]))
-    K_w = np.linalg.solve(direct, D_c @ inputs.D_2)
+    K_x = np.asarray(np.linalg.solve(direct, np.hstack([D_c @ plant.C, C_c])), dtype=np.float64)
+    K_w = np.asarray(np.linalg.solve(direct, D_c @ inputs.D_2), dtype=np.float64)
     y_x = np.hstack([plant.C, np.zeros((plant.l_y, n_c))]) + plant.D_0 @ K_x
     y_w = inputs.D_2 + plant.D_0 @ K_w
     own = np.vstack(
@@ -166,8 +223,8 @@ def _mean_square(C: Array, covariance: Array) -> float:
     return float(np.sum((C @ covariance) * C))
 
 
-def _infinite(inputs: NoiseInputs, radius: float) -> H2Cost:
+def _infinite(inputs: NoiseInputs, radius: float, why: str = "unstable") -> H2Cost:
     """Where a share cannot be told from the others each is infinite too."""
     infinite = float("inf")
     terms = dict.fromkeys(("state", "cross", "control", "direct"), infinite)
-    return H2Cost(infinite, dict.fromkeys(inputs.names, infinite), terms, radius, 0.0)
+    return H2Cost(infinite, dict.fromkeys(inputs.names, infinite), terms, radius, 0.0, evidence=why)

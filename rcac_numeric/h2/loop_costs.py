@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.costs import H2Cost, h2_cost
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.h2.noise import NoiseIntensities
 
 
-@dataclass(frozen=True)
-class LoopCosts:
+@dataclass(frozen=True, eq=False)
+class LoopCosts(Value):
     """What a loop costs, and what it would cost with LQG.
 
     Attributes

@@ -4,33 +4,31 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from compensator_theory.errors import ImproperError
+from compensator_theory.errors import IllConditionedError, ImproperError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
+from rcac_numeric.h2.conversion import ConversionCertificate, converted
 from rcac_numeric.h2.costs import H2Cost, h2_cost
 from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.riccati import stabilising_solution
 from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
-from rcac_numeric.h2.state_space import StateSpace, compensator_from_state_space
+from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.plants.linear import Plant
-
-if TYPE_CHECKING:
-    import control
 
 FORMS = ("predictor", "filter")
 
 
 @dataclass(frozen=True, eq=False)
-class LQG:
+class LQG(Value):
     """An LQG controller u = G_c y and what says how good it is.
 
     Attributes
@@ -62,22 +60,45 @@ class LQG:
 
     @cached_property
     def compensator(self) -> Compensator:
-        """The controller as the difference equation (2.28)."""
-        return compensator_from_state_space(*self.state_space)
+        """The controller as the difference equation (2.28), verified against `state_space`.
+
+        Raises
+        ------
+        IllConditionedError
+            Where no difference equation with float64 coefficients has its response, or where the
+            loop with `compensator` is not stable though that with `state_space` is.
+        """
+        found = self._converted[0]
+        if np.isfinite(self.cost.value) and not ClosedLoop(self.plant, found).is_stable:
+            raise IllConditionedError(
+                "rounding the difference equation of this LQG controller to float64 makes the loop "
+                "unstable, though that with its state space is stable. Use state_space or "
+                "to_control()."
+            )
+        return found
+
+    @property
+    def certificate(self) -> ConversionCertificate:
+        """How well `compensator` reproduces `state_space`, and where that was checked."""
+        return self._converted[1]
+
+    @cached_property
+    def _converted(self) -> tuple[Compensator, ConversionCertificate]:
+        return converted(self.state_space)
 
     @property
     def loop(self) -> ClosedLoop:
         """The plant in a loop with `compensator`."""
         return ClosedLoop(self.plant, self.compensator)
 
-    def to_control(self) -> control.StateSpace:
-        """The controller as a discrete-time python-control system with unspecified period."""
+    def to_control(self) -> Any:
+        """The controller as a discrete-time python-control StateSpace with unspecified period."""
         import control  # a second of import time, paid only here
 
         return control.ss(*self.state_space, True)
 
     @cached_property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> ComplexArray:
         """The 2n closed-loop poles, the eigenvalues of A + BC_c and of A - B_cC, (A.11)."""
         return np.concatenate([self.regulator.poles, self.estimator.poles])
 
@@ -215,8 +236,8 @@ def _state_space(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> StateSpace
             "I + D_f D_0 is singular, so that the filter form is no proper controller of y; use "
             'form = "predictor".'
         )
-    C = np.linalg.solve(loop, C_c - D_f @ plant.C)
-    D = np.linalg.solve(loop, D_f)
+    C = np.asarray(np.linalg.solve(loop, C_c - D_f @ plant.C), dtype=np.float64)
+    D = np.asarray(np.linalg.solve(loop, D_f), dtype=np.float64)
     through = plant.B - B_c @ plant.D_0
     return plant.A - B_c @ plant.C + through @ C, B_c + through @ D, C, D
 

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_columns
 from rcac_numeric.arrays.validation import instance_of, number
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.linear import Plant
 
-if TYPE_CHECKING:
-    from sympy import Matrix
-
-NoiseIntensities = Mapping[str, Any]
+NoiseIntensities = Mapping[str, ArrayLike]
 
 
 @dataclass(frozen=True, eq=False)
-class NoiseInputs:
+class NoiseInputs(Value):
     """White noise of unit intensity that drives a plant, in place of w.
 
     Attributes
@@ -90,16 +88,6 @@ def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseIn
     factor = np.hstack(columns) if columns else np.zeros((plant.l_w, 0))
     maps = (np.asarray(m @ factor) for m in (plant.D_1, plant.D_2, plant.E_0))
     return NoiseInputs(tuple(names), factor, *maps)
-
-
-def exact_noise_inputs(plant: Plant, inputs: NoiseInputs) -> tuple[Matrix, Matrix]:
-    """(D_1, D_2) with exact entries; the factor of the intensities is rounded to float64 first."""
-    from sympy import Matrix
-
-    from compensator_theory import exact_number
-
-    factor = Matrix(*inputs.factor.shape, [exact_number(float(c)) for c in inputs.factor.ravel()])
-    return plant.problem.D_1 * factor, plant.problem.D_2 * factor
 
 
 def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) -> Plant:

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError, NoSolutionError
+from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import square_root_columns
 from rcac_numeric.arrays.validation import matrix
-from rcac_numeric.h2.lyapunov import stein_solution
 from rcac_numeric.h2.riccati_obstacles import (
     REGULATOR,
     Role,

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.h2.lyapunov import stein_solution
+from rcac_numeric.analysis.gramians import stein_solution
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class StabilisingSolution:
+class StabilisingSolution(Value):
     """The stabilising solution of a Riccati equation, with what says how good it is.
 
     Attributes
@@ -45,7 +45,7 @@ class StabilisingSolution:
         return np.asarray(self.A + self.B @ self.gain)
 
     @cached_property
-    def poles(self) -> NDArray[np.complex128]:
+    def poles(self) -> ComplexArray:
         """The n eigenvalues of A + BK."""
         return np.linalg.eigvals(self.closed_loop).astype(np.complex128)
 

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class EigensystemRealisation:
+class EigensystemRealisation(Value):
     """A balanced realisation of Markov parameters, by a singular value decomposition.
 
     Attributes

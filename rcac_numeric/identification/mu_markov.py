@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, number, real_array
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class IdentifiedMarkovParameters:
+class IdentifiedMarkovParameters(Value):
     """A fitted mu-Markov model (3.8), with the evidence for its Markov parameters.
 
     Attributes

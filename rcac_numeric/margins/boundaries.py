@@ -8,6 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.opened_loop import OpenedLoop
 
 # The perturbed loops beside a boundary are this share of the margin away from it.
@@ -22,8 +23,8 @@ CLUSTER = 1e-4
 MOST_STEPS = 500
 
 
-@dataclass(frozen=True)
-class StabilityBoundary:
+@dataclass(frozen=True, eq=False)
+class StabilityBoundary(Value):
     """Where a one-parameter change of the loop first puts a pole on the unit circle.
 
     Attributes

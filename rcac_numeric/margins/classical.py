@@ -11,6 +11,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.boundaries import (
     StabilityBoundary,
     delay_boundary,
@@ -23,16 +24,17 @@ from rcac_numeric.margins.opened_loop import OpenedLoop, broken_loop
 
 
 @dataclass(frozen=True, eq=False)
-class Margins:
+class Margins(Value):
     """How far a loop is from instability, and the evidence.
 
     Attributes
     ----------
     loop : OpenedLoop
     is_stable : bool
-        Whether the nominal loop is stable. An unstable loop has no margins: they are None.
+        Whether the nominal loop is stable, by `decide_stability`. An unstable loop has no
+        margins: they are None.
     spectral_radius : float
-        Of the nominal loop.
+        Of the nominal loop, from computed eigenvalues.
     gain_up, gain_down : StabilityBoundary or None
         The nearest factors above and below 1 by which L may be multiplied before a pole reaches
         the unit circle; infinite and 0 where there is none. Of a loop that is stable without
@@ -168,7 +170,7 @@ def stability_margins(
         raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
     gains, phases = gain_crossovers(opened), phase_crossovers(opened)
     radius = opened.radius()
-    stable = radius < 1
+    stable = opened.is_stable
     return Margins(
         loop=opened,
         is_stable=stable,

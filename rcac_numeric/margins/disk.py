@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,15 +10,14 @@ from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.opened_loop import OpenedLoop
-
-Matrices = tuple[Array, Array, Array, Array]
-# A response below this is not refined: divided by it, the matrices of its level set leave float64.
-SMALLEST = 1e-150
+from rcac_numeric.margins.peaks import Matrices, hinf_norm
+from rcac_numeric.margins.structured import structured_peak
 
 
-@dataclass(frozen=True)
-class DiskMargin:
+@dataclass(frozen=True, eq=False)
+class DiskMargin(Value):
     """The symmetric disk margin, based on S - T (sigma = 0), and the peaks of S and T.
 
     Every factor (1 + d/2) / (1 - d/2) with complex abs(d) < alpha, and every factor of a gain and
@@ -28,12 +26,15 @@ class DiskMargin:
     Attributes
     ----------
     alpha : float
-        2 / max abs(S - T), the largest singular value for several channels. For one channel the
-        margin is exact; for several it is guaranteed, for it allows more than diagonal factors.
+        2 / max mu(S - T). mu is the structured singular value for one complex factor in each
+        channel, by its upper bound min over D of the largest singular value of D (S - T) D^{-1},
+        D diagonal. So the margin is guaranteed; for up to three channels the bound is mu itself,
+        and the margin exact. The units of the channels do not matter.
     omega : float
         Where the maximum is, rad/sample.
     S_peak, T_peak : float
-        The largest singular values of S = (1 + L)^{-1} and T = L S over frequency.
+        The largest singular values of S = (1 + L)^{-1} and T = L S over frequency; for several
+        channels in their units.
     S_omega, T_omega : float
     radius_at : float
         For one channel: the spectral radius of the loop with the factor that ends the margin.
@@ -86,6 +87,10 @@ def multivariable_disk_margin(loop: ClosedLoop, *, at: str = "u") -> DiskMargin:
     InputError
         Where the loop is not stable: then it has no margin.
 
+    Notes
+    -----
+    Source: P. Seiler, A. Packard and P. Gahinet, IEEE Control Systems 40(5) (2020) 78-95.
+
     Examples
     --------
     >>> from rcac_numeric import ClosedLoop, Compensator, Plant, multivariable_disk_margin
@@ -119,7 +124,7 @@ def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
     S: Matrices = (A - B @ inverse @ C, B @ inverse, -inverse @ C, inverse)
     T: Matrices = (S[0], S[1], -S[2], one - inverse)
     difference: Matrices = (S[0], S[1], 2 * S[2], 2 * inverse - one)
-    peak, omega = hinf_norm(difference)
+    peak, omega = hinf_norm(difference) if scalar is not None else structured_peak(difference)
     radius = float("nan")
     if scalar is not None and peak > 0:
         value = scalar.response(omega)[0]
@@ -131,77 +136,3 @@ def _disk_margin(L: Matrices, scalar: OpenedLoop | None) -> DiskMargin:
     return DiskMargin(
         2 / peak if peak > 0 else float("inf"), omega, *hinf_norm(S), *hinf_norm(T), radius
     )
-
-
-def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
-    """The largest singular value of a stable system over the unit circle, and where it is.
-
-    The level-set method of Bruinsma and Steinbuch: the frequencies at which a singular value
-    equals a level are eigenvalues of a symplectic pencil on the unit circle; the level is raised
-    to the best value at the midpoints between them until there is none.
-
-    Returns
-    -------
-    (norm, omega in rad/sample)
-    """
-    A, B, C, D = system
-    n, m, p = len(A), B.shape[1], len(C)
-
-    def value(omega: float) -> float:
-        response: np.ndarray = D.astype(np.complex128)
-        if n:
-            response = response + C @ np.linalg.solve(np.exp(1j * omega) * np.eye(n) - A, B)
-        return float(np.linalg.norm(response, 2))
-
-    starts = [0.0, np.pi, *np.abs(np.angle(np.linalg.eigvals(A)))] if n else [0.0]
-    best, where = max((value(w), float(w)) for w in starts)
-    for _ in range(60):
-        if not n or best < SMALLEST:
-            break
-        level = best * (1 + rtol)
-        crossings = _level_crossings(system, level, n, m, p)
-        ends = np.concatenate([[0.0], crossings, [np.pi]])
-        middles = (ends[1:] + ends[:-1]) / 2
-        higher, at = max((value(w), float(w)) for w in middles)
-        if higher <= level:
-            break
-        best, where = higher, at
-    return _refined(value, best, where)
-
-
-def _level_crossings(system: Matrices, level: float, n: int, m: int, p: int) -> Array:
-    """The omega in [0, pi] at which a singular value equals `level`."""
-    from scipy.linalg import eigvals
-
-    A, B, C, D = (np.asarray(part) for part in system)
-    B, D = B / level, D / level
-    # z x = A x + B v, lambda = z A' lambda + C' y, y = C x + D v, v = z B' lambda + D' y
-    left = np.block([
-        [A, np.zeros((n, n)), B, np.zeros((n, p))],
-        [np.zeros((n, n)), np.eye(n), np.zeros((n, m)), -C.T],
-        [np.zeros((m, 2 * n)), np.eye(m), -D.T],
-        [C, np.zeros((p, n)), D, -np.eye(p)],
-    ])  # fmt: skip
-    right = np.zeros_like(left)
-    right[:n, :n] = np.eye(n)
-    right[n : 2 * n, n : 2 * n] = A.T
-    right[2 * n : 2 * n + m, n : 2 * n] = B.T
-    values = eigvals(left, right)
-    values = values[np.isfinite(values)]
-    # Near a maximum two crossings merge and rounding moves them off the circle by sqrt(eps).
-    return np.unique(np.abs(np.angle(values[np.abs(np.abs(values) - 1) < 1e-5])))
-
-
-def _refined(value: Callable[[float], float], best: float, where: float) -> tuple[float, float]:
-    """The top of the peak that the level sets have isolated."""
-    from scipy.optimize import minimize_scalar
-
-    width = 1e-4
-    low, high = max(where - width, 0.0), min(where + width, np.pi)
-    found = minimize_scalar(
-        lambda w: -value(w),
-        bounds=(low, high),
-        method="bounded",
-        options={"xatol": 1e-12},
-    )
-    return (-float(found.fun), float(found.x)) if -found.fun > best else (best, where)

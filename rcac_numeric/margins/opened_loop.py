@@ -11,12 +11,14 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.stability import decide_stability
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, one_of, real_array
+from rcac_numeric.arrays.values import Value
 
 
 @dataclass(frozen=True, eq=False)
-class OpenedLoop:
+class OpenedLoop(Value):
     """The loop transfer function L = C (qI - A)^{-1} B + D that is closed by 1 + L = 0.
 
     Parameters
@@ -86,6 +88,12 @@ class OpenedLoop:
     def radius(self, gain: complex = 1.0) -> float:
         """The spectral radius of the loop closed with an extra gain."""
         return float(np.abs(self.closed_poles(gain)).max(initial=0.0))
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the loop is stable when it is closed as it is, decided for its float64 matrix."""
+        direct = 1 + self.D[0, 0]
+        return bool(direct) and decide_stability(self.A - self.B @ self.C / direct).is_stable
 
     def delayed(self, steps: int) -> OpenedLoop:
         """The same loop with `steps` more steps of delay."""
@@ -209,8 +217,8 @@ def _opened(loop: ClosedLoop, at: str, channel: int) -> OpenedLoop:
         raise ImproperError(
             f"with {at}[{i}] opened, the other channels depend on each other in a circle."
         )
-    s_x = np.linalg.solve(closing, np.hstack([D_2 @ C_1, C_2]))
-    s_v = np.linalg.solve(closing, D_2 @ D_1 @ enters)
+    s_x = np.asarray(np.linalg.solve(closing, np.hstack([D_2 @ C_1, C_2])), dtype=np.float64)
+    s_v = np.asarray(np.linalg.solve(closing, D_2 @ D_1 @ enters), dtype=np.float64)
     in_x, in_v = stays @ s_x, stays @ s_v + enters
     out_x = np.hstack([C_1, np.zeros((len(C_1), len(A_2)))]) + D_1 @ in_x
     out_v = D_1 @ in_v

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rcac_numeric.analysis.closed_loop import IntercalatedMatch
+from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.signals.wording import printable, shortened
 

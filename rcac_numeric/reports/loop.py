@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rcac_numeric.analysis.closed_loop import ClosedLoop, IntercalatedMatch
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.reports.numbers import power_text
 from rcac_numeric.reports.sheet import Fact, Section, Text

@@ -7,8 +7,9 @@ from typing import Any
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
-from compensator_theory.observers.questions import siso_loop
-from compensator_theory.polynomials.poly import format_polynomial, is_rational, scaled
+from compensator_theory.loops.siso import siso_loop
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import is_rational, scaled
 from rcac_numeric.analysis.observer_forms import NumericObserverForms, numeric_observer_forms
 from rcac_numeric.reports.sheet import Section, Sheet, Text
 

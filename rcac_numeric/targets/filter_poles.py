@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+import compensator_theory as exact_theory
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 
-if TYPE_CHECKING:
-    from sympy import Poly
 
-
-def require_no_pole_outside(denominator: Array, exact: Poly | None = None) -> None:
+def require_no_pole_outside(
+    denominator: Array,
+    exact: exact_theory.TransferFunction | exact_theory.TransferMatrix | None = None,
+) -> None:
     """Refuse a filter D_f^{-1} N_f with a pole of modulus greater than 1.
 
     Phi_f of (2.40) would grow without bound, and a loop that matches the filter would be unstable.
@@ -25,8 +24,8 @@ def require_no_pole_outside(denominator: Array, exact: Poly | None = None) -> No
     ----------
     denominator : array, shape (n_f + 1, l_z, l_z)
         In powers of q^{-1}, the first coefficient being the identity.
-    exact : sympy.Poly, optional
-        A polynomial whose roots are the poles.
+    exact : TransferFunction or TransferMatrix, optional
+        What the filter was rounded from: the roots of its denominator are the poles.
 
     Raises
     ------
@@ -41,12 +40,13 @@ def require_no_pole_outside(denominator: Array, exact: Poly | None = None) -> No
     """
     if not denominator[1:].any():
         return
-    from compensator_theory import certified_roots, locate_unit_disk_roots
-
-    poly = _determinant(denominator) if exact is None else exact
-    count = locate_unit_disk_roots(poly).unstable
+    if exact is None:
+        poles = _companion(denominator).characteristic_polynomial
+    else:
+        poles = exact.denominator
+    count = exact_theory.locate_unit_disk_roots(poles).unstable
     if count:
-        largest = max(certified_roots(poly), key=lambda root: abs(root.value))
+        largest = max(exact_theory.certified_roots(poles), key=lambda root: abs(root.value))
         raise InputError(
             f"the target model has {count} pole{'s' * (count > 1)} outside the unit circle, the "
             f"largest at {largest}: the filtered regressor would grow without bound, and a loop "
@@ -55,16 +55,10 @@ def require_no_pole_outside(denominator: Array, exact: Poly | None = None) -> No
         )
 
 
-def _determinant(denominator: Array) -> Poly:
-    """q^(l n_f) det D_f(q), the characteristic polynomial of the block companion matrix."""
-    from sympy import Matrix, symbols
-
-    from compensator_theory import exact_number
-    from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-
+def _companion(denominator: Array) -> exact_theory.Realisation:
+    """The block companion form, whose characteristic polynomial is q^(l n_f) det D_f(q)."""
     used = denominator[: int(np.flatnonzero(denominator.any(axis=(1, 2)))[-1]) + 1]
     size = used.shape[1]
-    companion = np.eye(size * (len(used) - 1), k=-size)
-    companion[:size] = np.hstack(list(-used[1:]))
-    exact = Matrix(*companion.shape, [exact_number(entry) for entry in companion.ravel()])
-    return characteristic_polynomial(exact, symbols("q"))
+    A = np.eye(size * (len(used) - 1), k=-size)
+    A[:size] = np.hstack(list(-used[1:]))
+    return exact_theory.Realisation(A, np.zeros((len(A), 1)), np.zeros((1, len(A))))

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import real_array, rounded
+from rcac_numeric.targets.filter_readers import read_filter
 from rcac_numeric.targets.model import TargetModel, from_transfer_function, require_causal
-
-if TYPE_CHECKING:
-    from sympy import Poly
-
-    from compensator_theory import TransferMatrix
 
 
 def target_model(filter: Any) -> TargetModel:
@@ -49,21 +46,16 @@ def target_model(filter: Any) -> TargetModel:
     >>> matrix_filter.l_z, matrix_filter.l_u, matrix_filter.n_f
     (1, 2, 2)
     """
-    from compensator_theory import TransferFunction
-    from rcac_numeric.targets.filter_readers import read_filter
-
     if isinstance(filter, TargetModel):
         return filter
     if isinstance(filter, np.ndarray):
         return TargetModel(filter)
     if isinstance(filter, list | tuple) and not any(_is_expression(part) for part in filter):
         return _from_coefficients(filter)
-    exact = read_filter(filter)
-    return (
-        from_transfer_function(exact)
-        if isinstance(exact, TransferFunction)
-        else _from_matrix(exact)
-    )
+    read = read_filter(filter)
+    if isinstance(read, exact.TransferFunction):
+        return from_transfer_function(read)
+    return _from_matrix(read)
 
 
 def _is_expression(part: Any) -> bool:
@@ -85,13 +77,10 @@ def _from_coefficients(parts: Sequence[Any]) -> TargetModel:
     )
 
 
-def _from_matrix(G: TransferMatrix) -> TargetModel:
+def _from_matrix(G: exact.TransferMatrix) -> TargetModel:
     """Rows in lowest terms: D_f = diag(d_1, ..., d_l), each rounded once."""
-    from compensator_theory import TransferFunction, TransferMatrix
-
     l_z, l_u = G.shape
-    rows: list[list[Poly]] = []
-    denominators: list[Poly] = []
+    rows, denominators = [], []
     common = G.denominator.one
     for row in G.numerators:
         shared = G.denominator
@@ -101,7 +90,7 @@ def _from_matrix(G: TransferMatrix) -> TargetModel:
         denominators.append(G.denominator.exquo(shared))
         rows.append([entry.exquo(shared) for entry in row])
         for entry in rows[-1]:
-            require_causal(TransferFunction(entry, denominators[-1]))
+            require_causal(exact.TransferFunction(entry, denominators[-1]))
         common = common.lcm(denominators[-1]).monic()
     order = max(d.degree() for d in denominators)
     N, D = np.zeros((order + 1, l_z, l_u)), np.zeros((order + 1, l_z, l_z))
@@ -114,4 +103,4 @@ def _from_matrix(G: TransferMatrix) -> TargetModel:
         tuple(entry * common.exquo(d) for entry in row)
         for row, d in zip(rows, denominators, strict=True)
     )
-    return TargetModel(N, D, exact=TransferMatrix(over_common, common))
+    return TargetModel(N, D, exact=exact.TransferMatrix(over_common, common))

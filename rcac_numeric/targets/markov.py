@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike
+from sympy import QQ, Matrix
+from sympy.polys.matrices import DomainMatrix
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, rounded
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
-
-if TYPE_CHECKING:
-    from sympy import Matrix
-
-    from compensator_theory import TransferFunction
 
 
 def markov_parameters(plant: Plant, n_bar: int) -> Array:
@@ -48,8 +44,8 @@ def markov_parameters(plant: Plant, n_bar: int) -> Array:
     >>> markov_parameters(standard_plant("1/(q - 0.1)"), n_bar=3).ravel()
     array([0.  , 1.  , 0.1 , 0.01])
     """
-    exact = _exact_parameters(plant, integer(n_bar, "n_bar", at_most=10_000))
-    entries = [entry for H in exact for entry in H]
+    parameters = _exact_parameters(plant, integer(n_bar, "n_bar", at_most=10_000))
+    entries = [entry for H in parameters for entry in H]
     return rounded(entries, "the Markov parameters").reshape(-1, plant.l_z, plant.l_u)
 
 
@@ -70,8 +66,9 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
     source : Plant, or array of shape (number of parameters, l_z, l_u)
         The parameters, H_0 first; a 1-D array stands for scalar z and u. Leading parameters that
         are zero must be exactly zero; estimates come with `IdentifiedMarkovParameters.cleared`.
-    n_bar : int
-        Index of the last parameter that is kept; all of them by default, if an array is given.
+    n_bar : int, optional
+        Index of the last parameter that is kept; needed for a plant. By default
+        all of an array are kept.
 
     Raises
     ------
@@ -97,8 +94,8 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
             raise InputError("n_bar is needed to truncate a plant's Markov parameters.")
         H = markov_parameters(source, n_bar)
         kept = _require_nonzero(H, source)
-        exact = _scalar_filter(source, n_bar) if kept.shape[1:] == (1, 1) else None
-        return TargetModel(kept, exact=exact)
+        scalar = kept.shape[1:] == (1, 1)
+        return TargetModel(kept, exact=_scalar_filter(source, n_bar) if scalar else None)
     H = real_array(source, "the Markov parameters")
     H = H.reshape(-1, 1, 1) if H.ndim == 1 else H
     if H.ndim != 3 or H.size == 0:
@@ -127,9 +124,6 @@ def _require_nonzero(H: Array, source: Plant | Array) -> Array:
 
 def _exact_parameters(plant: Plant, n_bar: int) -> list[Matrix]:
     """By x_1 = B, x_(i+1) = A x_i, over the rationals."""
-    from sympy import QQ
-    from sympy.polys.matrices import DomainMatrix
-
     problem = plant.problem
     A, x, E_1 = (
         DomainMatrix.from_Matrix(m).convert_to(QQ).to_dense()
@@ -142,8 +136,8 @@ def _exact_parameters(plant: Plant, n_bar: int) -> list[Matrix]:
     return parameters
 
 
-def _scalar_filter(plant: Plant, n_bar: int) -> TransferFunction:
-    from compensator_theory import TransferFunction, polynomial
-
+def _scalar_filter(plant: Plant, n_bar: int) -> exact.TransferFunction:
     coefficients = [H[0, 0] for H in _exact_parameters(plant, n_bar)]
-    return TransferFunction(polynomial(coefficients, "q"), polynomial([1] + [0] * n_bar, "q"))
+    return exact.TransferFunction(
+        exact.polynomial(coefficients, "q"), exact.polynomial([1] + [0] * n_bar, "q")
+    )

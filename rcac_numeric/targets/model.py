@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+import compensator_theory as exact_theory
 from compensator_theory.errors import ImproperError, InputError
-from rcac_numeric.arrays.validation import Read, instance_of, real_array, rounded
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.validation import instance_of, real_array, rounded
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.targets.filter_poles import require_no_pole_outside
-from rcac_numeric.targets.modelling import ModellingInformation, modelling_information
-
-if TYPE_CHECKING:
-    from sympy import Poly
-
-    from compensator_theory import TransferFunction, TransferMatrix
-    from rcac_numeric.plants.linear import Plant
 
 
-@dataclass(frozen=True, eq=False)
-class TargetModel:
+@dataclass(frozen=True, eq=False, init=False)
+class TargetModel(Value):
     """The filter G_f = D_f^{-1} N_f of (2.38), with coefficients in powers of q^{-1}.
 
     Parameters
@@ -48,12 +42,17 @@ class TargetModel:
     (1, 1)
     """
 
-    numerator: Read
-    denominator: Read = None
-    exact: TransferFunction | TransferMatrix | None = field(default=None, repr=False)
+    numerator: Array
+    denominator: Array
+    exact: exact_theory.TransferFunction | exact_theory.TransferMatrix | None = field(repr=False)
 
-    def __post_init__(self) -> None:
-        N = real_array(self.numerator, "numerator")
+    def __init__(
+        self,
+        numerator: ArrayLike,
+        denominator: ArrayLike | None = None,
+        exact: exact_theory.TransferFunction | exact_theory.TransferMatrix | None = None,
+    ) -> None:
+        N = real_array(numerator, "numerator")
         N = N.reshape(-1, 1, 1) if N.ndim == 1 else N
         if N.ndim != 3 or N.size == 0:
             raise InputError(
@@ -61,7 +60,7 @@ class TargetModel:
                 "(n_f + 1,) for a scalar filter, is needed."
             )
         identity = np.eye(N.shape[1])[None]
-        D = identity if self.denominator is None else real_array(self.denominator, "denominator")
+        D = identity if denominator is None else real_array(denominator, "denominator")
         D = D.reshape(-1, 1, 1) if D.ndim == 1 else D
         if D.ndim != 3 or len(D) == 0 or D.shape[1:] != identity.shape[1:]:
             raise InputError(
@@ -79,12 +78,10 @@ class TargetModel:
             object.__setattr__(self, name, real_array(np.pad(value, padding), name))
         if not self.numerator.any():
             raise InputError("the target model is zero: no controller could be adapted with it.")
-        exact = None
-        if self.exact is not None:
-            from compensator_theory import TransferFunction, TransferMatrix
-
-            instance_of(self.exact, "exact", TransferFunction | TransferMatrix)
-            exact = self.exact.denominator
+        if exact is not None:
+            kinds = exact_theory.TransferFunction | exact_theory.TransferMatrix
+            instance_of(exact, "exact", kinds)
+        object.__setattr__(self, "exact", exact)
         require_no_pole_outside(self.denominator, exact)
 
     @property
@@ -107,7 +104,7 @@ class TargetModel:
         """Number of steps after which the output first reacts to the input."""
         return int(np.flatnonzero(self.numerator.any(axis=(1, 2)))[0])
 
-    def frequency_response(self, omega: ArrayLike) -> NDArray[np.complex128]:
+    def frequency_response(self, omega: ArrayLike) -> ComplexArray:
         """G_f(exp(j omega)); shape (len(omega), l_z, l_u), omega in rad/sample."""
         powers = np.exp(-1j * np.outer(real_array(omega, "omega"), np.arange(self.n_f + 1)))
         numerator = np.einsum("wi,izu->wzu", powers, self.numerator)
@@ -116,71 +113,7 @@ class TargetModel:
         )
 
 
-def fir_target(information: ModellingInformation | Plant) -> TargetModel:
-    """The FIR target model (2.49), or (2.50) where there are NMP zeros.
-
-    G_f(q) = H N_zu,u(q) / q^(d_zu + deg N_zu,u)
-
-    Examples
-    --------
-    >>> from rcac_numeric import ModellingInformation, fir_target
-    >>> fir_target(ModellingInformation(d_zu=1, H=2.0, nmp_zeros=(1.5,))).numerator.ravel()
-    array([ 0.,  2., -3.])
-    """
-    return pole_placement_target(information, ())
-
-
-def pole_placement_target(
-    information: ModellingInformation | Plant, poles: Sequence[Any] | Poly | str
-) -> TargetModel:
-    """The pole-placement target model (4.38), or (4.39) where there are NMP zeros.
-
-    G_f(q) = H q^(n_p - d_zu - deg N_zu,u) N_zu,u(q) / D_p(q)
-
-    Parameters
-    ----------
-    information : ModellingInformation or Plant
-        What is known of G_zu.
-    poles : sequence of roots, or the polynomial D_p itself
-        The n_p poles to place; exact where they are given as strings or rationals.
-
-    Examples
-    --------
-    >>> from rcac_numeric import ModellingInformation, pole_placement_target
-    >>> target = pole_placement_target(ModellingInformation(1, 1.0), ["1/2", "-1/2"])
-    >>> target.denominator.ravel()
-    array([ 1.  ,  0.  , -0.25])
-    """
-    from sympy import Poly, symbols
-
-    from compensator_theory import (
-        TransferFunction,
-        exact_number,
-    )
-
-    known = (
-        information
-        if isinstance(information, ModellingInformation)
-        else modelling_information(information)
-    )
-    if not isinstance(poles, str | Poly | Sequence | np.ndarray):
-        raise InputError(f"poles = {poles!r} must be a list of roots or the polynomial D_p.")
-    from compensator_theory.polynomials.from_roots import polynomial_or_roots
-
-    D_p = polynomial_or_roots(poles, "q")
-    if D_p.is_zero:
-        raise InputError("the polynomial D_p of the poles is zero.")
-    if D_p.free_symbols_in_domain:
-        raise InputError(f"D_p = {D_p.as_expr()} must be a polynomial in q without other symbols.")
-    D_p = D_p.monic()
-    N_u = known.nmp_polynomial()
-    q = Poly(symbols("q"), symbols("q"))
-    surplus = D_p.degree() - known.d_zu - N_u.degree()
-    numerator = N_u * exact_number(known.H) * q ** max(surplus, 0)
-    return from_transfer_function(TransferFunction(numerator, D_p * q ** max(-surplus, 0)))
-
-
-def from_transfer_function(exact: TransferFunction) -> TargetModel:
+def from_transfer_function(exact: exact_theory.TransferFunction) -> TargetModel:
     """The target model with these exact coefficients, each rounded once.
 
     Raises
@@ -205,7 +138,7 @@ def from_transfer_function(exact: TransferFunction) -> TargetModel:
     )
 
 
-def require_causal(exact: TransferFunction) -> None:
+def require_causal(exact: exact_theory.TransferFunction) -> None:
     """Refuse a filter that is improper or not in q.
 
     Examples

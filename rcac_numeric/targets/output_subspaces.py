@@ -7,26 +7,25 @@ plant.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from sympy import Matrix, Poly, Symbol
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric.arrays.array_types import Array
+from compensator_theory.matrices.linear_algebra import determinant
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import rounded
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.markov import markov_parameters
 from rcac_numeric.targets.model import TargetModel
-from rcac_numeric.targets.modelling import zeros_not_inside
-
-if TYPE_CHECKING:
-    from sympy import Poly
+from rcac_numeric.targets.modelling import Number, zeros_not_inside
 
 
 @dataclass(frozen=True, eq=False)
-class OutputSubspaceZeros:
+class OutputSubspaceZeros(Value):
     """The zeros from u to H' z of section 3.4.1.
 
     Attributes
@@ -44,20 +43,18 @@ class OutputSubspaceZeros:
     d_zu: int
     H: Array
     polynomial: Poly
-    nmp_zeros: tuple[Any, ...]
+    nmp_zeros: tuple[Number, ...]
 
     def __str__(self) -> str:
         shown = ", ".join(f"{zero:.6g}" for zero in self.zeros) or "none"
         return f"output-subspace zeros: {shown}; {len(self.nmp_zeros)} not inside the unit circle"
 
     @property
-    def zeros(self) -> NDArray[np.complex128]:
+    def zeros(self) -> ComplexArray:
         """All of them, from certified isolation."""
-        from compensator_theory import certified_roots
-
         if self.polynomial.degree() < 1:
             return np.zeros(0, dtype=np.complex128)
-        found = certified_roots(self.polynomial)
+        found = exact.certified_roots(self.polynomial)
         return np.array([r.value for r in found for _ in range(r.multiplicity)])
 
 
@@ -95,10 +92,6 @@ def output_subspace_zeros(plant: Plant) -> OutputSubspaceZeros:
     >>> output_subspace_zeros(full_state).zeros
     array([0.58+0.j])
     """
-    from sympy import Poly, symbols
-
-    from compensator_theory.matrices.linear_algebra import determinant
-
     if plant.l_z < plant.l_u:
         raise InputError(
             f"G_zu is {plant.l_z} x {plant.l_u}, wider than tall; output-subspace zeros are for "
@@ -110,7 +103,7 @@ def output_subspace_zeros(plant: Plant) -> OutputSubspaceZeros:
         raise InputError("G_zu = 0: the control does not act on z.")
     d_zu = int(nonzero[0])
     H = _exact_parameter(plant, d_zu)
-    polynomial = Poly(determinant(rosenbrock_matrix(plant, H.T)), symbols("q"), domain="QQ")
+    polynomial = Poly(determinant(rosenbrock_matrix(plant, H.T)), Symbol("q"), domain="QQ")
     if polynomial.is_zero:
         raise NoSolutionError(
             f"H' G_zu is singular for every q, because the first nonzero Markov parameter H = "
@@ -126,6 +119,11 @@ def output_subspace_target(plant: Plant) -> TargetModel:
 
     G_f(q) = H N_osz,u(q) / q^(d_zu + deg N_osz,u)
 
+    Parameters
+    ----------
+    plant : Plant
+        With l_z >= l_u.
+
     Raises
     ------
     InputError, NoSolutionError
@@ -139,15 +137,13 @@ def output_subspace_target(plant: Plant) -> TargetModel:
     >>> output_subspace_target(plant).numerator[1].ravel()
     array([1., 2.])
     """
-    from compensator_theory import polynomial_from_roots
-
     found = output_subspace_zeros(plant)
-    coefficients = polynomial_from_roots(found.nmp_zeros, "q").all_coeffs()
+    coefficients = exact.polynomial_from_roots(found.nmp_zeros, "q").all_coeffs()
     N_u = rounded(coefficients, "the output-subspace zeros")
     delay = np.zeros(found.d_zu)
     return TargetModel(np.multiply.outer(np.concatenate([delay, N_u]), found.H))
 
 
-def _exact_parameter(plant: Plant, index: int) -> Any:
+def _exact_parameter(plant: Plant, index: int) -> Matrix:
     problem = plant.problem
     return problem.E_2 if index == 0 else problem.E_1 * problem.A ** (index - 1) * problem.B

@@ -13,6 +13,7 @@ from rcac_numeric import (
     ClosedLoop,
     Compensator,
     Plant,
+    Simulator,
     Step,
     TargetModel,
     compare_exactly,
@@ -101,7 +102,7 @@ def test_the_residual_splits_exactly(data, seed):
         return
     rng = np.random.default_rng(seed)
     w, u = rng.standard_normal((20, plant.l_w)), rng.standard_normal((20, plant.l_u))
-    body, y, z = plant.simulator(), [], []
+    body, y, z = Simulator(plant), [], []
     for k in range(20):
         y_k, z_k = body.output(u[k], w[k])
         body.advance(u[k], w[k])

@@ -5,6 +5,7 @@ import pytest
 
 from compensator_theory import CompensatorError, FunctionFailedError, ImproperError, InputError
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
     Decentralized,
@@ -100,7 +101,7 @@ def test_a_weight_that_fails_keeps_the_steps_before(change, message, update):
 def test_a_weight_that_is_not_symmetric():
     plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [2.0]])
     settings = ControllerSettings(
-        structure=iir(1), target=TargetModel(np.ones((2, 2, 1))), R_theta=1.0,
+        structure=iir(1), target=TargetModel(np.ones((2, 2, 1))), update=UD(R_theta=1.0),
         R_z=lambda k, y, z, u: [[1.0, 0.5], [0.0, 1.0]],
     )  # fmt: skip
     with pytest.raises(FunctionFailedError, match=r"R_z\(1\) is not symmetric"):

@@ -154,7 +154,7 @@ def test_a_setting_that_does_not_fit(change, message):
         (lambda: Decentralized(5), "controllers = 5 must be a list"),
         (lambda: Decentralized([]), "needs a list of ControllerSettings"),
         (lambda: Decentralized(SETTINGS), "must be a list"),
-        (lambda: Decentralized([SETTINGS]).compensator([1.0]), "theta has 1 entries; 2"),
+        (lambda: Decentralized([SETTINGS]).compensator_of([1.0]), "theta has 1 entries; 2"),
     ],
 )
 def test_a_rule_or_a_structure_that_does_not_fit(make, message):

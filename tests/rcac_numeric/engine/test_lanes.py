@@ -10,26 +10,23 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
-    ControllerSettings,
     SignalWeight,
     SimulationCase,
     TargetModel,
-    fir_target,
-    iir,
     simulate,
     simulate_many,
     simulate_reference,
-    standard_plant,
 )
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.plants.linear import MATRICES
-from tests.rcac_numeric.engine.test_batches import same
+from tests.support.comparisons import identical, same
 from tests.support.engine_cases import engine_plants, settings_for, structures
+from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments
+from tests.support.signals import white
 from tests.support.strategies import seeds, sizes
 
 KINDS = ("iir", "fir", "quasi_fir", "centralised", "fb_fir", "ff")
-SIGNALS = ("u", "y", "z", "theta", "theta_final")
 EPSILON = np.finfo(float).eps
 
 
@@ -108,19 +105,10 @@ def uncertainty(case, run, limit=100.0):
     return result
 
 
-def arguments(case):
-    return {"plant": case.plant, "settings": case.settings, "w": case.w, **case.options}
-
-
 def assert_close(run, other, bounds):
     for name in SIGNALS if bounds else ():
         difference = np.abs(getattr(run, name) - getattr(other, name)).max(initial=0)
         assert difference <= bounds[name], (name, difference, bounds[name])
-
-
-def identical(a, b):
-    states = [run.state.values.tobytes() if run.state else b"" for run in (a, b)]
-    return same(a, b) and states[0] == states[1] and a.guard_first_step == b.guard_first_step
 
 
 @given(batches(), st.integers(1, 2))
@@ -184,20 +172,12 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
 @hypothesis_settings(max_examples=20)
 def test_every_instruction_set_does_the_same(cases):
     singles = [simulate(**arguments(case)) for case in cases]
-    for level in _kernel.levels():
+    for instruction_set in _kernel.instruction_sets():
         prepared = [PreparedRun(**arguments(case)) for case in cases]
-        while _kernel.run_jobs([one.job for one in prepared], 2, 7, True, level):
+        while _kernel.run_jobs([one.job for one in prepared], 2, 1e-5, True, instruction_set):
             pass
         for case, single, one in zip(cases, singles, prepared, strict=True):
             assert_close(one.result(), single, uncertainty(case, single))
-
-
-PLANT = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-GOOD = ControllerSettings(structure=iir(3), target=fir_target(PLANT), R_theta=1.0)
-
-
-def white(steps, seed=0, width=1):
-    return np.random.default_rng(seed).standard_normal((steps, width))
 
 
 def test_eligible_runs_are_not_the_ordinary_loop():

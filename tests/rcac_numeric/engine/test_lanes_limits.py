@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rcac_numeric import (
+    UD,
     ControllerSettings,
     CovarianceReset,
     Decentralized,
@@ -24,8 +25,10 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_changing_plants import as_functions
-from tests.rcac_numeric.engine.test_lanes import GOOD, PLANT, SIGNALS, arguments, identical, white
+from tests.support.comparisons import identical
+from tests.support.function_plants import as_functions
+from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments
+from tests.support.signals import white
 
 REFUSED = {
     "covariance": {"update": "covariance"},
@@ -89,9 +92,11 @@ def test_weights_out_of_range_and_many_performance_variables():
     wide = Plant(
         A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [0.5], [0.2], [0.1]]
     )  # fmt: skip
-    four = ControllerSettings(structure=iir(2), target=TargetModel(np.ones((2, 4, 1))), R_theta=1.0)
+    four = ControllerSettings(
+        structure=iir(2), target=TargetModel(np.ones((2, 4, 1))), update=UD(R_theta=1.0)
+    )
     two = ControllerSettings(
-        structure=iir(2), target=TargetModel(np.ones((2, 2, 1))), R_theta=1.0,
+        structure=iir(2), target=TargetModel(np.ones((2, 2, 1))), update=UD(R_theta=1.0),
         R_u=SignalWeight(0.1, 0.1),
     )  # fmt: skip
     for case in (
@@ -106,7 +111,9 @@ def test_weights_out_of_range_and_many_performance_variables():
 
 # Each ends early in its own way, while the data still decide in which step.
 UNSTABLE = standard_plant("1/(q - 3)")
-WRONG_SIGN = ControllerSettings(structure=iir(3), target=TargetModel([0, -1.0]), R_theta=1e6)
+WRONG_SIGN = ControllerSettings(
+    structure=iir(3), target=TargetModel([0, -1.0]), update=UD(R_theta=1e6)
+)
 FIXED = replace(WRONG_SIGN, k_update=10**6)
 FAILING = {
     "high limit": (SimulationCase(UNSTABLE, FIXED, white(400)), "diverged"),
@@ -157,7 +164,7 @@ def test_overflow_in_the_first_of_two_measurements():
     """The second one is finite again, and must not hide it."""
     plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [0.5]])
     target = TargetModel(np.array([[[0.0], [0.0]], [[1e160], [1.0]]]))
-    settings = ControllerSettings(structure=fir(1), target=target, R_theta=1.0)
+    settings = ControllerSettings(structure=fir(1), target=target, update=UD(R_theta=1.0))
     case = SimulationCase(plant, settings, white(20))
     (run,) = simulate_many([case], lanes=True)
     single = simulate(**arguments(case))
@@ -170,7 +177,7 @@ def test_data_that_support_no_R_theta_are_counted():
         A=[[0.5]], B=[[1.0]], D_1=[[0.0]], C=[[0.0]], D_2=[[1.0]], E_1=[[1.0]], E_0=[[1.0]]
     )
     settings = ControllerSettings(
-        structure=fir(2), target=TargetModel([0, 1.0]), R_theta=1e-30, k_w=5
+        structure=fir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1e-30), k_w=5
     )
     constant = SimulationCase(plant, settings, np.ones((40, 1)))
     healthy = SimulationCase(plant, replace(settings, R_theta=1.0), white(40))

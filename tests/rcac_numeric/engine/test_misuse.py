@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import DivergedError, FunctionFailedError, InputError
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
     CovarianceReset,
@@ -29,7 +30,9 @@ from rcac_numeric import (
     standard_plant,
 )
 
-SETTINGS = ControllerSettings(structure=iir(2), target=TargetModel([0, 1.0]), R_theta=1.0)
+SETTINGS = ControllerSettings(
+    structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+)
 PLANT = standard_plant("1/(q - 0.9)")
 SCHEDULE = PlantSchedule(
     [
@@ -161,10 +164,10 @@ def test_a_frozen_twin_starts_where_the_run_did():
 CROWDED = """
 import resource
 import numpy as np
-from tests.rcac_numeric.engine.test_misuse import PLANT, SETTINGS
 from rcac_numeric import SimulationCase, simulate, simulate_many
-cases = [SimulationCase(PLANT, SETTINGS, np.ones((50, 1)))] * 300
-simulate(PLANT, SETTINGS, np.ones((50, 1)))  # everything is loaded
+from tests.support.lane_cases import GOOD, PLANT
+cases = [SimulationCase(PLANT, GOOD, np.ones((50, 1)))] * 300
+simulate(PLANT, GOOD, np.ones((50, 1)))  # everything is loaded
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + 2**27, size + 2**27))
 print({run.outcome for run in simulate_many(cases, threads=300)})

@@ -8,7 +8,7 @@ from flint import arb, arb_mat, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric import Controller, ControllerSettings, TargetModel, fir, iir
+from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, fir, iir
 from tests.support.strategies import controllers, seeds, sizes
 
 
@@ -78,7 +78,7 @@ def test_each_z_is_paired_with_the_u_that_caused_it():
     """With G_f = h/q^2 the residual at step k is z(k) + h (phi(k-2) theta - u(k-2))."""
     h, weight = -1.7, 0.3
     settings = ControllerSettings(
-        structure=fir(1), target=TargetModel([0, 0, h]), R_theta=weight, k_w=2
+        structure=fir(1), target=TargetModel([0, 0, h]), update=UD(R_theta=weight), k_w=2
     )
     y = np.array([1.0, -2.0, 3.0, 0.5, -1.5, 2.5])
     z = np.array([0.3, 0.7, -1.1, 1.3, 0.9, -0.4])
@@ -112,7 +112,9 @@ def test_the_covariance_is_the_inverse_information(seed):
     root = rng.standard_normal((4, 4))
     R_theta = root @ root.T + np.eye(4)
     settings = ControllerSettings(
-        structure=iir(2), target=TargetModel([0.0, 1.0]), R_theta=(R_theta + R_theta.T) / 2
+        structure=iir(2),
+        target=TargetModel([0.0, 1.0]),
+        update=UD(R_theta=(R_theta + R_theta.T) / 2),
     )
     for update in ("ud", "covariance"):
         assert (

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
+    UD,
     ControllerSettings,
     CovarianceReset,
     Decentralized,
@@ -22,10 +23,10 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_changing_plants import as_functions, schedules
-from tests.rcac_numeric.engine.test_function_plants import TWO_STATES
-from tests.rcac_numeric.engine.test_structures import noise
+from tests.support.changing_plants import schedules
 from tests.support.engine_cases import cases, engine_plants, positive
+from tests.support.function_plants import TWO_STATES, as_functions
+from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
 
 RULES = [
@@ -97,7 +98,9 @@ def test_the_reference_runs_one_controller_on_a_linear_plant():
 
 
 def test_no_steps_at_all():
-    settings = ControllerSettings(structure=fir(1), target=TargetModel([0, 1.0]), R_theta=1.0)
+    settings = ControllerSettings(
+        structure=fir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+    )
     for run in (simulate_reference, simulate):
         nothing = run(PLANT, settings, np.zeros((0, 1)))
         assert nothing.steps == 0 and np.array_equal(nothing.theta_final, [0.0])

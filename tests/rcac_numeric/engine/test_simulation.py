@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 
 from compensator_theory import CompensatorError, DivergedError, ImproperError, InputError
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
     Plant,
+    Simulator,
     Step,
     TargetModel,
     exogenous,
@@ -26,6 +28,8 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.plants import compiled_plant
 from tests.support.strategies import controllers, plants, seeds
 
 
@@ -35,7 +39,7 @@ def test_a_python_loop_gives_the_same_bits(data, seed):
     settings = data.draw(controllers(plant.l_u, plant.l_y, plant.l_z))
     w = np.random.default_rng(seed).standard_normal((25, plant.l_w))
     run = simulate(plant, settings, w)
-    controller, body = Controller(settings), plant.simulator()
+    controller, body = Controller(settings), Simulator(plant)
     no_control = np.zeros(plant.l_u)
     for k in range(run.steps):
         assert np.array_equal(controller.theta, run.theta[k])
@@ -99,7 +103,7 @@ def test_the_guard_speaks_where_the_data_cannot_support_the_weight():
 def test_start_up():
     plant = standard_plant("1/(q - 0.5)")
     settings = ControllerSettings(
-        structure=iir(1), target=fir_target(plant), R_theta=1e-3, k_w=7, k_update=4
+        structure=iir(1), target=fir_target(plant), update=UD(R_theta=1e-3), k_w=7, k_update=4
     )
     run = simulate(plant, settings, exogenous([Step()], 12))
     assert not run.u[:7].any() and run.u[7:].all()
@@ -109,7 +113,9 @@ def test_start_up():
 
 def test_divergence_keeps_what_came_before():
     plant = standard_plant("1/(q - 3)")
-    settings = ControllerSettings(structure=iir(1), target=TargetModel([0, -1.0]), R_theta=1e6)
+    settings = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, -1.0]), update=UD(R_theta=1e6)
+    )
     w = exogenous([Step()], 1000)
     run = simulate(plant, settings, w)
     assert run.outcome == "diverged" and 10 < run.steps < 1000
@@ -124,7 +130,9 @@ def test_divergence_keeps_what_came_before():
 def test_divergence_is_seen_in_coefficients_and_in_hidden_states():
     """Signals of size one, but theta near -1000 or an unobserved state that doubles."""
     small_y = Plant(A=[[0.0]], B=[[0.0]], D_1=[[1.0]], C=[[1e-3]], E_1=[[0.0]], E_0=[[1.0]])
-    settings = ControllerSettings(structure=fir(1), target=TargetModel([0, 1.0]), R_theta=1e-9)
+    settings = ControllerSettings(
+        structure=fir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=1e-9)
+    )
     run = simulate(small_y, settings, np.ones((20, 1)), divergence_limit=100.0)
     assert run.outcome == "diverged" and abs(run.theta_final).max() <= 100
     hidden = Plant(A=[[2.0]], B=[[0.0]], D_1=[[1.0]], C=[[0.0]])
@@ -135,7 +143,9 @@ def test_divergence_is_seen_in_coefficients_and_in_hidden_states():
 def test_what_was_checked_cannot_be_changed_from_outside():
     A, R_theta, w = np.array([[0.5]]), np.eye(2), np.ones((5, 1))
     plant = Plant(A=A, B=[[1.0]], D_1=[[1.0]], C=[[1.0]])
-    settings = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), R_theta=R_theta)
+    settings = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=R_theta)
+    )
     run = simulate(plant, settings, w)
     A[:], R_theta[:], w[:] = 7.0, -1.0, 9.0
     assert plant.A.item() == 0.5 and settings.R_theta[0, 0] == 1.0 and run.w[0, 0] == 1.0
@@ -146,7 +156,7 @@ def test_what_was_checked_cannot_be_changed_from_outside():
 
 def test_a_simulator_checks_sizes_and_so_does_the_kernel():
     body = Plant(A=np.eye(3) / 2, B=np.ones((3, 2)), D_1=np.ones((3, 4)), C=np.ones((1, 3)))
-    simulator, kernel = body.simulator(), body.compiled()
+    simulator, kernel = Simulator(body), compiled_plant(body, None, Failures())
     for call in (simulator.output, simulator.advance):
         with pytest.raises(InputError, match="u has 1 entries where 2 are needed"):
             call([0.0], np.zeros(4))
@@ -164,7 +174,7 @@ def test_the_guard_sees_an_unexcited_direction(R_theta, speaks):
     """y = 1 gives the rows (1, 1): nothing is known of theta_1 - theta_2, and rounding would
     decide it once P(0) exceeds 1 / (16 eps)^2 by far."""
     settings = ControllerSettings(
-        structure=fir(2), target=TargetModel([0, 1.0]), R_theta=R_theta, k_w=5
+        structure=fir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=R_theta), k_w=5
     )
     controller = Controller(settings)
     for _ in range(8):
@@ -175,7 +185,9 @@ def test_the_guard_sees_an_unexcited_direction(R_theta, speaks):
 @pytest.mark.parametrize("stride", [1, 3, 7])
 def test_theta_is_kept_at_the_stride(stride):
     plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
-    settings = ControllerSettings(structure=iir(2), target=fir_target(plant), R_theta=0.2)
+    settings = ControllerSettings(
+        structure=iir(2), target=fir_target(plant), update=UD(R_theta=0.2)
+    )
     w = exogenous([Step(), Step(0), Step(0)], 20)
     full, kept = simulate(plant, settings, w), simulate(plant, settings, w, stride=stride)
     assert np.array_equal(kept.theta, full.theta[::stride])
@@ -188,7 +200,7 @@ def test_feedthrough_of_the_plant_is_simulated():
     """z = u here, so the loop is u -> z with no dynamics; checked against the definition."""
     plant = Plant(A=[[0.0]], B=[[0.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[0.0]], E_2=[[2.0]])
     settings = ControllerSettings(
-        structure=iir(1), target=TargetModel([2.0]), R_theta=1.0, theta_0=[0.5, 0.25]
+        structure=iir(1), target=TargetModel([2.0]), update=UD(R_theta=1.0), theta_0=[0.5, 0.25]
     )
     run = simulate(plant, settings, np.ones((5, 1)))
     assert np.array_equal(run.z, 2 * run.u) and run.u[2:].all()
@@ -196,19 +208,21 @@ def test_feedthrough_of_the_plant_is_simulated():
 
 def test_bad_input_is_named():
     plant = standard_plant("1/(q - 0.5)")
-    good = ControllerSettings(structure=iir(1), target=fir_target(plant), R_theta=1.0)
+    good = ControllerSettings(structure=iir(1), target=fir_target(plant), update=UD(R_theta=1.0))
     with pytest.raises(InputError, match=r"w has the entry nan at index \(1, 0\)"):
         simulate(plant, good, [[0.0], [np.nan]])
     with pytest.raises(InputError, match=r"w has shape \(2, 3\)"):
         simulate(plant, good, np.zeros((2, 3)))
     with pytest.raises(InputError, match="x_0 has 2 entries; the plant has 1 states"):
         simulate(plant, good, np.zeros((2, 1)), x_0=np.zeros(2))
-    two = ControllerSettings(structure=iir(1, l_y=2), target=fir_target(plant), R_theta=1.0)
+    two = ControllerSettings(
+        structure=iir(1, l_y=2), target=fir_target(plant), update=UD(R_theta=1.0)
+    )
     with pytest.raises(InputError, match="plant has l_y = 1 and the controller l_y = 2"):
         simulate(plant, two, np.zeros((2, 1)))
     proper = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], D_0=[[1.0]])
     exactly_proper = ControllerSettings(
-        structure=iir(1, k_c=0), target=fir_target(plant), R_theta=1.0
+        structure=iir(1, k_c=0), target=fir_target(plant), update=UD(R_theta=1.0)
     )
     with pytest.raises(ImproperError, match="D_0 is not zero"):
         simulate(proper, exactly_proper, np.zeros((2, 1)))
@@ -241,7 +255,9 @@ def test_a_setting_out_of_range_is_named(change, message):
 
 
 def test_the_controller_object_refuses_bad_signals_and_does_not_move():
-    settings = ControllerSettings(structure=iir(1), target=TargetModel([0.0, 1.0]), R_theta=1.0)
+    settings = ControllerSettings(
+        structure=iir(1), target=TargetModel([0.0, 1.0]), update=UD(R_theta=1.0)
+    )
     controller = Controller(settings)
     for y, z in ((np.nan, 0.0), (0.0, np.inf), ([1.0, 2.0], 0.0)):
         with pytest.raises(InputError):
@@ -256,7 +272,7 @@ def test_the_controller_object_refuses_bad_signals_and_does_not_move():
 def test_the_initial_state_is_where_the_plant_starts():
     plant = Plant(A=[[0.5, 1.0], [0.0, 0.25]], B=[[0.0], [1.0]], D_1=[[0.0], [1.0]], C=[[1.0, 0.0]])
     settings = ControllerSettings(
-        structure=iir(1), target=TargetModel([0, 0, 1.0]), R_theta=1.0, k_w=6
+        structure=iir(1), target=TargetModel([0, 0, 1.0]), update=UD(R_theta=1.0), k_w=6
     )
     run = simulate(plant, settings, np.zeros((6, 1)), x_0=[1.0, -2.0])
     free = [(np.linalg.matrix_power(plant.A, k) @ [1.0, -2.0])[0] for k in range(6)]

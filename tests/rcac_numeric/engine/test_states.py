@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import FunctionFailedError, InputError
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
     CovarianceReset,
@@ -24,9 +25,10 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_changing_plants import as_functions, schedules
-from tests.rcac_numeric.engine.test_structures import noise
+from tests.support.changing_plants import schedules
 from tests.support.engine_cases import cases, engine_plants, positive
+from tests.support.function_plants import as_functions
+from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes
 
 SIGNALS = ("w", "u", "u_applied", "y", "z", "theta")
@@ -154,7 +156,7 @@ def test_a_frozen_twin_is_the_run_until_it_stops_adapting(data, l_u, l_z, k, see
 def test_the_coefficients_of_a_filter_run_are_those_that_made_u():
     """In the filter form theta(k) has seen z(k); `compensator_at` is the controller of step k."""
     plant_settings = ControllerSettings(
-        structure=iir(1), target=TargetModel([0, 1.0]), R_theta=0.1, form="filter", k_w=1
+        structure=iir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=0.1), form="filter", k_w=1
     )
     rng = np.random.default_rng(0)
     run = simulate(standard_plant("1/(q - 0.5)"), plant_settings, rng.standard_normal((9, 1)))
@@ -163,13 +165,15 @@ def test_the_coefficients_of_a_filter_run_are_those_that_made_u():
     assert run.compensator_at(5).past_y[1, 0, 0] == run.theta[5, 1]
 
 
-SIMPLE = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), R_theta=1.0)
+SIMPLE = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0))
 
 
 def test_a_state_of_another_controller_or_loop_is_refused():
     controller = Controller(SIMPLE)
     controller.step(1.0, 1.0)
-    longer = ControllerSettings(structure=iir(2), target=TargetModel([0, 1.0]), R_theta=1.0)
+    longer = ControllerSettings(
+        structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+    )
     changes = [{"R_theta": 2.0}, {"update": "covariance"}, {"freeze": ((3, 4),)}]
     for other in (longer, *(replace(SIMPLE, **change) for change in changes)):
         fresh = Controller(other)

@@ -7,6 +7,7 @@ import pytest
 from scipy import signal
 
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
     TargetModel,
@@ -47,7 +48,7 @@ def example(name, k_w):
         structure, target = (iir(5), high) if name == "4.1, n_c = 5" else (iir(20), fir)
         w = 0.1 * np.random.default_rng(0).standard_normal((200, 1))
         return PLANT_4_1, ControllerSettings(
-            structure=structure, target=target, R_theta=1.0, k_w=k_w
+            structure=structure, target=target, update=UD(R_theta=1.0), k_w=k_w
         ), w  # fmt: skip
     run = load_example(name).main_run
     settings = replace(run.settings, k_w=k_w, k_update=k_w)
@@ -92,7 +93,7 @@ def test_a_million_steps_with_80_coefficients(in_full, lambda_):
     plant = standard_plant("(q - 0.5)/(q^2 - 1.2*q + 0.5)")
     target, R_theta = TargetModel([0, 1.0]), 1e-3
     settings = ControllerSettings(
-        structure=iir(n_c), target=target, R_theta=R_theta, lambda_=lambda_, k_w=n_c
+        structure=iir(n_c), target=target, update=UD(R_theta=R_theta, lambda_=lambda_), k_w=n_c
     )
     w = np.random.default_rng(1).standard_normal((steps, 1))
     run, state, chunk = None, None, steps // 5

@@ -9,6 +9,7 @@ from rcac_numeric import (
     Controller,
     ControllerSettings,
     CovarianceReset,
+    Gradient,
     Saturation,
     SignalWeight,
     TargetModel,
@@ -18,8 +19,9 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_structures import noise, tame
+from tests.support.comparisons import tame
 from tests.support.engine_cases import cases, engine_plants, positive, settings_for, structures
+from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
 from tests.support.textbook_loop import assert_follows
 
@@ -236,9 +238,10 @@ def test_the_covariance_stays_positive_definite(data, l_u, l_y, l_z, size, seed)
 def test_a_gradient_step_by_hand():
     """theta = 0, z = 1, phi_f = 2, R_z = 1: half the gradient of (1 + 2 theta)^2 is 2."""
     controller = Controller(
-        ControllerSettings(structure=fir(1), target=TargetModel([0, 1.0]), R_theta=1.0,
-                           update="gradient", step_size=0.25)
-    )  # fmt: skip
+        ControllerSettings(
+            structure=fir(1), target=TargetModel([0, 1.0]), update=Gradient(step_size=0.25)
+        )
+    )
     for y, z in ((2.0, 0.0), (0.0, 0.0), (0.0, 1.0)):
         controller.step(y, z)
     assert controller.theta == pytest.approx([-0.5], abs=1e-15)

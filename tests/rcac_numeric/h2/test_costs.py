@@ -7,10 +7,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.signal import correlate
 
-from compensator_theory import InputError
+from compensator_theory import IllConditionedError, InputError
 from rcac_numeric import ClosedLoop, Compensator, Plant, h2_cost, lqg, standard_plant
+from rcac_numeric.h2.conversion import compensator_from_state_space
 from rcac_numeric.h2.noise import noise_inputs
-from rcac_numeric.h2.state_space import compensator_from_state_space, state_space_of
+from rcac_numeric.h2.state_space import state_space_of
 from tests.support.dissertation_plants import PLANT_4_1, PLANT_4_4
 from tests.support.strategies import plants, seeds
 
@@ -211,11 +212,14 @@ def test_nearly_parallel_outputs_and_hidden_modes():
     assert state_space_of(constant, 2, 1)[3].tolist() == [[1.0], [2.0]]
 
 
-def test_a_loop_whose_poles_rounding_cannot_tell_from_the_circle_costs_infinitely_much():
-    """(q^2 - 0.56 q + 1): modulus 1, of which the eigenvalues keep 1 - 1e-16."""
+def test_where_rounding_decides_the_cost_is_undecided_by_name():
+    """(q^2 - 0.56 q + 1): modulus 1, of which the float64 coefficients of the loop keep less."""
     none = Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]])
-    plant = standard_plant("1/((q**2 - 0.56*q + 1)*(q - 0.3)*(q + 0.7))")
-    assert np.isinf(float(h2_cost(plant, none)))
+    for poles in ("(q**2 - 0.56*q + 1)*(q - 0.3)*(q + 0.7)", "(q**2 + 0.3*q + 1)*(q - 0.9)"):
+        try:
+            assert np.isinf(float(h2_cost(standard_plant(f"1/({poles})"), none)))
+        except IllConditionedError as error:
+            assert "decided by rounding" in str(error)
     near = standard_plant("1/(q - 0.99999999)")
     assert float(h2_cost(near, none)) == pytest.approx(1 / (1 - 0.99999999**2), rel=1e-7)
 

@@ -17,7 +17,7 @@ from compensator_theory import (
     solve_riccati,
 )
 from rcac_numeric import solve_dare
-from rcac_numeric.h2.lyapunov import stein_solution
+from rcac_numeric.analysis.gramians import stein_solution
 from tests.support.dare_cases import DAREX, SCIPY
 from tests.support.strategies import seeds
 

@@ -12,7 +12,7 @@ from rcac_numeric import (
     multivariable_disk_margin,
     stability_margins,
 )
-from rcac_numeric.margins.disk import hinf_norm
+from rcac_numeric.margins.peaks import hinf_norm
 from tests.support.loops import random_loop, seeds
 
 

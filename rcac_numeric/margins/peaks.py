@@ -1,0 +1,92 @@
+"""Peaks of singular values over the unit circle, found by level sets and never sampled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.linalg import eigvals
+from scipy.optimize import minimize_scalar
+
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+
+Matrices = tuple[Array, Array, Array, Array]
+
+
+def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
+    """The largest singular value of a stable system over the unit circle, and where it is.
+
+    The level-set method of Bruinsma and Steinbuch: the frequencies at which a singular value
+    equals a level are eigenvalues of a symplectic pencil on the unit circle; the level is raised
+    to the best value at the midpoints between them until there is none.
+
+    Returns
+    -------
+    (norm, omega in rad/sample)
+    """
+    A = system[0]
+    n = len(A)
+
+    def value(omega: float) -> float:
+        return float(np.linalg.norm(response_of(system, omega), 2))
+
+    starts = [0.0, np.pi, *np.abs(np.angle(np.linalg.eigvals(A)))] if n else [0.0]
+    best, where = max((value(w), float(w)) for w in starts)
+    for _ in range(60):
+        if not n or best == 0:
+            break
+        level = best * (1 + rtol)
+        crossings = level_crossings(system, level)
+        ends = np.concatenate([[0.0], crossings, [np.pi]])
+        middles = (ends[1:] + ends[:-1]) / 2
+        higher, at = max((value(w), float(w)) for w in middles)
+        if higher <= level:
+            break
+        best, where = higher, at
+    return _refined(value, best, where)
+
+
+def response_of(system: Matrices, omega: float) -> ComplexArray:
+    """C (e^{j omega} I - A)^{-1} B + D."""
+    A, B, C, D = system
+    response = np.asarray(D, dtype=np.complex128)
+    if len(A):
+        response = response + C @ np.linalg.solve(np.exp(1j * omega) * np.eye(len(A)) - A, B)
+    return np.asarray(response)
+
+
+def level_crossings(system: Matrices, level: float) -> Array:
+    """The omega in [0, pi] at which a singular value equals `level`."""
+    A, B, C, D = (np.asarray(part) for part in system)
+    n, m, p = len(A), B.shape[1], len(C)
+    if not n:
+        return np.zeros(0)
+    B, D = B / level, D / level
+    # z x = A x + B v, lambda = z A' lambda + C' y, y = C x + D v, v = z B' lambda + D' y
+    left = np.block([
+        [A, np.zeros((n, n)), B, np.zeros((n, p))],
+        [np.zeros((n, n)), np.eye(n), np.zeros((n, m)), -C.T],
+        [np.zeros((m, 2 * n)), np.eye(m), -D.T],
+        [C, np.zeros((p, n)), D, -np.eye(p)],
+    ])  # fmt: skip
+    right = np.zeros_like(left)
+    right[:n, :n] = np.eye(n)
+    right[n : 2 * n, n : 2 * n] = A.T
+    right[2 * n : 2 * n + m, n : 2 * n] = B.T
+    values = eigvals(left, right)
+    values = values[np.isfinite(values)]
+    # Near a maximum two crossings merge and rounding moves them off the circle by sqrt(eps).
+    return np.unique(np.abs(np.angle(values[np.abs(np.abs(values) - 1) < 1e-5])))
+
+
+def _refined(value: Callable[[float], float], best: float, where: float) -> tuple[float, float]:
+    """The top of the peak that the level sets have isolated."""
+    width = 1e-4
+    low, high = max(where - width, 0.0), min(where + width, np.pi)
+    found = minimize_scalar(
+        lambda w: -value(w),
+        bounds=(low, high),
+        method="bounded",
+        options={"xatol": 1e-12},
+    )
+    return (-float(found.fun), float(found.x)) if -found.fun > best else (best, where)
