@@ -1,4 +1,4 @@
-"""The command `rcac schema`: the format of experiment files, for editors."""
+"""The command `rcac schema`: by it an editor checks experiment files while they are written."""
 
 from __future__ import annotations
 
@@ -11,9 +11,5 @@ from rcac_numeric.experiments.files.schema import json_schema
 
 @click.command("schema")
 def schema() -> None:
-    """Print the JSON Schema of experiment files.
-
-    An editor that knows it completes keys and marks misspelt ones while a file is written; for
-    instance Even Better TOML in VS Code, or taplo, by a first line `#:schema rcac.schema.json`.
-    """
+    """Print the JSON Schema of experiment files, for an editor."""
     click.echo(json.dumps(json_schema(), indent=2))
