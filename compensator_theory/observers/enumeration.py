@@ -19,7 +19,8 @@ from compensator_theory.observers.counting import number_of_selections
 from compensator_theory.observers.form import ObserverForm, form_of_subspace
 from compensator_theory.observers.form_lists import ObserverForms
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
 
 
 def observer_forms(

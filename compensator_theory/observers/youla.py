@@ -19,7 +19,8 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
