@@ -102,6 +102,7 @@ from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
 from .systems.canonical_forms import realisation as realisation
+from .systems.canonical_text import canonical as canonical
 from .systems.certificates import Certificate as Certificate
 from .systems.controllability import controllability_matrix as controllability_matrix
 from .systems.controllability import is_controllable as is_controllable

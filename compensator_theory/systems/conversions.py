@@ -96,7 +96,7 @@ def transfer_function(
     if not (zeros is None and poles is None and gain is None):
         raise InputError("give either a transfer function or zeros, poles and gain, not both")
     if isinstance(obj, Realisation):
-        obj = obj.transfer_matrix()
+        obj = obj.transfer_function() if obj.is_siso else obj.transfer_matrix()
     if isinstance(obj, TransferMatrix):
         obj = obj.scalar()
     if isinstance(obj, TransferFunction):

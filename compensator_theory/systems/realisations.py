@@ -1,6 +1,6 @@
 """State-space realisations with exact data, their hidden modes and their transfer functions."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
@@ -32,6 +32,8 @@ class Realisation(ExactValue):
         :math:`x(k+1)` for :math:`\dot x`.
     certificate : Certificate, optional
         Where it was made from a transfer function: that the two are the same.
+    feedback : {+1, -1}, optional
+        Of a compensator: the sign of the loop that it was designed for.
 
     Raises
     ------
@@ -56,6 +58,7 @@ class Realisation(ExactValue):
     D: ImmutableMatrix
     variable: Symbol
     certificate: Certificate | None = field(default=None, compare=False)
+    feedback: int | None = field(default=None, compare=False)
 
     def __init__(  # noqa: PLR0917  (in the order of (7.1), (7.2))
         self,
@@ -65,10 +68,12 @@ class Realisation(ExactValue):
         D: MatrixLike | None = None,
         variable: str | Symbol = "s",
         certificate: Certificate | None = None,
+        feedback: int | None = None,
     ) -> None:
         symbol = as_symbol(variable)
         object.__setattr__(self, "variable", symbol)
         object.__setattr__(self, "certificate", certificate)
+        object.__setattr__(self, "feedback", feedback)
         a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
         d = ImmutableMatrix.zeros(c.rows, b.cols) if D is None else exact_matrix(D, "D")
         needed = {"A": (a.rows, a.rows), "B": (a.rows, b.cols), "C": (c.rows, a.rows)}
@@ -145,7 +150,7 @@ class Realisation(ExactValue):
 
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""
-        return self.transfer_matrix().scalar()
+        return replace(self.transfer_matrix().scalar(), feedback=self.feedback)
 
     def in_basis(self, T: MatrixLike) -> "Realisation":
         """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""
@@ -156,9 +161,12 @@ class Realisation(ExactValue):
                 f"{self.n} x {self.n}"
             )
         both = solve(basis, (self.A * basis).row_join(self.B))
-        return Realisation(
-            both[:, : self.n], both[:, self.n :], self.C * basis, self.D, self.variable
-        )
+        A, B, C = both[:, : self.n], both[:, self.n :], self.C * basis
+        return Realisation(A, B, C, self.D, self.variable, feedback=self.feedback)
+
+    def with_sign(self, feedback: int) -> "Realisation":
+        """Return the compensator of u = G_c y for one of u = f G_c y: (A, B, f C, f D)."""
+        return Realisation(self.A, self.B, feedback * self.C, feedback * self.D, self.variable)
 
     def __str__(self) -> str:
         names = ("A", "B", "C") if self.is_strictly_proper else ("A", "B", "C", "D")
@@ -183,7 +191,7 @@ def verified_realisation(
     C adj(sI - A) B + D det(sI - A) = N, det(sI - A) = D: holds exactly
     """
     s = G.variable
-    found = Realisation(A, B, C, D, s)
+    found = Realisation(A, B, C, D, s, feedback=G.feedback)
     back = found.transfer_function()
     residual = ImmutableMatrix([
         [(back.numerator - G.numerator).as_expr(), (back.denominator - G.denominator).as_expr()]

@@ -28,6 +28,9 @@ class TransferFunction(ExactValue):
         which, if symbolic, is taken to be nonzero.
     certificate : Certificate, optional
         Where it was converted from a realisation: the identity that was checked.
+    feedback : {+1, -1}, optional
+        Of a compensator: the sign of the loop that it was designed for. Functions that close a loop
+        refuse another one.
 
     Raises
     ------
@@ -56,6 +59,7 @@ class TransferFunction(ExactValue):
     numerator: Poly
     denominator: Poly
     certificate: Certificate | None = field(default=None, compare=False)
+    feedback: int | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         numerator, denominator = polynomial(self.numerator), polynomial(self.denominator)
@@ -123,7 +127,9 @@ class TransferFunction(ExactValue):
         """Return the same transfer function without its common factor."""
         factor = self.common_factor()
         return TransferFunction(
-            canonical(self.numerator.exquo(factor)), canonical(self.denominator.exquo(factor))
+            canonical(self.numerator.exquo(factor)),
+            canonical(self.denominator.exquo(factor)),
+            feedback=self.feedback,
         )
 
     def zeros(self) -> tuple[Root, ...]:
