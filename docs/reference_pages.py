@@ -16,12 +16,14 @@ PACKAGES = {
 INDEX = """# Reference
 
 Every public name is imported from its package, `from rcac_numeric import simulate`; the pages say
-in which folder it lives. Folders stand in the order of their layers, from the ground up.
+in which folder it lives. Folders stand in the order of their layers, from the ground up. Whoever
+has the dissertation beside them begins with [its equations](equations.md).
 
 {tables}
 ```{{toctree}}
 :hidden:
 
+equations
 {pages}
 ```
 """
@@ -47,9 +49,39 @@ def write_reference(target: Path, layers: dict[str, list[str]]) -> None:
         )
     index = INDEX.format(tables="\n\n".join(tables) + "\n", pages="\n".join(names))
     changed(target / "index.md", index)
+    changed(target / "equations.md", equations_page())
     for page in target.glob("*.md"):
-        if page.stem not in (*names, "index"):
+        if page.stem not in (*names, "index", "equations"):
             page.unlink()
+
+
+def equations_page() -> str:
+    """Where each numbered equation, example and section of the dissertation is in the code."""
+    found: dict[str, set[str]] = {}
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+            for number in _cited(path.read_text()):
+                found.setdefault(number, set()).add(module.removesuffix(".__init__"))
+    rows = [
+        f"| ({number}) | {', '.join(f'{{py:mod}}`{m}`' for m in sorted(modules))} |"
+        for number, modules in sorted(found.items(), key=lambda item: _order(item[0]))
+    ]
+    head = "# From an equation to the code\n\nWhat the docstrings cite of the dissertation.\n\n"
+    return head + "| equation | modules |\n|---|---|\n" + "\n".join(rows) + "\n"
+
+
+def _cited(text: str) -> Iterator[str]:
+    """Numbers such as (2.43) and all of (2.42)-(2.45)."""
+    for first, last in re.findall(r"\(([1-9AB]\.\d+)\)(?:-\(([1-9AB]\.\d+)\))?", text):
+        chapter, start = first.split(".")
+        stop = last.split(".")[1] if last.startswith(f"{chapter}.") else start
+        yield from (f"{chapter}.{i}" for i in range(int(start), int(stop) + 1))
+
+
+def _order(number: str) -> tuple[str, int]:
+    chapter, _, index = number.partition(".")
+    return chapter, int(index)
 
 
 def public_names(package: str) -> dict[str, str]:
