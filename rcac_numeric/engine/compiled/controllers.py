@@ -92,7 +92,9 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Cont
     of_y = [(c.l_u + i, lag) for lag in range(first, c.n_c + 1) for i in range(c.l_y)]
     columns = [c.past_u[lag - 1][:, i] for i, lag in of_u]
     columns += [c.past_y[lag][:, i - c.l_u] for i, lag in of_y]
-    theta = np.concatenate(columns) if columns else np.zeros(0)
+    if not columns:  # u = 0 for ever; the kernel wants something to multiply by zero
+        of_u, columns = [(0, 1)], [np.zeros(c.l_u)]
+    theta = np.concatenate(columns)
     size = len(theta)
     return _compiled(
         KernelUpdate(Gradient.name, P_0=np.zeros((size, size))),

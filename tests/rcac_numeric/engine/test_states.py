@@ -210,9 +210,13 @@ def test_a_state_of_another_controller_or_loop_is_refused():
         simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, saturation=Saturation(low=0))
     with pytest.raises(InputError, match="give either x_0 or start"):
         simulate(plant, SIMPLE, np.ones((5, 1)), start=run.state, x_0=[1.0])
-    short = SavedState("loop", 5, run.state.values[:-1], run.state.fingerprint)
-    with pytest.raises(InputError, match="the state of this loop is damaged"):
-        simulate(plant, SIMPLE, np.ones((5, 1)), start=short)
+    for k, values, message in (
+        (5, run.state.values[:-1], "the state of this loop is damaged"),
+        (4, run.state.values, "it is said to be of step 4 and holds step 5"),
+    ):
+        other = SavedState.taken("loop", k, values, run.state.fingerprint)
+        with pytest.raises(InputError, match=message):
+            simulate(plant, SIMPLE, np.ones((5, 1)), start=other)
 
 
 def test_a_file_that_holds_no_state_is_named(tmp_path):

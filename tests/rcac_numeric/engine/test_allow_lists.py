@@ -1,0 +1,154 @@
+"""What nobody has registered is refused by name, and never run as something it is derived from."""
+
+from dataclasses import dataclass, replace
+
+import pytest
+
+from compensator_theory import InputError
+from rcac_numeric import (
+    UD,
+    Controller,
+    Covariance,
+    CovarianceReset,
+    Gradient,
+    Instantaneous,
+    ScheduledForgetting,
+    SimulationCase,
+    SlidingWindow,
+    VariableRateForgetting,
+    simulate,
+    simulate_many,
+    simulate_reference,
+)
+from rcac_numeric.controllers.updates import RecursiveLeastSquares, Update
+from rcac_numeric.engine.compiled.updates import ARGUMENTS
+from rcac_numeric.engine.reference.ball_updates import BALL_UPDATES
+from tests.support.lane_cases import GOOD, PLANT
+from tests.support.signals import white
+
+W = white(8)
+DOORS = {
+    "simulate": lambda settings: simulate(PLANT, settings, W),
+    "simulate_reference": lambda settings: simulate_reference(PLANT, settings, W),
+    "lanes": lambda settings: simulate_many([SimulationCase(PLANT, settings, W)] * 8, lanes=True),
+    "Controller": Controller,
+}
+doors = pytest.mark.parametrize("door", DOORS)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NewUpdate(Update):
+    """An update of somebody's own."""
+
+    size: float = 1.0
+
+
+class NewRecursion(RecursiveLeastSquares):
+    """The recursion with something that the engine has not heard of."""
+
+    name = "ud"
+
+
+class LeakyUD(UD):
+    """UD that would leak, if anybody looked."""
+
+
+class LeakyCovariance(Covariance):
+    """The same with another covariance."""
+
+
+class LongWindow(SlidingWindow):
+    """A window that would be longer."""
+
+
+class LeakyInstantaneous(Instantaneous):
+    """One that would forget."""
+
+
+class NormalisedGradient(Gradient):
+    """A gradient that would be normalised."""
+
+
+class JumpyForgetting(ScheduledForgetting):
+    """A schedule that would jump."""
+
+
+class DirectionalForgetting(VariableRateForgetting):
+    """A rule that would forget in some directions only."""
+
+
+class NewForgetting:
+    """A rule that no update knows."""
+
+    lambda_ = 0.9
+
+    def __repr__(self):
+        return "NewForgetting()"
+
+
+class RandomReset(CovarianceReset):
+    """Resets that would come by chance."""
+
+
+@doors
+@pytest.mark.parametrize(
+    "update",
+    [
+        NewUpdate(),
+        NewRecursion(1.0),
+        LeakyUD(1.0),
+        LeakyCovariance(1.0),
+        LongWindow(1.0, window=3),
+        LeakyInstantaneous(1.0),
+        NormalisedGradient(0.1),
+    ],
+    ids=lambda update: type(update).__name__,
+)
+def test_an_update_that_nobody_registered(door, update):
+    settings = replace(GOOD, update=update)
+    with pytest.raises(InputError, match=type(update).__name__):
+        DOORS[door](settings)
+
+
+def past_the_door(**setting):
+    """UD with a setting that its own reader would have refused."""
+    update = UD(1.0)
+    for name, value in setting.items():
+        object.__setattr__(update, name, value)
+    return update
+
+
+@doors
+@pytest.mark.parametrize(
+    ("name", "update"),
+    [
+        ("JumpyForgetting", UD(1.0, lambda_=JumpyForgetting({3: 0.9}))),
+        ("DirectionalForgetting", UD(1.0, lambda_=DirectionalForgetting(1, 2, 1.0))),
+        ("NewForgetting", past_the_door(lambda_=NewForgetting())),
+        ("RandomReset", Covariance(1.0, reset=RandomReset(every=3))),
+    ],
+)
+def test_a_rule_that_nobody_registered(door, name, update):
+    settings = replace(GOOD, update=update)
+    with pytest.raises(InputError, match=name):
+        DOORS[door](settings)
+
+
+def test_a_rule_that_no_update_knows_is_refused_where_it_is_given():
+    with pytest.raises(InputError, match=r"lambda_ .*NewForgetting"):
+        UD(1.0, lambda_=NewForgetting())
+
+
+@doors
+def test_what_is_registered_runs(door):
+    """Else the refusals above would show nothing."""
+    for update in (UD(1.0), Covariance(1.0, lambda_=ScheduledForgetting({3: 0.9})), Gradient(0.1)):
+        DOORS[door](replace(GOOD, update=update))
+
+
+@doors
+def test_a_registered_update_is_run(door, monkeypatch):
+    """Registration is one line in each table, and the lanes need none."""
+    monkeypatch.setitem(ARGUMENTS, LeakyUD, ARGUMENTS[UD])
+    monkeypatch.setitem(BALL_UPDATES, LeakyUD, BALL_UPDATES[UD])
+    DOORS[door](replace(GOOD, update=LeakyUD(1.0)))

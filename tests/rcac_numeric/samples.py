@@ -1,0 +1,262 @@
+"""One sample of each public data class for every seed: what equality and pickling are tested with.
+
+Different seeds make different data. A new public data class gets a line in `SAMPLES`.
+"""
+
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+
+import rcac_numeric as rcac
+from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.signals.signal import Scaled, Sum
+
+SEEDS = 100_000  # seeds are below
+
+
+def random(seed, *shape):
+    return np.random.default_rng(seed).standard_normal(shape)
+
+
+def fraction(seed):
+    """In (0, 1/2], another one for each seed."""
+    return Fraction(seed + 1, 2 * SEEDS)
+
+
+def exact_plant(seed):
+    return rcac.standard_plant(f"1/(q - {fraction(seed)})")
+
+
+def plant(seed):
+    M = random(seed, 4, 4) / 4
+    return rcac.Plant(
+        A=M[:2, :2], B=M[:2, 2:3], D_1=M[:2, 3:], C=M[2:3, :2], D_2=M[2:3, 3:], blocks={"d": 1}
+    )
+
+
+def schedule(seed):
+    changes = [
+        rcac.PlantChange(start=0, plant=plant(seed)),
+        rcac.PlantChange(start=5, plant=plant(seed + 1), state_map=random(seed, 2, 2), delay=2),
+    ]
+    return rcac.PlantSchedule(changes)
+
+
+def advance(k, x, u, w):
+    """A plant that pickles is made of functions with a name."""
+    return 0.5 * x + u + w
+
+
+def output(k, x, w):
+    return x, x
+
+
+def other_output(k, x, w):
+    return x + w, x
+
+
+def function_plant(seed):
+    return rcac.FunctionPlant(
+        advance=advance, output=other_output if seed % 2 else output,
+        n=1, l_u=1, l_w=1 + seed, l_y=1, l_z=1, blocks={"d": seed, "r": 1},
+    )  # fmt: skip
+
+
+def weight(k, y, z, u):
+    return 1.0 + z[0] ** 2
+
+
+def compensator(seed):
+    return rcac.Compensator([[[-0.1 * np.tanh(random(seed)[()])]]], [[[0.0]], [[-0.1]]])
+
+
+def target(seed):
+    return rcac.TargetModel([0.0, *random(seed, 2)], [1.0, 0.0, 0.25])
+
+
+def exact_target(seed):
+    return rcac.target_model(f"(q - 2)/(q**2 - {fraction(seed)})")
+
+
+def symmetric(seed, size=4):
+    root = random(seed, size, size)
+    return np.eye(size) + (root @ root.T + (root @ root.T).T) / 2
+
+
+def structure(seed):
+    derived = [rcac.DerivedSignal([random(seed)[()]], [1.0], pole=0.5), rcac.integral([2.0])]
+    taps = [rcac.Tap("u", 0, 1), rcac.Tap("y", 0, 2)]
+    return rcac.Structure([*taps, *(rcac.Tap("derived", i, 1) for i in range(2))], derived=derived)
+
+
+def settings(seed):
+    more = [
+        {"update": rcac.Covariance(symmetric(seed), lambda_=scheduled(seed)), "R_u": weight},
+        {"update": rcac.Gradient(1e-3), "freeze": [(3, 5), (9, None)]},
+        {"update": rcac.SlidingWindow(1.0, window=5), "R_u": rcac.SignalWeight(0.5)},
+        {"update": rcac.UD(2.0, reset=reset(seed)), "target_changes": {7: target(seed + 1)}},
+    ][seed % 4]
+    return rcac.ControllerSettings(structure=structure(seed), target=target(seed), **more)
+
+
+def adaptive(seed):
+    """Settings that everything runs with."""
+    update = rcac.UD(1.0 + abs(random(seed)[()]))
+    return rcac.ControllerSettings(structure=rcac.iir(1), target=target(0), update=update)
+
+
+def scheduled(seed):
+    return rcac.ScheduledForgetting({1 + seed: 0.9, 3 * SEEDS: 1})
+
+
+def reset(seed):
+    return rcac.CovarianceReset(at=[seed, seed + 2], growth=1.5 + seed, short=3)
+
+
+def saturation(seed):
+    return rcac.Saturation(low=-abs(random(seed)[()]) - 0.1, rate=[2.0])
+
+
+def run(seed, steps=12):
+    options = {"x_0": [0.25], "saturation": saturation(seed)} if seed % 2 else {"stride": 5}
+    return rcac.simulate(exact_plant(seed), adaptive(seed), random(seed, steps, 1), **options)
+
+
+def signals(seed, steps=40):
+    return dict(zip("uyzw", random(seed, 4, steps, 1), strict=True))
+
+
+def log(seed):
+    return rcac.ControllerLog(**signals(seed), theta=random(seed + 1, 2), source=f"flight {seed}")
+
+
+def check(seed):
+    done = run(2 * (seed // 2), steps=60)
+    return rcac.check_controller(
+        done.u, done.y, z=done.z, w=done.w, theta=done.theta_final + random(seed, 2) / 50,
+        structure=rcac.iir(1), plant=done.plant, target=done.settings.target,
+    )  # fmt: skip
+
+
+def loop(seed):
+    return rcac.ClosedLoop(exact_plant(seed), compensator(seed))
+
+
+def experiment(seed):
+    table = {
+        "title": f"case {seed}",
+        "plant": {"problem": "standard", "G": f"1/(q - {fraction(seed)})"},
+        "target": {"model": "fir"},
+        "controller": {"n_c": 1, "R_theta": 1.0 + seed, "R_u": {"z_squared": 0.5}},
+        "run": {"steps": 10},
+    }
+    return build(table, "case")
+
+
+def comparison(seed):
+    goal = rcac.pole_placement_target(exact_plant(seed), ["1/2", "1/4"])
+    return rcac.compare_exactly(exact_plant(seed), compensator(seed), goal)
+
+
+def observer_forms(seed):
+    controller = f"-(4*s + {2 + fraction(seed)})/(s**2 + 4*s + 5)"
+    return rcac.numeric_observer_forms("1/s**2", controller)
+
+
+def agreement(seed):
+    return replace(rcac.lqg(exact_plant(seed % 9)).agreement, coefficient_distance=seed * 1e-20)
+
+
+def two_outputs(seed):
+    return rcac.Plant(A=np.diag([0.5, 0.9]), B=random(seed, 2, 1), D_1=[[1], [0]], C=np.eye(2))
+
+
+SAMPLES = {
+    # plants
+    rcac.Plant: lambda seed: exact_plant(seed) if seed % 2 else plant(seed),
+    rcac.PlantChange: lambda seed: schedule(seed).changes[seed % 2],
+    rcac.PlantSchedule: schedule,
+    rcac.FunctionPlant: function_plant,
+    rcac.Saturation: saturation,
+    # signals
+    rcac.Step: lambda seed: rcac.Step(random(seed)[()], start=3),
+    rcac.Ramp: lambda seed: rcac.Ramp(random(seed)[()], start=seed),
+    rcac.Pulse: lambda seed: rcac.Pulse(2, start=1, length=1 + seed),
+    rcac.Harmonic: lambda seed: rcac.Harmonic(*random(seed, 3)),
+    rcac.WhiteNoise: lambda seed: rcac.WhiteNoise(abs(random(seed)[()])),
+    rcac.Levels: lambda seed: rcac.Levels(random(seed, 3), hold=2),
+    rcac.Piecewise: lambda seed: rcac.Piecewise([(0, rcac.Step()), (1 + seed, rcac.Ramp())]),
+    rcac.Recorded: lambda seed: rcac.Recorded(random(seed, 5), f"record {seed}"),
+    Sum: lambda seed: rcac.Step(2) + rcac.Harmonic(random(seed)[()]),
+    Scaled: lambda seed: random(seed)[()] * rcac.Levels(random(seed, 2)),
+    # targets, identification
+    rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
+    rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
+    rcac.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
+    rcac.EigensystemRealisation: lambda seed: rcac.eigensystem_realisation(
+        [0, *(float(fraction(seed)) ** i for i in range(5))]
+    ),
+    rcac.IdentifiedMarkovParameters: lambda seed: rcac.identify_markov_parameters(
+        signals(seed)["u"], signals(seed)["y"], mu=2, n_mod=1
+    ),
+    # controllers
+    rcac.Tap: lambda seed: rcac.Tap("y", 0, seed),
+    rcac.DerivedSignal: lambda seed: rcac.DerivedSignal(random(seed, 2), [0, 1], pole=-1.0),
+    rcac.Structure: structure,
+    rcac.UD: lambda seed: rcac.UD(symmetric(seed), process_noise=0.5, stop_where_unsupported=True),
+    rcac.Covariance: lambda seed: rcac.Covariance(1 + seed, lambda_=scheduled(seed)),
+    rcac.SlidingWindow: lambda seed: rcac.SlidingWindow(1.0, window=1 + seed, lambda_=0.5),
+    rcac.Instantaneous: lambda seed: rcac.Instantaneous(symmetric(seed)),
+    rcac.Gradient: lambda seed: rcac.Gradient(abs(random(seed)[()])),
+    rcac.ScheduledForgetting: scheduled,
+    rcac.VariableRateForgetting: lambda seed: rcac.VariableRateForgetting(1, seed + 2, 0.5),
+    rcac.CovarianceReset: reset,
+    rcac.SignalWeight: lambda seed: rcac.SignalWeight(abs(random(seed)[()]), 0.5),
+    rcac.ControllerSettings: settings,
+    rcac.Decentralized: lambda seed: rcac.Decentralized(
+        [adaptive(seed), adaptive(seed + 1)], shared_u=seed % 2 == 0
+    ),
+    rcac.Compensator: compensator,
+    rcac.FixedController: lambda seed: rcac.FixedController(compensator(seed), l_r=1, k_w=3),
+    # engine
+    rcac.SimulationCase: lambda seed: rcac.SimulationCase(
+        plant(seed), adaptive(seed), random(seed, 5, 1), {"x_0": random(seed, 2), "stride": 2}
+    ),
+    rcac.Run: run,
+    rcac.SavedState: lambda seed: run(seed).state,
+    rcac.ReferenceRun: lambda seed: rcac.simulate_reference(
+        plant(seed), adaptive(seed), random(seed, 6, 1), digits=30
+    ),
+    # analysis
+    rcac.ClosedLoop: loop,
+    rcac.IntercalatedMatch: lambda seed: rcac.intercalated_match(loop(seed), target(seed), 9),
+    rcac.ExactComparison: comparison,
+    rcac.NumericObserverForms: observer_forms,
+    rcac.PlacementConditioning: lambda seed: rcac.placement_conditioning(
+        "1/(s - 1)", [-1, -2 - fraction(seed)], feedback=-1
+    ),
+    rcac.ResidualSplit: lambda seed: rcac.split_residual(
+        exact_plant(seed), compensator(seed), target(seed), **signals(seed)
+    ),
+    # margins, costs
+    rcac.Margins: lambda seed: rcac.stability_margins(loop(seed)),
+    rcac.DiskMargin: lambda seed: rcac.multivariable_disk_margin(loop(seed)),
+    rcac.StabilityBoundary: lambda seed: rcac.StabilityBoundary(seed, 1, 0.5, 1, np.nan),
+    rcac.H2Cost: lambda seed: rcac.h2_cost(exact_plant(seed), compensator(seed)),
+    rcac.LQG: lambda seed: rcac.lqg(exact_plant(seed)),
+    rcac.ExactAgreement: agreement,
+    rcac.ConversionCertificate: lambda seed: rcac.ConversionCertificate(
+        random(seed, 3) * 1j, 1e-15, 1e-14, seed % 3
+    ),
+    rcac.StabilisingSolution: lambda seed: rcac.solve_dare(
+        [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
+    ),
+    # experiments, checks
+    rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),
+    rcac.Experiment: experiment,
+    rcac.Verification: lambda seed: rcac.verify(experiment(seed)),
+    rcac.ControllerLog: log,
+    rcac.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
+    rcac.ControllerCheck: check,
+}
