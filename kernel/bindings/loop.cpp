@@ -136,16 +136,12 @@ bool run_jobs(const std::vector<nb::object>& objects, std::size_t threads, doubl
     }
     {
         nb::gil_scoped_release release;
-        LaneGroups groups{{}, jobs};
-        if (in_lanes) groups = lane_groups(jobs);
-        const std::size_t first = groups.in_lanes.size();
-        in_threads(first + groups.others.size(), threads, [&](std::size_t i) {
-            if (i > 0 && budget.is_over()) return;
-            if (i < first)
-                LaneLoop(groups.in_lanes[i], instructions).run(budget);
-            else
-                groups.others[i - first]->run(budget);
-        });
+        if (in_lanes)
+            run_in_lanes(jobs, threads, budget, instructions);
+        else
+            in_threads(jobs.size(), threads, [&](std::size_t i) {
+                if (i == 0 || !budget.is_over()) jobs[i]->run(budget);
+            });
     }
     return std::any_of(jobs.begin(), jobs.end(), [](const Job* job) { return !job->finished(); });
 }

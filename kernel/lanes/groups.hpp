@@ -51,8 +51,10 @@ inline std::vector<std::int64_t> lane_key(Loop& loop) {
     const ControllerPlan& plan = c.plan();
     const Structure& s = plan.structure;
     const Sizes& size = loop.plant().sizes();
-    std::vector<std::int64_t> key{std::max<std::int64_t>(plan.k_w - c.step(), 0),
-                                  std::max<std::int64_t>(plan.k_update - c.step(), 0)};
+    std::vector<std::int64_t> key;
+    key.reserve(16 + 2 * (2 * s.regressor.size() + s.channels.size()));
+    key.push_back(std::max<std::int64_t>(plan.k_w - c.step(), 0));
+    key.push_back(std::max<std::int64_t>(plan.k_update - c.step(), 0));
     const std::size_t r_in_w = s.l_r > 0 ? loop.options().r_in_w : 0;
     for (std::size_t number : {loop.plant().x().size(), size.l_u, size.l_y, size.l_z, size.l_w,
                                s.l_r, r_in_w, plan.targets.front().order, s.regressor.size(),
@@ -74,6 +76,13 @@ inline std::vector<std::int64_t> lane_key(Loop& loop) {
 struct LaneGroups {
     std::vector<std::vector<Job*>> in_lanes;  // up to eight runs each, one of them included
     std::vector<Job*> others;                 // for the ordinary loop
+
+    // Whether on the average half of the lanes are taken.
+    bool are_full() const {
+        std::size_t taken = 0;
+        for (const std::vector<Job*>& group : in_lanes) taken += group.size();
+        return 2 * taken >= lanes * in_lanes.size();
+    }
 };
 
 // Longest runs first, so that the lanes of a group end together.

@@ -135,4 +135,32 @@ private:
     std::int64_t first_[lanes] = {};  // rows where this took over
 };
 
+// The jobs that fit in lanes, the others one after another. To find the lanes of thousands of jobs
+// takes longer than the work between two answers, so it is done for a few, for more where these do
+// not fill their lanes, and for the rest only if there is time.
+inline void run_in_lanes(const std::vector<Job*>& jobs, std::size_t threads,
+                         const TimeBudget& budget, const InstructionSet& instructions) {
+    constexpr std::size_t most = 1024;
+    std::size_t begin = 0, count = 8 * lanes * std::clamp<std::size_t>(threads, 1, most);
+    while (begin < jobs.size() && (begin == 0 || !budget.is_over())) {
+        const auto left = jobs.begin() + static_cast<std::ptrdiff_t>(begin);
+        LaneGroups groups;
+        for (;; count *= 2) {
+            count = std::min(count, jobs.size() - begin);
+            groups = lane_groups({left, left + static_cast<std::ptrdiff_t>(count)});
+            if (groups.are_full() || begin + count == jobs.size() || count >= most) break;
+        }
+        const std::size_t first = groups.in_lanes.size();
+        in_threads(first + groups.others.size(), threads, [&](std::size_t i) {
+            if ((begin > 0 || i > 0) && budget.is_over()) return;
+            if (i < first)
+                LaneLoop(groups.in_lanes[i], instructions).run(budget);
+            else
+                groups.others[i - first]->run(budget);
+        });
+        begin += count;
+        count *= 2;
+    }
+}
+
 }  // namespace rcac
