@@ -18,6 +18,7 @@ COMMANDS = {
     "list": ("rcac_numeric.cli.list:list_examples", "List the examples that can be verified."),
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),
     "place": ("rcac_numeric.cli.place:place", "Place closed-loop poles exactly."),
+    "schema": ("rcac_numeric.cli.schema:schema", "Print the JSON Schema of experiment files."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }
 

@@ -28,8 +28,7 @@ def verify(case: str, picture: Path | None, as_json: bool) -> int:
         found = verified(_experiment(case), _progress if sys.stderr.isatty() else _silence)
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
-        title = f"{found.experiment.id}: {found.experiment.title}".strip(": ")
-        show(verification_sheet(found), as_json, picture, lambda: found.main.first.plot(title))
+        show(verification_sheet(found), as_json, picture, found.plot)
     return found.exit_status
 
 

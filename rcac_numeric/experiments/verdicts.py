@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
@@ -52,6 +53,22 @@ class Verification(Value):
     def surprising(self) -> list[str]:
         """Names of the runs that did not end as their specification says."""
         return [name for name, result in self.results.items() if not result.as_expected]
+
+    def report(self) -> str:
+        """The whole verification in words and numbers."""
+        from rcac_numeric.reports.terminal import as_text
+        from rcac_numeric.reports.verification import verification_sheet
+
+        return as_text(verification_sheet(self))
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def plot(self) -> figures.Figure:
+        """One sheet on the main run."""
+        from rcac_numeric.plots.run import plot_verification
+
+        return plot_verification(self)
 
     @property
     def exit_status(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 from compensator_theory.errors import InputError
@@ -32,5 +33,7 @@ def save(figure: figures.Figure, picture: Path) -> None:
     >>> file.read_text().startswith("<?xml")
     True
     """
+    drawn = io.BytesIO()  # matplotlib's writers do not say in their own words that a disk is full
+    figure.savefig(drawn, format=picture.suffix[1:].lower(), dpi=130)
     with replacing(picture) as new:
-        figure.savefig(new, dpi=130)
+        new.write_bytes(drawn.getbuffer())

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.style import (
     INK,
     REACHED,
@@ -71,6 +72,13 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
     for axis in axes.ravel():
         axis.grid(alpha=0.25)
     return figure
+
+
+def plot_verification(verification: Verification) -> Figure:
+    """The sheet of the main run, under the name of the experiment."""
+    experiment = verification.experiment
+    title = f"{experiment.id}: {experiment.title}".strip(": ")
+    return plot_sheet(verification.main.first, title)
 
 
 def _control(axis: Axes, run: Run) -> None:
