@@ -181,8 +181,8 @@ def read_controllers(
     for number, own in enumerate(several, 1):
         joined = ONE_OF_SEVERAL.joined(base, own)
         place = Place(file, "controllers", notes=(f"no. {number}", *note))
-        of_target = TARGET.joined(target, joined.pop("target", {}))
+        joined_target = TARGET.joined(target, joined.pop("target", {}))
         part = ONE_OF_SEVERAL.table.read({**joined, "target": {}}, place)
-        own_target = TARGET.table.read(of_target, place.at("target").inside())
+        own_target = TARGET.table.read(joined_target, place.at("target").inside())
         parts.append(replace(part, arguments={**part.arguments, "target": own_target}))
     return ControllerSpecification(tuple(parts), None, beside.build())
