@@ -7,13 +7,15 @@ from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.experiment import Experiment
+from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.files.claims import CLAIM, claim_of
 from rcac_numeric.experiments.files.documents import named, read_example, read_file, require_plain
-from rcac_numeric.experiments.files.runs import FORMS, OVERRIDE, read_run, words_of
+from rcac_numeric.experiments.files.runs import FORMS, OVERRIDE, RunTables, read_run, words_of
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import PlantSchedule
 
 # How much of a table's own words a report repeats.
 LONGEST_WORDS = 400
@@ -144,7 +146,7 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     ]
     pairs = list(zip(runs, plants, strict=True))
     budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
-    made = {run.name: run.build(plant) for run, plant in pairs}
+    made = {run.name: _made(run, plant, len(pairs) > 1) for run, plant in pairs}
     text = {key: read.arguments.get(key, "") for key in ("title", "id", "source", "notes")}
     return Experiment(
         id=text["id"] or Path(file).stem,
@@ -155,6 +157,17 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         claims=claims,
         description=_description(table),
     )
+
+
+def _made(
+    run: RunTables, plant: Plant | PlantSchedule, is_one_of_several: bool
+) -> RunSpecification:
+    try:
+        return run.build(plant)
+    except CompensatorError as error:
+        raise type(error)(
+            f"run {run.name!r}: {error}" if is_one_of_several else str(error)
+        ) from None
 
 
 def _description(table: Raw) -> dict[str, str]:

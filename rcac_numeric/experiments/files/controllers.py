@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from compensator_theory.errors import InputError
@@ -125,7 +125,7 @@ CONTROLLER = Deferred(
 ONE_OF_SEVERAL = Deferred(
     Table(
         ControllerSettings,
-        forms={**FORMS, "target": TARGET.table},
+        forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
         docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
     )
 )
@@ -180,7 +180,9 @@ def read_controllers(
     parts = []
     for number, own in enumerate(several, 1):
         joined = ONE_OF_SEVERAL.joined(base, own)
-        joined["target"] = TARGET.joined(target, own.get("target", {}))
         place = Place(file, "controllers", notes=(f"no. {number}", *note))
-        parts.append(ONE_OF_SEVERAL.table.read(joined, place))
+        joined_target = TARGET.joined(target, joined.pop("target", {}))
+        part = ONE_OF_SEVERAL.table.read({**joined, "target": {}}, place)
+        own_target = TARGET.table.read(joined_target, place.at("target").inside())
+        parts.append(replace(part, arguments={**part.arguments, "target": own_target}))
     return ControllerSpecification(tuple(parts), None, beside.build())

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from compensator_theory.errors import CompensatorError
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Raw, Table, require_table
 from rcac_numeric.experiments.format.values import Form, Schema
@@ -13,7 +14,10 @@ from rcac_numeric.experiments.format.values import Form, Schema
 
 @dataclass(frozen=True)
 class Deferred(Form):
-    """A table that is read once it is joined with others; until then only its keys are looked at.
+    """A table that is joined with others before it is read.
+
+    Where it stands its keys must be known and its values of the right form; which keys go together
+    and which are missing is known once it is joined.
 
     Attributes
     ----------
@@ -35,6 +39,9 @@ class Deferred(Form):
         inside = place.inside()
         found = dict(require_table(value, inside))
         self.table.require_known(found, inside)
+        keys = self.table.all_keys()
+        for name, entry in found.items():
+            _require_form([key.form for key in keys[name]], entry, inside.at(name))
         return found
 
     def schema(self) -> Schema:
@@ -63,6 +70,20 @@ class Deferred(Form):
                 and (name in read or not (kind.is_whole or (kinds.has(name) and name not in own)))
             }
         return merged(kept, override)
+
+
+def _require_form(forms: list[Form], value: object, place: Place) -> None:
+    """Refuse a value that none of the kinds that have this key could read."""
+    refusal: CompensatorError | None = None
+    for form in forms:
+        try:
+            form.read(value, place)
+        except CompensatorError as error:
+            refusal = refusal or error
+        else:
+            return
+    if refusal is not None:
+        raise refusal
 
 
 def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> dict[str, Any]:

@@ -144,7 +144,8 @@ def parameters_in(doc: str) -> dict[str, tuple[str, str]]:
 
 
 def _form(make: Callable[..., Any], parameter: inspect.Parameter, described: str) -> Form:
-    annotation = str(parameter.annotation).removesuffix(" | None")
+    given = parameter.annotation
+    annotation = (given.__name__ if isinstance(given, type) else str(given)).removesuffix(" | None")
     if annotation == "str" and (choices := re.match(r"\{(.*?)\}", described)):
         return Choice(tuple(re.findall(r'"([^"]*)"', choices[1])))
     if annotation not in FORMS:

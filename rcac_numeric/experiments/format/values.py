@@ -157,6 +157,8 @@ class Numbers(Form):
             if self.longest is not None and len(value) > self.longest:
                 raise place.error(f"{place} has {len(value)} entries; at most {self.longest} are "
                                   "allowed.")  # fmt: skip
+            if any(isinstance(leaf, bool) for leaf in _leaves(value)):
+                raise place.refuse(value, self.words)
             return real_array(value, str(place))
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise place.refuse(value, self.words)

@@ -319,6 +319,15 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ({"saturation": {"lo": 1}}, "unknown key 'lo' in [saturation]"),
         ({"saturation": {"low": [1, 2]}}, "low has 2 entries"),
         ({"controllers": {"structure": "fir"}}, "must be an array of tables"),
+        ({"controllers": [{"structure": "lqg"}]}, "structure = 'lqg' is not known"),
+        ({"controllers": [{}, {"target": {"poles": []}}]}, "[controllers.target] no. 2 sets"),
+        ({"run": {"seed": "x"}, "runs": [{"name": "a", "run": {"seed": 1}}]}, "[run] seed must be"),
+        ({"runs": [{"name": "a"}, {"name": "b", "run": {"seed": 0.5}}]}, "[runs.run] no. 2 seed"),
+        (
+            {"runs": [{"name": "b", "controller": {"structure": "pid", "n_c": 4}}]},
+            "[controller] of run 'b' sets 'n_c'",
+        ),
+        ({"runs": [{"name": "a"}, {"name": "b", "controller": {"k_w": 1}}]}, "run 'b': k_w = 1"),
         ({"controllers": [{"shared_u": True}]}, "unknown key 'shared_u' in [controllers]"),
         (
             {"controllers": [{}, {"structure": "fir"}], "saturation": {"high": 1}},
