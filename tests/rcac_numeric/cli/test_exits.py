@@ -19,15 +19,8 @@ RCAC = [sys.executable, "-c", "from rcac_numeric.cli.main import main; main()"]
 PLACE = ["place", "--plant", "1/s", "--poles=-1,-2"]
 OBSERVER = ["observer", "--plant", "1/s", "--compensator", "1/s"]
 CHECK = ["check", "examples/octave/rcac_loop.mat", "--n-c", "4"]
-QUICK = [
-    ["list"],
-    ["schema"],
-    ["--help"],
-    PLACE,
-    [*OBSERVER, "--json"],
-    CHECK,
-    ["verify", "2.2", "--json"],
-]
+VERIFY = ["verify", "2.2", "--json"]
+QUICK = [["list"], ["schema"], ["--help"], PLACE, [*OBSERVER, "--json"], CHECK, VERIFY]
 
 
 def run(arguments, output):
