@@ -131,7 +131,8 @@ class NumericObserverForms(Value):
     def __str__(self) -> str:
         if not len(self):
             return f"no observer-based form; {self.rejected} subspaces give none{self._unresolved}"
-        low, middle, high = np.quantile(self.condition, [0, 0.5, 1])
+        ordered = np.sort(self.condition)  # no mean of two: some may be infinite
+        low, middle, high = ordered[0], ordered[len(ordered) // 2], ordered[-1]
         return (
             f"{len(self)} observer-based forms, {self.rejected} subspaces without one"
             f"{self._unresolved}; "

@@ -32,7 +32,8 @@ class TargetModel(Value):
     ------
     InputError
         If sizes do not fit, the filter is zero or not what `exact` is, or a pole lies outside the
-        unit circle, which is decided exactly: Phi_f of (2.40) would grow without bound. A pole on the circle is allowed.
+        unit circle, which is decided exactly: Phi_f of (2.40) would grow without bound. A pole on
+        the circle is allowed.
 
     Examples
     --------
