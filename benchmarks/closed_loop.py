@@ -20,6 +20,7 @@ from update_step import dgemm  # first: it keeps NumPy to one thread
 import numpy as np
 
 from rcac_numeric import (
+    UD,
     ControllerSettings,
     SimulationCase,
     fir_target,
@@ -33,7 +34,9 @@ PLANT = standard_plant("(q - 0.5)/(q*(q - 0.9))")
 
 
 def settings(l_theta):
-    return ControllerSettings(structure=iir(l_theta // 2), target=fir_target(PLANT), R_theta=1.0)
+    return ControllerSettings(
+        structure=iir(l_theta // 2), target=fir_target(PLANT), update=UD(R_theta=1.0)
+    )
 
 
 def noise(steps, seed=0):

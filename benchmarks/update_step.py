@@ -19,6 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from scipy.linalg.blas import dsymv, dsyr
+from yardsticks import symmetric_covariance
 
 from rcac_numeric.engine import _kernel
 
@@ -46,14 +47,17 @@ def dgemm():
 
 
 def kernel(update, l_theta, seconds):
-    """Seconds per update in the compiled kernel."""
+    """Seconds per update in the compiled kernel, or in the compiled yardstick."""
     rng = np.random.default_rng(0)
     rows, target = rng.standard_normal((STEPS, 1, l_theta)), rng.standard_normal((STEPS, 1))
     start = {"P_0": np.eye(l_theta), "theta_0": np.zeros(l_theta)}
     weights = {"R_z": np.eye(1), "R_u": np.zeros((1, 1))}
 
     def run(passes):
-        _kernel.replay_updates(update, rows, target, **weights, **start, repeat=passes)
+        if update == "symmetric covariance":
+            symmetric_covariance.replay(rows[:, 0], target[:, 0], **start, repeat=passes)
+        else:
+            _kernel.replay_updates(update, rows, target, **weights, **start, repeat=passes)
 
     return clock(run, STEPS * (5e-8 + 1e-10 * l_theta**2), seconds) / STEPS
 
@@ -183,7 +187,8 @@ def report(t):
     def nanoseconds(what):
         return lambda n: 1e9 * t[what, n]
 
-    print(f"dgemm, n = 1024: {rate / 1e9:.1f} GFLOP/s; instruction set: {_kernel.levels()[0]}")
+    chosen = _kernel.instruction_sets()[0]
+    print(f"dgemm, n = 1024: {rate / 1e9:.1f} GFLOP/s; instruction set: {chosen}")
     rows = [
         ("UD, ns", ".0f", nanoseconds("ud")),
         ("UD, GFLOP/s by 3 l^2", ".1f", lambda n: 3e-9 * n**2 / ud(n)),

@@ -1,4 +1,6 @@
+__version__: str
 from . import strategies as strategies
+from .errors import BudgetError as BudgetError
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError
 from .errors import FunctionFailedError as FunctionFailedError
@@ -38,11 +40,14 @@ from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
-from .matrices.sylvester import number_of_common_roots as number_of_common_roots
-from .matrices.sylvester import resultant as resultant
+from .matrices.common_factors import BezoutIdentity as BezoutIdentity
+from .matrices.common_factors import bezout_identity as bezout_identity
+from .matrices.resultants import number_of_common_roots as number_of_common_roots
+from .matrices.resultants import resultant as resultant
 from .matrices.sylvester import sylvester_m as sylvester_m
 from .matrices.sylvester import sylvester_m1 as sylvester_m1
 from .matrices.sylvester import sylvester_m2 as sylvester_m2
+from .observers.counting import count_observer_forms as count_observer_forms
 from .observers.decisions import ObserverDecision as ObserverDecision
 from .observers.design import ObserverBasedCompensator as ObserverBasedCompensator
 from .observers.design import observer_based_compensator as observer_based_compensator
@@ -67,15 +72,14 @@ from .placement.propositions import PropositionCheck as PropositionCheck
 from .placement.propositions import check_proposition_3 as check_proposition_3
 from .placement.propositions import check_proposition_4 as check_proposition_4
 from .placement.solutions import PolePlacement as PolePlacement
-from .polynomials.common_factors import BezoutIdentity as BezoutIdentity
-from .polynomials.common_factors import bezout_identity as bezout_identity
+from .polynomials.budget import Budget as Budget
+from .polynomials.budget import budget as budget
 from .polynomials.expressions import parse_expression as parse_expression
 from .polynomials.from_roots import polynomial_from_roots as polynomial_from_roots
+from .polynomials.from_roots import read_roots as read_roots
 from .polynomials.numbers import exact_number as exact_number
 from .polynomials.poly import monic as monic
 from .polynomials.poly import polynomial as polynomial
-from .polynomials.reciprocals import monic_reciprocal_polynomial as monic_reciprocal_polynomial
-from .polynomials.reciprocals import reciprocal_polynomial as reciprocal_polynomial
 from .roots.certified import Root as Root
 from .roots.certified import certified_roots as certified_roots
 from .roots.counts import RootCount as RootCount
@@ -83,7 +87,8 @@ from .roots.counts import count_half_plane_roots as count_half_plane_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
-from .roots.real_factors import count_observer_forms as count_observer_forms
+from .roots.reciprocals import monic_reciprocal_polynomial as monic_reciprocal_polynomial
+from .roots.reciprocals import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_half_plane_roots as locate_half_plane_roots
 from .roots.regions import locate_unit_disk_roots as locate_unit_disk_roots
 from .roots.schur_cohn import count_unit_disk_roots as count_unit_disk_roots
@@ -98,6 +103,9 @@ from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
 from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
+from .systems.canonical_forms import realisation as realisation
+from .systems.canonical_text import canonical as canonical
+from .systems.certificates import Certificate as Certificate
 from .systems.controllability import controllability_matrix as controllability_matrix
 from .systems.controllability import is_controllable as is_controllable
 from .systems.controllability import uncontrollable_polynomial as uncontrollable_polynomial
@@ -106,7 +114,6 @@ from .systems.difference_equations import compensator_polynomials as compensator
 from .systems.problems import servo_problem as servo_problem
 from .systems.problems import standard_problem as standard_problem
 from .systems.realisations import Realisation as Realisation
-from .systems.realisations import realisation as realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
 from .systems.transfer_functions import TransferFunction as TransferFunction
 from .systems.transfer_matrices import TransferMatrix as TransferMatrix

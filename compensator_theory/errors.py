@@ -22,6 +22,10 @@ class InputError(CompensatorError):
     """An argument has the wrong type, shape, range or value (NaN and infinity included)."""
 
 
+class BudgetError(InputError):
+    """A request is larger than the :class:`~compensator_theory.Budget` allows."""
+
+
 class NotCoprimeError(CompensatorError):
     """Numerator and denominator share a root, so some poles cannot be moved."""
 

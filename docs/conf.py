@@ -1,3 +1,16 @@
+import sys
+from pathlib import Path
+
+# Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+sys.path.append(str(Path(__file__).resolve().parent))
+
+from reference_pages import write_reference
+
+from tests.house.layers import LAYERS
+
+write_reference(Path(__file__).resolve().parent / "reference", LAYERS)
+
 project = "compensator-theory"
 author = "The compensator-theory developers"
 copyright = "2026, the compensator-theory developers"
@@ -18,11 +31,11 @@ suppress_warnings = ["ref.python"]
 def insert_ledger(app, name, source):
     """Write the ledger of proofs where its page asks for it."""
     if name == "proofs":
-        from proofs.ledger import STATEMENTS, ledger
-        from proofs.page import page
-        from proofs.rocq_sources import SOURCES
+        from proofs.formal.rocq_sources import sources
+        from proofs.ledger.ledger import STATEMENTS, ledger
+        from proofs.output.page import page
 
-        for path in (*STATEMENTS.glob("*.toml"), *SOURCES.glob("*.v")):
+        for path in (*STATEMENTS.glob("*.toml"), *sources()):
             app.env.note_dependency(str(path))
         source[0] = source[0].replace("<!-- the ledger -->", page(ledger()))
 

@@ -8,11 +8,11 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from compensator_theory.errors import CompensatorError
 
-from .ledger import select, theorems
-from .printing import print_ledger, print_names, print_summary
-from .records import to_json
-from .rocq_build import NOT_ASKED, compile_formal_part
-from .verification import number_of_checks, verify
+from .formal.rocq_build import NOT_ASKED, compile_formal_part
+from .ledger.ledger import LedgerError, select, theorems
+from .ledger.verification import number_of_checks, verify
+from .output.printing import print_ledger, print_names, print_summary
+from .output.records import to_json
 
 
 @click.command(context_settings={"help_option_names": ["-h", "--help"]})
@@ -50,7 +50,7 @@ def main(
                 quick=quick,
                 tick=lambda check: progress.update(task, advance=1, description=check),
             )
-    except CompensatorError as error:
+    except (CompensatorError, LedgerError) as error:
         raise click.UsageError(str(error)) from error
     if as_json:
         click.echo(to_json(found, compilation, quick=quick))

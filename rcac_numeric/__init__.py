@@ -1,9 +1,19 @@
 """Retrospective cost adaptive control in float64: run it, and hold it against exact theory.
 
 Every name below is imported when it is first used, so that the command line answers at once.
+``__version__`` is that of the distribution, for both packages.
 """
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+import compensator_theory as _exact
+
+_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 del lazy_loader
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name when it is first used."""
+    if name == "__version__":
+        return _exact.__version__
+    return _public(name)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.loops.loop import close_loop
+from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 
-def closed_loop_polynomial(problem: StandardProblem, N_c: Any, D_c: Any) -> Poly:
+def closed_loop_polynomial(
+    problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
+) -> Poly:
     r"""Return the closed-loop characteristic polynomial with positive feedback.
 
     .. math:: \tilde D = D D_c - N_{yu} N_c, \qquad
@@ -46,7 +46,9 @@ def closed_loop_polynomial(problem: StandardProblem, N_c: Any, D_c: Any) -> Poly
     return close_loop(problem, N_c, D_c).characteristic_polynomial()
 
 
-def closed_loop_transfer_matrix(problem: StandardProblem, N_c: Any, D_c: Any) -> TransferMatrix:
+def closed_loop_transfer_matrix(
+    problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
+) -> TransferMatrix:
     r"""Return the closed-loop map from w to z with positive feedback.
 
     .. math:: \tilde G_{zw} = G_{zw} + G_{zu} G_c (I - G_{yu} G_c)^{-1} G_{yw}
@@ -81,7 +83,11 @@ def closed_loop_transfer_matrix(problem: StandardProblem, N_c: Any, D_c: Any) ->
 
 
 def closed_loop_zero_polynomial(
-    problem: StandardProblem, N_c: Any, D_c: Any, w_channel: int = 0, z_channel: int = 0
+    problem: StandardProblem,
+    N_c: PolynomialMatrixLike,
+    D_c: PolynomialMatrixLike,
+    w_channel: int = 0,
+    z_channel: int = 0,
 ) -> Poly:
     r"""Return the numerator of one closed-loop map over the characteristic polynomial.
 

@@ -1,16 +1,16 @@
 """The transfer function from the virtual control perturbation to the performance variable."""
 
-from typing import Any
-
 import sympy
 
-from compensator_theory.loops.loop import close_loop
+from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.transfer_functions import TransferFunction
 from compensator_theory.systems.transfer_matrices import TransferMatrix
 
 
-def intercalated_transfer_matrix(problem: StandardProblem, N_c: Any, D_c: Any) -> TransferMatrix:
+def intercalated_transfer_matrix(
+    problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
+) -> TransferMatrix:
     r"""Return the map from :math:`\tilde u = u - \Phi\theta^*` to z with the loop closed.
 
     .. math:: \tilde G_{z\tilde u} = q^{n_c} G_{zu}\left[D_c^{-1}
@@ -53,7 +53,7 @@ def intercalated_transfer_matrix(problem: StandardProblem, N_c: Any, D_c: Any) -
 
 
 def intercalated_transfer_function(
-    problem: StandardProblem, N_c: Any, D_c: Any
+    problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferFunction:
     r"""Return :func:`intercalated_transfer_matrix` for scalar u and z.
 
@@ -89,7 +89,7 @@ def intercalated_transfer_function(
 
 
 def control_perturbation_transfer_matrix(
-    problem: StandardProblem, N_c: Any, D_c: Any
+    problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferMatrix:
     r"""Return the map to z from a perturbation added to u outside the controller.
 
@@ -125,7 +125,7 @@ def control_perturbation_transfer_matrix(
 
 
 def control_perturbation_transfer_function(
-    problem: StandardProblem, N_c: Any, D_c: Any
+    problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
 ) -> TransferFunction:
     r"""Return :func:`control_perturbation_transfer_matrix` for scalar u and z.
 

@@ -5,20 +5,27 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TypeAlias, cast
 
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import ImmutableMatrix, MatrixBase, Poly, Symbol
+from sympy.polys.domains.domain import Domain
+from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.polynomials.poly import from_expression, polynomial
+from compensator_theory.polynomials.poly import PolynomialLike, from_expression, polynomial
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.transfer_matrices import TransferMatrix
 
+PolynomialMatrixLike: TypeAlias = PolynomialLike | MatrixBase | Sequence[Sequence[PolynomialLike]]
+"""A polynomial, or a SymPy matrix or nested lists of polynomials."""
+
 
 @dataclass(frozen=True)
-class Loop:
+class Loop(ExactValue):
     r"""A plant and a compensator :math:`D_c u = N_c y`, ready to be solved for u.
 
     .. math:: \Delta = D D_c - N_c N_{yu}, \qquad \det\Delta = D^{l_u-1}\,\det(qI - \tilde A)
@@ -77,7 +84,7 @@ class Loop:
         return TransferMatrix(self.numerators_from_w(), self.characteristic_polynomial())
 
     @cached_property
-    def _domain(self) -> Any:
+    def _domain(self) -> Domain:
         """The ring that contains every polynomial of the loop."""
         matrices = [self._numerators(channel) for channel in ("zw", "zu", "yw", "yu")]
         entries = ImmutableMatrix(
@@ -86,7 +93,7 @@ class Loop:
         return DomainMatrix.from_Matrix(entries).domain
 
     @cached_property
-    def _delta(self) -> tuple[DomainMatrix, Any]:
+    def _delta(self) -> tuple[DomainMatrix, DomainElement]:
         N_yu, N_c, D_c = self._in_ring(self._numerators("yu"), self.N_c, self.D_c)
         adjugate, determinant = (D_c * self._domain.from_sympy(self._D) - N_c * N_yu).adj_det()
         return adjugate, determinant
@@ -111,14 +118,16 @@ class Loop:
     def _rows(self, product: DomainMatrix, power: int) -> tuple[tuple[Poly, ...], ...]:
         return tuple(tuple(self._polynomial(e, power) for e in row) for row in product.to_list())
 
-    def _polynomial(self, element: Any, power: int) -> Poly:
+    def _polynomial(self, element: DomainElement, power: int) -> Poly:
         """Divide by that power of D, which leaves no remainder."""
         domain = self._domain
         quotient = domain.exquo(element, domain.from_sympy(self._D) ** power)
         return from_expression(domain.to_sympy(quotient), self.problem.variable)
 
 
-def close_loop(problem: StandardProblem, N_c: Any, D_c: Any) -> Loop:
+def close_loop(
+    problem: StandardProblem, N_c: PolynomialMatrixLike, D_c: PolynomialMatrixLike
+) -> Loop:
     r"""Check a compensator against a plant and join the two.
 
     Parameters
@@ -172,16 +181,9 @@ def close_loop(problem: StandardProblem, N_c: Any, D_c: Any) -> Loop:
 
 
 def _polynomial_rows(
-    value: Any, shape: tuple[int, int], variable: Symbol, name: str
+    value: PolynomialMatrixLike, shape: tuple[int, int], variable: Symbol, name: str
 ) -> list[list[Poly]]:
-    nested = isinstance(value, Sequence) and not isinstance(value, str)
-    if isinstance(value, sympy.MatrixBase):
-        value, nested = value.tolist(), True
-    if not (
-        nested and all(isinstance(row, Sequence) and not isinstance(row, str) for row in value)
-    ):
-        value = [[value]]
-    rows = [[polynomial(entry, variable) for entry in row] for row in value]
+    rows = [[_entry(entry, variable) for entry in row] for row in _nested(value)]
     if {len(row) for row in rows} != {shape[1]} or len(rows) != shape[0]:
         raise InputError(
             f"{name} has rows of lengths {[len(row) for row in rows]}; this plant needs a "
@@ -190,6 +192,23 @@ def _polynomial_rows(
     if name == "D_c" and all(entry.is_zero for row in rows for entry in row):
         raise InputError("D_c is zero; a compensator needs a denominator")
     return rows
+
+
+def _nested(value: PolynomialMatrixLike) -> list[list[PolynomialLike]]:
+    """Return rows; anything but a matrix or a list of lists is the only entry."""
+    if isinstance(value, MatrixBase):
+        return list(value.tolist())
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        rows = [list(r) for r in value if isinstance(r, Sequence) and not isinstance(r, str)]
+        if len(rows) == len(value):
+            return rows
+    return [[cast(PolynomialLike, value)]]  # a list of numbers holds coefficients
+
+
+def _entry(value: PolynomialLike, variable: Symbol) -> Poly:
+    found = polynomial(value, variable)
+    require_no_other_operator(found)
+    return found
 
 
 def _leading(rows: list[list[Poly]], degree: int) -> ImmutableMatrix:

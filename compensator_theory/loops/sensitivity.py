@@ -4,13 +4,13 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
 from compensator_theory.polynomials.poly import canonical, scaled
-from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 def sensitivity_function(
-    plant: TransferFunctionLike, compensator: TransferFunctionLike, *, feedback: int
+    plant: LoopPart, compensator: LoopPart, *, feedback: int
 ) -> TransferFunction:
     r"""Return the sensitivity function with the unreduced closed-loop polynomial below.
 
@@ -43,21 +43,13 @@ def sensitivity_function(
     >>> print(sensitivity_function("1/(s - 1)", "3", feedback=-1))
     (s - 1)/(s + 2)
     """
-    require_sign(feedback)
-    G = transfer_function(plant)
-    G_c = _in_variable_of(G, compensator, "compensator")
-    around = canonical(G.denominator * G_c.denominator)
-    through = canonical(G.numerator * G_c.numerator)
-    closed = canonical(around - scaled(through, sympy.Integer(feedback)))
-    if closed.is_zero or closed.degree() < around.degree():
-        raise ImproperError(
-            f"the loop of {G} and {G_c} is not well posed: G G_c tends to {feedback} at infinity"
-        )
-    return TransferFunction(around, closed)
+    G, G_c = read_loop(plant, compensator, feedback)
+    closed = well_posed_loop(G, G_c, feedback)
+    return TransferFunction(canonical(G.denominator * G_c.denominator), closed)
 
 
 def compensator_from_sensitivity(
-    plant: TransferFunctionLike, sensitivity: TransferFunctionLike, *, feedback: int
+    plant: LoopPart, sensitivity: LoopPart, *, feedback: int
 ) -> TransferFunction:
     r"""Return the only transfer function that gives a loop this sensitivity function.
 
@@ -92,9 +84,7 @@ def compensator_from_sensitivity(
     >>> print(compensator_from_sensitivity("1/(s - 1)", "(s - 1)/(s + 2)", feedback=-1))
     (3)/(1)
     """
-    require_sign(feedback)
-    G = transfer_function(plant)
-    S = _in_variable_of(G, sensitivity, "sensitivity function")
+    G, S = read_loop(plant, sensitivity, feedback, name="sensitivity function")
     for name, function in (("plant", G), ("sensitivity function", S)):
         if function.numerator.is_zero:
             raise InputError(f"the {name} is zero, which no compensator explains")
@@ -110,40 +100,6 @@ def compensator_from_sensitivity(
             f"{G.relative_degree}"
         )
     return G_c
-
-
-def require_sign(feedback: object) -> None:
-    """Refuse a sign of feedback other than +1 and -1.
-
-    Raises
-    ------
-    InputError
-        With what the two signs mean.
-
-    Examples
-    --------
-    >>> from compensator_theory.loops.sensitivity import require_sign
-    >>> require_sign(-1)
-    """
-    if isinstance(feedback, bool) or feedback not in (1, -1):
-        raise InputError(f"feedback = {feedback!r} must be +1 (u = G_c y) or -1 (u = -G_c y)")
-
-
-def _in_variable_of(
-    G: TransferFunction, other: TransferFunctionLike, name: str
-) -> TransferFunction:
-    """Read another transfer function; a constant takes the variable of the plant."""
-    try:
-        found = transfer_function(other)
-    except InputError:
-        return transfer_function(other, G.variable)
-    if found.variable == G.variable:
-        return found
-    if found.variable.name in ("s", "z", "q"):
-        raise InputError(
-            f"the {name} is in {found.variable} and the plant in {G.variable}; use one variable"
-        )
-    return transfer_function(other, G.variable)
 
 
 def _relative_degree(change: Poly, S: TransferFunction) -> int | str:

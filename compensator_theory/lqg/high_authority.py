@@ -9,7 +9,8 @@ from sympy import ImmutableMatrix, Poly
 from compensator_theory.lqg.poles import LQGPoles
 from compensator_theory.lqg.riccati import RiccatiSolution, solve_riccati
 from compensator_theory.lqg.targets import scalar_numerators
-from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
@@ -17,7 +18,7 @@ from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True)
-class HighAuthorityLQG:
+class HighAuthorityLQG(ExactValue):
     r"""The LQG controller with :math:`R_2 = 0` and :math:`V_2 = 0`, with its certificates.
 
     .. math:: \tilde D_{HA} = q^{d_{zu}} N_{zu,s} \bar N_{zu,u} \cdot
@@ -121,7 +122,7 @@ def high_authority_lqg(plant: StandardProblem, *, digits: int = 30) -> HighAutho
     NotControllableError
         If (A, B) is not controllable or (A, C) is not observable.
     InputError
-        If a signal is not scalar or an entry is symbolic.
+        If a signal is not scalar, an entry is symbolic, or the plant is not written in z or q.
 
     Notes
     -----

@@ -1,11 +1,10 @@
 """LQG closed-loop poles of plants with any number of signals, by an exact determinant."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import flint
 import sympy
-from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import (
     InputError,
@@ -14,18 +13,24 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
-from compensator_theory.polynomials.poly import as_symbol, canonical, format_polynomial
-from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
+from compensator_theory.lqg.regulator_data import regulator_data
+from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.matrices.flint_matrices import rational, to_flint
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, require_discrete
 from compensator_theory.roots.enclosures import PolynomialEnclosure
+from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.roots.spectral_factors import SpectralFactor, factor_palindrome
 from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
 from compensator_theory.systems.controllability import uncontrollable_polynomial
-from compensator_theory.systems.standard_problems import MatrixLike, StandardProblem, exact_matrix
+from compensator_theory.systems.standard_problems import StandardProblem
 
 
 @dataclass(frozen=True)
-class LQGPoles:
+class LQGPoles(ExactValue):
     r"""Where LQG puts the closed-loop poles.
 
     .. math:: \mathrm{mspec}(\tilde A) = \mathrm{mspec}(A + BC_c) \cup \mathrm{mspec}(A - B_cC)
@@ -99,7 +104,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
         If a spectrum is zero, for instance with :math:`N_{zu} = 0` or with more inputs u than
         outputs z and :math:`R_2 = 0`.
     InputError
-        If an entry is symbolic.
+        If an entry is symbolic, or the plant is not written in z or q.
 
     Notes
     -----
@@ -118,6 +123,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     if not isinstance(plant, StandardProblem):
         raise InputError(f"{plant!r} is not a StandardProblem; make one with standard_problem(...)")
     q = plant.variable
+    require_discrete(q, "LQG")
     _require_stable_hidden_modes(plant)
     regulator = regulator_spectrum(plant.A, plant.B, plant.E_1, plant.E_2, q)
     estimator = regulator_spectrum(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, q)
@@ -139,7 +145,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
 
 
 def regulator_spectrum(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: Symbol
+    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol
 ) -> Poly:
     r"""Return the palindromic polynomial whose stable roots are the regulator's poles.
 
@@ -154,7 +160,8 @@ def regulator_spectrum(
     A, B, E_1, E_2 : matrix
         n x n, n x l_u, l_z x n, l_z x l_u, rational; :math:`R_1 = E_1^TE_1`,
         :math:`R_{12} = E_1^TE_2`, :math:`R_2 = E_2^TE_2`.
-    variable : Symbol
+    variable : str or Symbol
+        z or q: the equation is for discrete time.
 
     Returns
     -------
@@ -174,8 +181,9 @@ def regulator_spectrum(
     >>> regulator_spectrum([[3]], [[1]], [[2]], [[0]], z).as_expr()
     4*z
     """
-    a, b, e_1, e_2 = _read(A, B, E_1, E_2)
-    variable = as_symbol(variable)
+    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
+    symbol = as_symbol(variable)
+    require_discrete(symbol, "the spectrum of an LQG regulator")
     n, l_u = b.shape
     constant = sympy.BlockMatrix(
         [[a, sympy.zeros(n, n), b],
@@ -187,13 +195,13 @@ def regulator_spectrum(
          [sympy.zeros(n, n), -a.T, sympy.zeros(n, l_u)],
          [sympy.zeros(l_u, n), b.T, sympy.zeros(l_u, l_u)]]
     ).as_explicit()  # fmt: skip
-    pencil = [_to_flint(matrix) for matrix in (constant, slope)]
+    pencil = [to_flint(matrix) for matrix in (constant, slope)]
     points = [flint.fmpq(k) for k in range(-n, n + 1)]
     values = [(pencil[0] + point * pencil[1]).det() for point in points]
     ascending = _interpolated(points, values)
     sign = -1 if n % 2 else 1
-    descending = [sign * Rational(int(c.p), int(c.q)) for c in reversed(ascending)]
-    return canonical(Poly(descending, variable))
+    descending = [sign * rational(c) for c in reversed(ascending)]
+    return canonical(Poly(descending, symbol))
 
 
 def is_palindromic(poly: Poly) -> bool:
@@ -210,7 +218,7 @@ def is_palindromic(poly: Poly) -> bool:
     return bool(reciprocal_polynomial(reflected) == reflected)
 
 
-def _interpolated(points: list[Any], values: list[Any]) -> list[Any]:
+def _interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
     """Return ascending coefficients through the points, by Newton's divided differences."""
     table = list(values)
     for order in range(1, len(points)):
@@ -220,28 +228,6 @@ def _interpolated(points: list[Any], values: list[Any]) -> list[Any]:
     for i in range(len(points) - 2, -1, -1):
         result = result * flint.fmpq_poly([-points[i], 1]) + table[i]
     return list(result.coeffs())
-
-
-def _read(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike
-) -> tuple[ImmutableMatrix, ...]:
-    named = {"A": A, "B": B, "E_1": E_1, "E_2": E_2}
-    a, b, e_1, e_2 = (exact_matrix(value, name) for name, value in named.items())
-    shapes = ((a.rows, a.rows), (a.rows, b.cols), (e_1.rows, a.rows), (e_1.rows, b.cols))
-    for name, matrix, shape in zip(named, (a, b, e_1, e_2), shapes, strict=True):
-        if matrix.shape != shape:
-            raise InputError(
-                f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
-                "the other matrices show"
-            )
-        if not all(entry.is_Rational for entry in matrix):
-            raise InputError(f"{name} has entries that are not rational numbers; substitute them")
-    return a, b, e_1, e_2
-
-
-def _to_flint(matrix: Matrix) -> Any:
-    entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
-    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
 
 
 def _require_stable_hidden_modes(plant: StandardProblem) -> None:

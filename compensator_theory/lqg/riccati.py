@@ -1,32 +1,42 @@
 """Discrete-time Riccati equations with one input, solved exactly or in certified balls."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TypeAlias
 
 import flint
 import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError, NotControllableError
+from compensator_theory.lqg.regulator_data import (
+    EnclosedMatrix,
+    RegulatorData,
+    ball_matrix,
+    enclosed_rows,
+    exact_rows,
+    regulator_data,
+)
+from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.matrices.flint_matrices import from_flint, to_flint
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.roots.enclosures import (
-    Enclosure,
-    ball_of_enclosure,
-    ball_of_number,
-    enclosure_of_ball,
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, require_discrete
+from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
+from compensator_theory.roots.spectral_factors import (
+    SpectralFactor,
+    factor_palindrome,
+    spectrum_of,
 )
-from compensator_theory.roots.spectral_factors import SpectralFactor, factor_palindrome
 from compensator_theory.roots.unit_circle_enclosures import working_bits
-from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 
-EnclosedMatrix = tuple[tuple[Enclosure, ...], ...]
-_Data = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
+FlintMatrix: TypeAlias = flint.fmpq_mat | flint.arb_mat
 
 
 @dataclass(frozen=True)
-class RiccatiSolution:
+class RiccatiSolution(ExactValue):
     r"""The stabilising solution of a Riccati equation with one input, and its gain.
 
     .. math::
@@ -77,15 +87,15 @@ class RiccatiSolution:
             gain_row = self.B.T * self.P * self.A + self.E_2.T * self.E_1
             innovation = (self.E_2.T * self.E_2 + self.B.T * self.P * self.B)[0]
             exact = left * self.A + self.E_1.T * self.E_1 - gain_row.T * gain_row / innovation
-            return _exact_rows(exact - self.P)
+            return exact_rows(exact - self.P)
         finest = max(int(c.centre.q).bit_length() for row in self.P_enclosure for c in row)
         with flint.ctx.workprec(64 + 2 * finest):
-            A, B, E_1, E_2 = map(_ball_matrix, (self.A, self.B, self.E_1, self.E_2))
+            A, B, E_1, E_2 = map(ball_matrix, (self.A, self.B, self.E_1, self.E_2))
             P = flint.arb_mat([[ball_of_enclosure(c) for c in row] for row in self.P_enclosure])
             gain_row = B.transpose() * P * A + E_2.transpose() * E_1
             innovation = (E_2.transpose() * E_2 + B.transpose() * P * B)[0, 0]
             correction = gain_row.transpose() * gain_row * (1 / innovation)
-            return _rows(A.transpose() * P * A + E_1.transpose() * E_1 - correction - P)
+            return enclosed_rows(A.transpose() * P * A + E_1.transpose() * E_1 - correction - P)
 
     def __str__(self) -> str:
         K = self.K if self.is_exact else self.K_enclosure
@@ -107,7 +117,7 @@ def solve_riccati(
     E_2: MatrixLike | None = None,
     *,
     digits: int = 30,
-    variable: Symbol = Symbol("q"),  # noqa: B008  (immutable)
+    variable: str | Symbol = "q",
 ) -> RiccatiSolution:
     r"""Solve the regulator's Riccati equation for one input through its spectral factor.
 
@@ -123,8 +133,8 @@ def solve_riccati(
         n x n, n x 1, l_z x n, l_z x 1, rational; E_2 defaults to zero.
     digits : int
         Where the factor is not rational, every radius is at most :math:`10^{-\mathrm{digits}}`.
-    variable : Symbol
-        Of the polynomials.
+    variable : str or Symbol
+        Of the polynomials, z or q: the equation is for discrete time.
 
     Returns
     -------
@@ -156,20 +166,22 @@ def solve_riccati(
     >>> found.K, found.factor.polynomial.as_expr(), found.factor.constant
     (Matrix([[1/4, -1/6]]), q**2 - 5*q/6, 36/25)
     """
-    a, b, e_1, e_2 = matrices = _read(A, B, E_1, E_2)
-    states = transfer_matrix_of_realisation(
-        a, b, sympy.eye(a.rows), sympy.zeros(a.rows, 1), variable
-    )
+    q = as_symbol(variable)
+    require_discrete(q, "this Riccati equation")
+    a, b, e_1, e_2 = matrices = regulator_data(A, B, E_1, E_2)
+    if b.cols != 1:
+        raise InputError(f"B has {b.cols} columns; one input is needed (see lqg_poles for several)")
+    states = transfer_matrix_of_realisation(a, b, sympy.eye(a.rows), sympy.zeros(a.rows, 1), q)
     n = a.rows
-    W = Matrix(n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(variable ** (n - 1 - i)))
+    W = Matrix(n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(q ** (n - 1 - i)))
     if rank(W) < n:
         raise NotControllableError(
             f"(A, B) has {n - rank(W)} uncontrollable mode(s), so the closed-loop polynomial does "
             "not determine the gain; remove them from the realisation first"
         )
-    outputs = transfer_matrix_of_realisation(a, b, e_1, e_2, variable)
+    outputs = transfer_matrix_of_realisation(a, b, e_1, e_2, q)
     palindrome = sum(
-        (_spectrum(outputs[row, 0].numerator, n) for row in range(e_1.rows)), Poly(0, variable)
+        (spectrum_of(outputs[row, 0].numerator, n) for row in range(e_1.rows)), Poly(0, q)
     )
     if palindrome.is_zero:
         raise NoSolutionError("the transfer matrix from u to z is zero, so no gain is the best")
@@ -180,48 +192,31 @@ def solve_riccati(
         factor = factor_palindrome(canonical(palindrome), n, precision)
         if factor.polynomial is not None:
             difference = canonical(open_loop - factor.polynomial)
-            right = Matrix([difference.coeff_monomial(variable**k) for k in range(n - 1, -1, -1)])
-            K, P = _gain_and_cost(_rational_matrix, matrices, W, _rational_matrix(right))
-            exact_K, exact_P = _from_flint(K), _from_flint(P)
+            right = Matrix([difference.coeff_monomial(q**k) for k in range(n - 1, -1, -1)])
+            K, P = _gain_and_cost(to_flint, matrices, W, to_flint(right))
+            exact_K, exact_P = from_flint(K), from_flint(P)
             return RiccatiSolution(
-                *matrices, factor, exact_K, exact_P, _exact_rows(exact_K), _exact_rows(exact_P)
+                *matrices, factor, exact_K, exact_P, exact_rows(exact_K), exact_rows(exact_P)
             )
         with flint.ctx.workprec(2 * working_bits(precision)):
             d, chi = open_loop.all_coeffs()[1:], factor.enclosure.coefficients[1:]
             right = [
                 [ball_of_number(x) - ball_of_enclosure(y)] for x, y in zip(d, chi, strict=True)
             ]
-            K, P = _gain_and_cost(_ball_matrix, matrices, W, flint.arb_mat(right))
-            rows = _rows(K), _rows(P)
+            K, P = _gain_and_cost(ball_matrix, matrices, W, flint.arb_mat(right))
+            rows = enclosed_rows(K), enclosed_rows(P)
         radii = [c.radius for matrix in rows for row in matrix for c in row]
         if max(radii) <= Rational(1, 10**digits):
             return RiccatiSolution(*matrices, factor, None, None, *rows)
         precision *= 2
 
 
-def _read(A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike | None) -> _Data:
-    a, b, e_1 = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(E_1, "E_1")
-    e_2 = ImmutableMatrix.zeros(e_1.rows, 1) if E_2 is None else exact_matrix(E_2, "E_2")
-    wanted = {"A": (a, (a.rows, a.rows)), "B": (b, (a.rows, 1)),
-              "E_1": (e_1, (e_1.rows, a.rows)), "E_2": (e_2, (e_1.rows, 1))}  # fmt: skip
-    for name, (matrix, shape) in wanted.items():
-        if matrix.shape != shape or 0 in shape:
-            raise InputError(
-                f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}; "
-                "one input is needed (see lqg_poles for several)"
-            )
-        if not all(entry.is_Rational for entry in matrix):
-            raise InputError(f"{name} has entries that are not rational numbers; substitute them")
-    return a, b, e_1, e_2
-
-
-def _spectrum(poly: Poly, size: int) -> Poly:
-    """Return q**size poly(q) poly(1/q) for a polynomial of at most that degree."""
-    padded = [0] * (size - int(poly.degree())) + poly.all_coeffs() if not poly.is_zero else [0]
-    return poly * Poly(padded[::-1], poly.gen)
-
-
-def _gain_and_cost(convert: Any, matrices: _Data, W: Matrix, right: Any) -> tuple[Any, Any]:
+def _gain_and_cost(
+    convert: Callable[[Matrix], FlintMatrix],
+    matrices: RegulatorData,
+    W: Matrix,
+    right: FlintMatrix,
+) -> tuple[FlintMatrix, FlintMatrix]:
     """Solve W K' = right and P = A_K' P A_K + E_K' E_K, in rationals or in balls."""
     A, B, E_1, E_2 = map(convert, matrices)
     K = convert(W).solve(right).transpose()
@@ -242,25 +237,3 @@ def _gain_and_cost(convert: Any, matrices: _Data, W: Matrix, right: Any) -> tupl
     found = type(A)(rows).solve(column)
     values = {pair: found[index, 0] for index, pair in enumerate(pairs)}
     return K, type(A)([[values[min(i, j), max(i, j)] for j in range(n)] for i in range(n)])
-
-
-def _rational_matrix(matrix: Matrix) -> Any:
-    entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
-    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
-
-
-def _ball_matrix(matrix: Matrix) -> Any:
-    return flint.arb_mat([[ball_of_number(entry) for entry in row] for row in matrix.tolist()])
-
-
-def _from_flint(matrix: Any) -> ImmutableMatrix:
-    entries = [Rational(int(entry.p), int(entry.q)) for entry in matrix.entries()]
-    return ImmutableMatrix(matrix.nrows(), matrix.ncols(), entries)
-
-
-def _rows(matrix: Any) -> EnclosedMatrix:
-    return tuple(tuple(enclosure_of_ball(entry) for entry in row) for row in matrix.tolist())
-
-
-def _exact_rows(matrix: Matrix) -> EnclosedMatrix:
-    return tuple(tuple(Enclosure(entry, Rational(0)) for entry in row) for row in matrix.tolist())

@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy import ImmutableMatrix, Matrix, Poly
@@ -11,10 +10,11 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
 from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.values import ExactValue
 
 
 @dataclass(frozen=True)
-class PrimaryComponent:
+class PrimaryComponent(ExactValue):
     r"""Everything of a matrix that belongs to one irreducible factor f of its polynomial.
 
     .. math:: \ker f(\tilde A) \subseteq \ker f(\tilde A)^2 \subseteq \cdots
@@ -166,7 +166,7 @@ def kernel(matrix: Matrix) -> ImmutableMatrix:
     return joined(matrix.cols, basis)
 
 
-def joined(rows: int, blocks: Sequence[Any]) -> ImmutableMatrix:
+def joined(rows: int, blocks: Sequence[Matrix]) -> ImmutableMatrix:
     """Put blocks with the same number of rows side by side; none gives a matrix without columns.
 
     Examples

@@ -1,19 +1,25 @@
 """Exact linear algebra: python-flint for rational matrices, polynomial rings for symbolic ones."""
 
 from dataclasses import dataclass
-from typing import Any
 
-import flint
-from sympy import Expr, ImmutableMatrix, Matrix, Poly, Rational, Symbol
+from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.matrices.flint_matrices import (
+    from_flint,
+    is_rational_matrix,
+    rational,
+    to_flint,
+)
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
 
 
 @dataclass(frozen=True)
-class AffineSolution:
+class AffineSolution(ExactValue):
     """Every solution of a linear system: one of them plus the span of a basis.
 
     Attributes
@@ -49,8 +55,8 @@ def determinant(matrix: Matrix) -> Expr:
     a**2 - 1
     """
     _require_square(matrix)
-    if _is_rational(matrix):
-        return _rational(_to_flint(matrix).det())
+    if is_rational_matrix(matrix):
+        return rational(to_flint(matrix).det())
     domain_matrix = DomainMatrix.from_Matrix(matrix)
     constant_term = domain_matrix.charpoly()[-1]  # division-free
     sign = -1 if matrix.rows % 2 else 1
@@ -69,8 +75,8 @@ def rank(matrix: Matrix) -> int:
     """
     if 0 in matrix.shape:
         return 0
-    if _is_rational(matrix):
-        return int(_to_flint(matrix).rref()[1])
+    if is_rational_matrix(matrix):
+        return int(to_flint(matrix).rref()[1])
     return len(DomainMatrix.from_Matrix(matrix).rref_den()[2])
 
 
@@ -88,9 +94,9 @@ def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
     _require_square(matrix)
     if matrix.rows == 0:
         return canonical(Poly(1, variable))
-    if _is_rational(matrix):
-        ascending = _to_flint(matrix).charpoly().coeffs()
-        return canonical(Poly([_rational(c) for c in reversed(ascending)], variable))
+    if is_rational_matrix(matrix):
+        ascending = to_flint(matrix).charpoly().coeffs()
+        return canonical(Poly([rational(c) for c in reversed(ascending)], variable))
     domain_matrix = DomainMatrix.from_Matrix(matrix)
     domain = domain_matrix.domain
     return canonical(Poly([domain.to_sympy(c) for c in domain_matrix.charpoly()], variable))
@@ -126,9 +132,9 @@ def solve(matrix: Matrix, right_side: Matrix) -> ImmutableMatrix:
     _require_square(matrix)
     _require_rows(matrix, right_side)
     singular = f"the {matrix.rows} x {matrix.cols} matrix is singular; use solve_affine"
-    if _is_rational(matrix) and _is_rational(right_side):
+    if is_rational_matrix(matrix) and is_rational_matrix(right_side):
         try:
-            return _from_flint(_to_flint(matrix).solve(_to_flint(right_side)))
+            return from_flint(to_flint(matrix).solve(to_flint(right_side)))
         except ZeroDivisionError as error:
             raise NoSolutionError(singular) from error
     left, right = _unified(matrix, right_side)
@@ -190,9 +196,9 @@ def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
 
 
 def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
-    if _is_rational(matrix):
-        reduced, found = _to_flint(matrix).rref()
-        result = _from_flint(reduced)
+    if is_rational_matrix(matrix):
+        reduced, found = to_flint(matrix).rref()
+        result = from_flint(reduced)
         leading = (
             next(c for c in range(result.cols) if result[row, c] != 0) for row in range(int(found))
         )
@@ -201,7 +207,7 @@ def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
     return _quotient(numerator, denominator), tuple(pivots)
 
 
-def _quotient(numerator: DomainMatrix, denominator: Any) -> ImmutableMatrix:
+def _quotient(numerator: DomainMatrix, denominator: DomainElement) -> ImmutableMatrix:
     field = numerator.domain.get_field()
     inverse = 1 / field.convert_from(denominator, numerator.domain)
     return ImmutableMatrix((numerator.convert_to(field) * inverse).to_Matrix())
@@ -210,24 +216,6 @@ def _quotient(numerator: DomainMatrix, denominator: Any) -> ImmutableMatrix:
 def _unified(*matrices: Matrix) -> list[DomainMatrix]:
     converted = [DomainMatrix.from_Matrix(matrix) for matrix in matrices]
     return list(converted[0].unify(*converted[1:], fmt="dense"))
-
-
-def _is_rational(matrix: Matrix) -> bool:
-    return all(entry.is_Rational for entry in matrix)
-
-
-def _to_flint(matrix: Matrix) -> Any:
-    entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
-    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
-
-
-def _from_flint(matrix: Any) -> ImmutableMatrix:
-    entries = [_rational(entry) for entry in matrix.entries()]
-    return ImmutableMatrix(matrix.nrows(), matrix.ncols(), entries)
-
-
-def _rational(value: Any) -> Rational:
-    return Rational(int(value.p), int(value.q))
 
 
 def _require_square(matrix: Matrix) -> None:

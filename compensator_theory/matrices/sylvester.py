@@ -1,20 +1,25 @@
-"""Sylvester matrices with formal degrees, and what their rank says about common roots."""
+"""Sylvester matrices with formal degrees."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Sized
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Poly
+from sympy import QQ, Expr, ImmutableMatrix, Symbol
+from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.linear_algebra import determinant, rank
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
-
-MAX_ORDER = 10_000
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.poly import PolynomialLike
+from compensator_theory.polynomials.shared import in_one_variable, is_list
 
 
-def sylvester_m(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> ImmutableMatrix:
+def sylvester_m(
+    D: PolynomialLike,
+    N: PolynomialLike,
+    n_c: int,
+    m_hat: int,
+    *,
+    variable: str | Symbol | None = None,
+) -> ImmutableMatrix:
     r"""Return the matrix of the pole placement equation.
 
     .. math:: M \begin{bmatrix} d \\ c \end{bmatrix} \text{ lists the coefficients of }
@@ -28,6 +33,8 @@ def sylvester_m(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> I
         Number of columns with coefficients of D, the order of the compensator.
     m_hat : int
         Formal degree of the compensator's numerator; -1 for none.
+    variable : str or Symbol, optional
+        Default: evident from the two together; lists show none.
 
     Returns
     -------
@@ -55,11 +62,10 @@ def sylvester_m(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> I
     [3, 5, 1],
     [2, 0, 5]])
     """
-    if not (isinstance(n_c, int) and isinstance(m_hat, int)):
-        raise InputError(f"n_c = {n_c!r} and m_hat = {m_hat!r} must be integers")
-    if n_c > MAX_ORDER:
-        raise InputError(f"n_c = {n_c} exceeds {MAX_ORDER}, the largest order that is built")
-    d, n = _trimmed(D), _trimmed(N)
+    for name, number in (("n_c", n_c), ("m_hat", m_hat)):
+        if isinstance(number, bool) or not isinstance(number, int):
+            raise InputError(f"{name} = {number!r} must be an integer")
+    d, n = (p.all_coeffs() for p in in_one_variable(D, N, variable=variable, default="s"))
     rows = len(d) - 1 + n_c
     if n_c < 0 or m_hat < -1:
         raise InputError(f"n_c = {n_c} must be at least 0 and m_hat = {m_hat} at least -1")
@@ -69,7 +75,8 @@ def sylvester_m(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> I
             f"a numerator of degree {m_hat} times N of degree {len(n) - 1} exceeds the degree "
             f"{rows - 1} of this equation; lower m_hat to {m_hat + offset} or raise n_c"
         )
-    columns = _shifts(d, n_c, 0, rows) + _shifts(n, m_hat + 1, offset, rows)
+    ask("entries", rows * (n_c + m_hat + 1), "the Sylvester matrix")
+    columns = _shifts(d, n_c, 0) + _shifts(n, m_hat + 1, offset)
     return _from_columns(columns, rows)
 
 
@@ -78,6 +85,8 @@ def sylvester_m1(
     b: PolynomialLike,
     k: int | None = None,
     l: int | None = None,  # noqa: E741
+    *,
+    variable: str | Symbol | None = None,
 ) -> ImmutableMatrix:
     r"""Return the Sylvester matrix of two polynomials of formal degrees k and l.
 
@@ -90,6 +99,8 @@ def sylvester_m1(
     k, l : int, optional
         Formal degrees, at least the true ones. Default: the length of a list minus 1, the true
         degree of anything else (0 for the zero polynomial).
+    variable : str or Symbol, optional
+        Default: evident from the two together; lists show none.
 
     Returns
     -------
@@ -114,14 +125,17 @@ def sylvester_m1(
     [1, 1, 3],
     [0, 1, 2]])
     """
-    first, second = _formal(a, k, "a"), _formal(b, l, "b")
+    first, second = formal_coefficients(a, b, variable, (k, l))
     k, l = len(first) - 1, len(second) - 1  # noqa: E741
     if k + l == 0:
         raise InputError("a and b are both constants (k + l = 0), so the matrix would be empty")
-    return _from_columns(_shifts(first, l, 0, k + l) + _shifts(second, k, 0, k + l), k + l)
+    ask("entries", (k + l) ** 2, "the Sylvester matrix")
+    return _from_columns(_shifts(first, l, 0) + _shifts(second, k, 0), k + l)
 
 
-def sylvester_m2(a: PolynomialLike, b: PolynomialLike) -> ImmutableMatrix:
+def sylvester_m2(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> ImmutableMatrix:
     r"""Return the 2k x 2k Sylvester matrix, with b written to the formal degree k of a.
 
     .. math:: \mathcal M_2(a, b) = \mathcal M_1(a,\; 0 s^k + \cdots + b), \qquad
@@ -131,6 +145,8 @@ def sylvester_m2(a: PolynomialLike, b: PolynomialLike) -> ImmutableMatrix:
     ----------
     a, b : polynomial
         deg b <= k, where k is the formal degree of a (see :func:`sylvester_m1`).
+    variable : str or Symbol, optional
+        Default: evident from the two together; lists show none.
 
     Raises
     ------
@@ -149,124 +165,58 @@ def sylvester_m2(a: PolynomialLike, b: PolynomialLike) -> ImmutableMatrix:
     [1, 0],
     [2, 6]])
     """
-    k = len(_formal(a, None, "a")) - 1
-    return sylvester_m1(a, _trimmed(b), k, k)
+    first, second = formal_coefficients(a, b, variable)
+    k = len(first) - 1
+    return sylvester_m1(first, second, k, k)
 
 
-def number_of_common_roots(a: PolynomialLike, b: PolynomialLike) -> int | None:
-    r"""Count the common roots of two polynomials, with multiplicity, by a rank.
-
-    .. math:: \deg\gcd(a, b) = k + l - \mathrm{rank}\,\mathcal M_1(a, b)
-
-    Parameters
-    ----------
-    a, b : polynomial
-        b may be zero: then all roots of a count.
-
-    Returns
-    -------
-    int or None
-        None if it depends on the values of symbols.
-
-    Raises
-    ------
-    InputError
-        If the coefficient a_k of the formal degree is zero: if also b_l = 0, the rank would count
-        a common root at infinity, as for 0 s**2 + s + 1 and 0 s + 5.
-
-    Notes
-    -----
-    Source: Theorem A1, whose hypothesis :math:`l \le k` is not needed (and is not met by
-    Example B.2); "number" is to be read with multiplicity.
+def formal_coefficients(
+    a: PolynomialLike,
+    b: PolynomialLike,
+    variable: str | Symbol | None,
+    degrees: tuple[int | None, int | None] = (None, None),
+) -> list[list[Expr]]:
+    """Return descending coefficients of both, with leading zeros up to the formal degrees.
 
     Examples
     --------
-    >>> from compensator_theory import number_of_common_roots
-    >>> number_of_common_roots("(s + 1)**2*(s + 2)", "(s + 1)**3*(s - 7)*s")
-    2
+    >>> from compensator_theory.matrices.sylvester import formal_coefficients
+    >>> formal_coefficients([0, 1], "s + 2", None)
+    [[0, 1], [1, 2]]
     """
-    first, second = _formal(a, None, "a"), _formal(b, None, "b")
-    if first[0] == 0:
-        raise InputError(
-            f"the leading coefficient of a = {a} is zero; drop its leading zeros (or, if a = 0, "
-            "exchange a and b)"
-        )
-    size = len(first) + len(second) - 2
-    if not size:
-        return 0
-    matrix = sylvester_m1(first, second)
-    if matrix.free_symbols:
-        return 0 if determinant(matrix).is_nonzero else None
-    return size - rank(matrix)
+    read = in_one_variable(a, b, variable=variable, default="s")
+    found = []
+    for name, given, poly, degree in zip("ab", (a, b), read, degrees, strict=True):
+        coefficients = poly.all_coeffs()
+        formal = len(given) - 1 if degree is None and isinstance(given, Sized) else degree
+        if formal is None or (degree is None and not is_list(given)):
+            formal = len(coefficients) - 1
+        if isinstance(formal, bool) or not isinstance(formal, int):
+            raise InputError(f"the formal degree of {name} must be an integer, not {formal!r}")
+        lacking = formal + 1 - len(coefficients)
+        if lacking < 0 and poly.is_zero and formal >= 0:
+            coefficients, lacking = [], formal + 1
+        if lacking < 0:
+            raise InputError(
+                f"{name} has degree {len(coefficients) - 1}, above the formal {formal}"
+            )
+        ask("degree", formal, f"the formal degree of {name}")
+        found.append([sympy.Integer(0)] * lacking + coefficients)
+    return found
 
 
-def resultant(a: PolynomialLike, b: PolynomialLike) -> Expr:
-    r"""Return the resultant :math:`\det\mathcal M_1(a, b)`, 0 iff a and b share a root.
-
-    Parameters
-    ----------
-    a, b : polynomial
-        As for :func:`number_of_common_roots`, same condition on a_k.
-
-    Raises
-    ------
-    InputError
-        If the leading coefficient of a is zero.
-
-    Notes
-    -----
-    Source: Theorem A1. For true degrees it is SymPy's ``resultant(a, b)``, except that SymPy
-    (1.14, issue 10666) loses the sign if k < l are both odd.
-
-    Examples
-    --------
-    >>> from compensator_theory import resultant
-    >>> resultant("s + 1", "s + 2"), resultant("s + a", "s + b")
-    (1, -a + b)
-    """
-    first, second = _formal(a, None, "a"), _formal(b, None, "b")
-    if first[0] == 0:
-        raise InputError(f"the leading coefficient of a = {a} is zero; drop its leading zeros")
-    if len(first) == len(second) == 1:
-        return sympy.Integer(1)
-    return determinant(sylvester_m1(first, second))
+def _shifts(column: list[Expr], count: int, offset: int) -> list[dict[int, Expr]]:
+    """Return the entries by row of the column moved down by offset, offset + 1, ..."""
+    entries = [(row, entry) for row, entry in enumerate(column) if entry != 0]
+    return [{row + offset + shift: e for row, e in entries} for shift in range(count)]
 
 
-def _formal(obj: Any, degree: int | None, name: str) -> list[Expr]:
-    """Return descending coefficients, with leading zeros up to the formal degree."""
-    if isinstance(obj, Sequence) and not isinstance(obj, str):
-        coefficients = [exact_number(value) for value in obj]
-        if not coefficients:
-            raise InputError(f"{name} is an empty list of coefficients; the zero polynomial is [0]")
-    else:
-        coefficients = _trimmed(obj)
-    if degree is None:
-        return coefficients
-    while len(coefficients) > degree + 1 and coefficients[0] == 0:
-        coefficients = coefficients[1:]
-    if len(coefficients) > degree + 1:
-        raise InputError(f"{name} has degree {len(coefficients) - 1}, above the formal {degree}")
-    return [sympy.Integer(0)] * (degree + 1 - len(coefficients)) + coefficients
-
-
-def _trimmed(obj: Any) -> list[Expr]:
-    """Return the descending coefficients from the true degree on."""
-    if isinstance(obj, Sequence) and not isinstance(obj, str):
-        obj = polynomial(obj, "s")
-    elif not isinstance(obj, Poly):
-        expression = exact_number(obj)
-        obj = polynomial(expression, None if expression.free_symbols else "s")
-    return list(obj.all_coeffs())
-
-
-def _shifts(column: list[Expr], count: int, offset: int, rows: int) -> list[list[Expr]]:
-    zero = sympy.Integer(0)
-    padded = [
-        [zero] * (offset + shift) + column + [zero] * (rows - offset - shift - len(column))
-        for shift in range(count)
-    ]
-    return padded
-
-
-def _from_columns(columns: list[list[Expr]], rows: int) -> ImmutableMatrix:
-    return ImmutableMatrix(len(columns), rows, [entry for c in columns for entry in c]).T
+def _from_columns(columns: list[dict[int, Expr]], rows: int) -> ImmutableMatrix:
+    shape = (rows, len(columns))
+    if all(entry.is_Rational for column in columns for entry in column.values()):
+        by_row: dict[int, dict[int, object]] = {}  # SymPy is slow at reading entry by entry
+        for j, column in enumerate(columns):
+            for i, entry in column.items():
+                by_row.setdefault(i, {})[j] = QQ(int(entry.p), int(entry.q))
+        return ImmutableMatrix(DomainMatrix(by_row, shape, QQ).to_Matrix())
+    return ImmutableMatrix(*shape, lambda i, j: columns[int(j)].get(int(i), sympy.S.Zero))

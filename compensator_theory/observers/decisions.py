@@ -8,7 +8,8 @@ from sympy import Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.observers.form_lists import ObserverForms
-from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 
 NumberOfForms = int | Literal["a continuum"] | None
@@ -16,7 +17,7 @@ NumberOfForms = int | Literal["a continuum"] | None
 
 
 @dataclass(frozen=True)
-class ObserverDecision:
+class ObserverDecision(ExactValue):
     r"""Whether a compensator is observer-based, and why.
 
     Attributes

@@ -1,21 +1,23 @@
 """A regulator and an observer joined to an observer-based compensator."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy import ImmutableMatrix, Poly
 
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.observers.gains import observer_gain, regulator_gain, wanted_spectrum
-from compensator_theory.polynomials.poly import PolynomialLike, canonical, format_polynomial
-from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.from_roots import SpectrumLike
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True)
-class ObserverBasedCompensator:
+class ObserverBasedCompensator(ExactValue):
     r"""An observer followed by state-estimate feedback, with the proof of its spectrum.
 
     .. math:: \dot{\hat x} = (A + BK - FC)\hat x + F y, \qquad u = K\hat x
@@ -91,8 +93,8 @@ class ObserverBasedCompensator:
 
 def observer_based_compensator(
     plant: RealisationLike,
-    regulator_poles: PolynomialLike | Sequence[Any],
-    observer_poles: PolynomialLike | Sequence[Any],
+    regulator_poles: SpectrumLike,
+    observer_poles: SpectrumLike,
 ) -> ObserverBasedCompensator:
     r"""Design a regulator and an observer with the spectra asked for.
 

@@ -2,20 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
-class ObserverForm:
+class ObserverForm(ExactValue):
     r"""A change of basis that shows a compensator to be an observer with state feedback.
 
     .. math:: x_c = T\hat x, \qquad T^{-1} A_c T = A + BK - FC, \quad T^{-1} B_c = F,
@@ -95,7 +95,7 @@ class ObserverForm:
         gram = self.T.T * self.T if self.T.rows >= self.T.cols else self.T * self.T.T
         return sympy.cancel(gram.trace() * solve(gram, sympy.eye(gram.rows)).trace())
 
-    def at(self, values: Sequence[Any]) -> "ObserverForm":
+    def at(self, values: Sequence[NumberLike]) -> "ObserverForm":
         """Return the form for given values of the parameters.
 
         Parameters

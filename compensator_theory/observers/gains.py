@@ -1,8 +1,5 @@
 """Regulator and observer gains that place the eigenvalues of A + BK and A - FC exactly."""
 
-from collections.abc import Sequence
-from typing import Any
-
 import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 
@@ -12,20 +9,22 @@ from compensator_theory.errors import (
     NotControllableError,
     NotObservableError,
 )
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import solve
-from compensator_theory.polynomials.from_roots import polynomial_or_roots
-from compensator_theory.polynomials.poly import PolynomialLike, as_symbol, format_polynomial, monic
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
+from compensator_theory.polynomials.poly import monic
+from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.controllability import (
     controllability_matrix,
     uncontrollable_polynomial,
 )
-from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
 
 
 def regulator_gain(
     A: MatrixLike,
     B: MatrixLike,
-    poles: PolynomialLike | Sequence[Any],
+    poles: SpectrumLike,
     variable: str | Symbol = "s",
 ) -> ImmutableMatrix:
     r"""Return the one K that gives A + BK the eigenvalues asked for (Ackermann's formula).
@@ -89,7 +88,7 @@ def regulator_gain(
 def observer_gain(
     A: MatrixLike,
     C: MatrixLike,
-    poles: PolynomialLike | Sequence[Any],
+    poles: SpectrumLike,
     variable: str | Symbol = "s",
 ) -> ImmutableMatrix:
     r"""Return the one F that gives A - FC the eigenvalues asked for.
@@ -143,7 +142,7 @@ def observer_gain(
         ) from error
 
 
-def wanted_spectrum(poles: PolynomialLike | Sequence[Any], size: int, variable: Symbol) -> Poly:
+def wanted_spectrum(poles: SpectrumLike, size: int, variable: Symbol) -> Poly:
     """Read a monic polynomial of the given degree, from its roots or from itself.
 
     Examples

@@ -1,22 +1,18 @@
 """Whether a polynomial pair or a transfer function is observer-based: Theorem 1 as it is true."""
 
-from typing import Any
-
 from sympy import Poly
 
-from compensator_theory.errors import InputError, NotCoprimeError
-from compensator_theory.loops.sensitivity import require_sign
+from compensator_theory.loops.siso import LoopPart, closed_loop_of_pair, siso_loop
+from compensator_theory.observers.counting import count_observer_forms
 from compensator_theory.observers.decisions import ObserverDecision
-from compensator_theory.polynomials.poly import canonical, format_polynomial, is_rational, scaled
+from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.roots.counts import number_of_real_roots
-from compensator_theory.roots.real_factors import count_observer_forms, has_real_root
-from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.realisations import Realisation
-from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
+from compensator_theory.roots.real_factors import has_real_root
+from compensator_theory.systems.conversions import TransferFunctionLike
 
 
 def pair_is_observer_based(
-    plant: TransferFunctionLike | Realisation,
+    plant: LoopPart,
     compensator: TransferFunctionLike,
     *,
     feedback: int,
@@ -82,8 +78,8 @@ def pair_is_observer_based(
 
 
 def transfer_function_is_observer_based(
-    plant: TransferFunctionLike | Realisation,
-    compensator: TransferFunctionLike | Realisation,
+    plant: LoopPart,
+    compensator: LoopPart,
     *,
     feedback: int,
 ) -> ObserverDecision:
@@ -153,64 +149,6 @@ def transfer_function_is_observer_based(
             closed_loop_of_pair(G, reduced, feedback),
         )  # fmt: skip
     return decide_by_parity(question, n, closed_loop_of_pair(G, reduced, feedback))
-
-
-def siso_loop(
-    plant: Any, compensator: Any, feedback: int
-) -> tuple[TransferFunction, TransferFunction]:
-    """Read plant and compensator of a SISO loop; the plant must be free of hidden modes.
-
-    Examples
-    --------
-    >>> from compensator_theory.observers.questions import siso_loop
-    >>> print(*siso_loop("1/s", "2/(s + 1)", -1))
-    (1)/(s) (2)/(s + 1)
-    """
-    require_sign(feedback)
-    G = _read(plant, None)
-    G_c = _read(compensator, G)
-    if G_c.variable != G.variable:
-        raise InputError(
-            f"the plant is written in {G.variable} and the compensator in {G_c.variable}; they "
-            "need the same variable"
-        )
-    require_proper(G, "plant")
-    require_proper(G_c, "compensator")
-    if G.order == 0:
-        raise InputError(f"the plant {G} has no state to estimate")
-    factor = G.common_factor()
-    if factor.degree() > 0:
-        raise NotCoprimeError(
-            f"the plant {G} has the hidden modes {format_polynomial(factor)}, and what they admit "
-            "depends on its realisation; reduce it, or use realisation_is_observer_based"
-        )
-    return G, G_c
-
-
-def _read(part: Any, companion: TransferFunction | None) -> TransferFunction:
-    """Read a transfer function; one that shows no variable has that of its companion."""
-    if isinstance(part, Realisation):
-        return part.transfer_function()
-    try:
-        return transfer_function(part)
-    except InputError:
-        if companion is None:
-            raise
-        return transfer_function(part, companion.variable)
-
-
-def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:
-    r"""Return :math:`D D_c - f N N_c`.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.observers.questions import closed_loop_of_pair
-    >>> closed_loop_of_pair(transfer_function("1/s"), transfer_function("2/(s + 1)"), -1)
-    Poly(s**2 + s + 2, s, domain='QQ')
-    """
-    through = scaled(G.numerator * G_c.numerator, feedback)
-    return canonical(G.denominator * G_c.denominator - through)
 
 
 def decide_by_parity(question: str, n: int, Dtilde: Poly) -> ObserverDecision:

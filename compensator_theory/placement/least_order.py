@@ -1,19 +1,19 @@
 """The compensator of least order that places poles from a list."""
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.placement.pole_placement import place_poles
 from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
+from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.transfer_functions import require_proper
 
 
 def place_poles_at_least_order(
     plant: TransferFunctionLike,
-    poles: Sequence[Any],
+    poles: Iterable[NumberLike],
     *,
     feedback: int,
     properness: str | None = None,

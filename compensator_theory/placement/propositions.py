@@ -2,15 +2,18 @@
 
 from dataclasses import dataclass
 
-from sympy import ImmutableMatrix
+from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.sylvester import sylvester_m, sylvester_m1, sylvester_m2
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.poly import PolynomialLike
+from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.values import ExactValue
 
 
 @dataclass(frozen=True)
-class PropositionCheck:
+class PropositionCheck(ExactValue):
     """Both sides of an equivalence, evaluated for one case.
 
     Attributes
@@ -56,7 +59,12 @@ class PropositionCheck:
 
 
 def check_proposition_3(
-    D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int
+    D: PolynomialLike,
+    N: PolynomialLike,
+    n_c: int,
+    m_hat: int,
+    *,
+    variable: str | Symbol | None = None,
 ) -> PropositionCheck:
     r"""Check when the matrix of (7.38) is the Sylvester matrix of D and N.
 
@@ -68,6 +76,8 @@ def check_proposition_3(
         Of degrees n and :math:`m < n`.
     n_c, m_hat : int
         Order and formal numerator degree of the compensator, :math:`n_c \ge m`.
+    variable : str or Symbol, optional
+        Default: evident from D and N together.
 
     Raises
     ------
@@ -87,14 +97,19 @@ def check_proposition_3(
     >>> found.left, found.holds, found.printed_holds
     (True, True, True)
     """
-    n = _degrees(D, N, n_c)
-    left = _matrix(D, N, n_c, m_hat) == sylvester_m1(D, N, n, n_c)
+    d, b, n = _read(D, N, n_c, variable)
+    left = _matrix(d, b, n_c, m_hat) == sylvester_m1(d, b, n, n_c)
     right = m_hat == n - 1
     return PropositionCheck("M = M1(D, N) iff m_hat = n - 1", left, right, right and n_c <= n)
 
 
 def check_proposition_4(
-    D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int
+    D: PolynomialLike,
+    N: PolynomialLike,
+    n_c: int,
+    m_hat: int,
+    *,
+    variable: str | Symbol | None = None,
 ) -> PropositionCheck:
     r"""Check when the matrix of (7.38) is the 2n x 2n Sylvester matrix of D and N.
 
@@ -120,23 +135,26 @@ def check_proposition_4(
     >>> print(check_proposition_4("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1))
     holds: M = M2(D, N) is True, m_hat = n - 1 and n_c = n is True
     """
-    n = _degrees(D, N, n_c)
-    left = _matrix(D, N, n_c, m_hat) == sylvester_m2(D, N)
+    d, b, n = _read(D, N, n_c, variable)
+    left = _matrix(d, b, n_c, m_hat) == sylvester_m2(d, b)
     right = m_hat == n - 1 and n_c == n
     return PropositionCheck("M = M2(D, N) iff m_hat = n - 1 and n_c = n", left, right, right)
 
 
-def _degrees(D: PolynomialLike, N: PolynomialLike, n_c: int) -> int:
-    d = polynomial(D)
-    n, m = int(d.degree()), int(max(polynomial(N, d.gen).degree(), 0))
+def _read(
+    D: PolynomialLike, N: PolynomialLike, n_c: int, variable: str | Symbol | None
+) -> tuple[Poly, Poly, int]:
+    d, b = in_one_variable(D, N, variable=variable, default="s")
+    n, m = int(d.degree()), int(max(b.degree(), 0))
     if m >= n:
         raise InputError(f"deg N = {m} must be below deg D = {n}, as for a strictly proper plant")
     if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < max(m, 0):
         raise InputError(f"n_c = {n_c!r} must be an integer of at least deg N = {m}")
-    return n
+    ask("entries", (n + n_c) ** 2, "the Sylvester matrix")
+    return d, b, n
 
 
-def _matrix(D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int) -> ImmutableMatrix | None:
+def _matrix(D: Poly, N: Poly, n_c: int, m_hat: int) -> ImmutableMatrix | None:
     """Return M, or None where a numerator of degree m_hat does not fit the equation."""
     try:
         return sylvester_m(D, N, n_c, m_hat)

@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import sympy
@@ -10,14 +10,18 @@ from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.loops.sensitivity import sensitivity_function
+from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.placement.rounding_effects import rounding_effect
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import canonical, format_polynomial, scaled
+from compensator_theory.polynomials.budget import long_integers
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
-@dataclass(frozen=True)
-class PolePlacement:
+@dataclass(frozen=True, repr=False)
+class PolePlacement(ExactValue):
     r"""Every compensator that :func:`place_poles` found.
 
     .. math:: D (D_c + \textstyle\sum_i \alpha_i\,\delta D_i)
@@ -35,6 +39,8 @@ class PolePlacement:
         :math:`N_c` and the monic :math:`D_c` of one solution.
     homogeneous : tuple of pairs of sympy.Poly
         :math:`(\delta N_i, \delta D_i)`; empty if the solution is unique.
+    roots : tuple of sympy.Expr or None
+        The list that was given, read as roots; None if a polynomial was given.
 
     Notes
     -----
@@ -56,6 +62,7 @@ class PolePlacement:
     numerator: Poly
     denominator: Poly
     homogeneous: tuple[tuple[Poly, Poly], ...] = ()
+    roots: tuple[Expr, ...] | None = field(default=None, compare=False)
 
     @property
     def is_unique(self) -> bool:
@@ -64,8 +71,8 @@ class PolePlacement:
 
     @property
     def compensator(self) -> TransferFunction:
-        """The pair (N_c, D_c) as an unreduced transfer function."""
-        return TransferFunction(self.numerator, self.denominator)
+        """The pair (N_c, D_c) as an unreduced transfer function, which knows its sign."""
+        return TransferFunction(self.numerator, self.denominator, feedback=self.feedback)
 
     @property
     def leading_coefficient(self) -> Expr:
@@ -84,11 +91,9 @@ class PolePlacement:
 
     def closed_loop_polynomial(self, compensator: TransferFunction) -> Poly:
         """Return D D_c - f N N_c for any compensator in the same variable."""
-        through = self.plant.numerator * compensator.numerator
-        around = self.plant.denominator * compensator.denominator
-        return canonical(around - scaled(through, sympy.Integer(self.feedback)))
+        return closed_loop_of_pair(self.plant, compensator, self.feedback)
 
-    def member(self, parameters: Sequence[Any]) -> TransferFunction:
+    def member(self, parameters: Sequence[NumberLike]) -> TransferFunction:
         """Return one compensator of the family.
 
         Parameters
@@ -99,19 +104,23 @@ class PolePlacement:
         Raises
         ------
         InputError
-            If their number is wrong.
+            If their number is wrong, or one contains the variable.
         """
         if len(parameters) != len(self.homogeneous):
             raise InputError(
                 f"there are {len(parameters)} parameters; this family has {len(self.homogeneous)}"
             )
+        values = [sympy.sympify(exact_number(parameter)) for parameter in parameters]
+        if any(self.plant.variable in value.free_symbols for value in values):
+            raise InputError(
+                f"the parameters {values} contain {self.plant.variable}, the variable of the "
+                "transfer function; give numbers or other symbols"
+            )
         numerator, denominator = self.numerator, self.denominator
-        for parameter, (d_numerator, d_denominator) in zip(
-            map(exact_number, parameters), self.homogeneous, strict=True
-        ):
+        for parameter, (d_numerator, d_denominator) in zip(values, self.homogeneous, strict=True):
             numerator = canonical(numerator + scaled(d_numerator, parameter))
             denominator = canonical(denominator + scaled(d_denominator, parameter))
-        return TransferFunction(numerator, denominator)
+        return TransferFunction(numerator, denominator, feedback=self.feedback)
 
     @property
     def sensitivity(self) -> TransferFunction:
@@ -146,6 +155,14 @@ class PolePlacement:
                 stacklevel=2,
             )
         return system
+
+    def __repr__(self) -> str:
+        asked = f"polynomial {format_polynomial(self.target)}"
+        if self.roots is not None:
+            with long_integers():
+                listed = ", ".join(map(str, self.roots))
+            asked = f"ROOTS {listed} (a list holds roots; coefficients go to polynomial=)"
+        return f"<PolePlacement with feedback {self.feedback:+d} of the {asked}: {self}>"
 
     def __str__(self) -> str:
         count = len(self.homogeneous)

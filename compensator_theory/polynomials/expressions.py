@@ -1,68 +1,69 @@
 """Text to exact SymPy expressions, without ever evaluating the text as Python code."""
 
-import ast
+import keyword
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
-from math import comb
+from typing import NamedTuple, NoReturn
 
 import sympy
 from sympy import Expr, Integer, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask, ask_for_number
+from compensator_theory.polynomials.quotients import (
+    Leaf,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    Tree,
+    multiplied_out,
+)
+from compensator_theory.polynomials.sympy_trees import (
+    indexed_root,
+    real_power,
+    square_root,
+    tree_of,
+)
 
-MAX_LENGTH = 20_000
-MAX_POWER = 1_000
-MAX_TERMS = 2_000
-
-_LITERAL = re.compile(r"(?P<real>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)(?P<imaginary>[jJ]?)")
-_NAME = re.compile(r"(?!\w*__)[^\W\d_]\w*")
+_TOKEN = re.compile(
+    r"(?P<space>\s*)(?:"
+    r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<imaginary>[iIjJ](?!\w))?"
+    r"|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|[-+*/^(),])|(?P<end>\Z))"
+)
 _CONSTANTS = {"I": sympy.I, "j": sympy.I, "pi": sympy.pi}
+_FUNCTIONS = ("sqrt", "CRootOf")
 _NOT_NUMBERS = frozenset({"nan", "inf", "infinity", "oo", "zoo"})
 _GRAMMAR = "numbers, names, + - * / ** ^, parentheses and sqrt(...)"
-
-
-@dataclass(frozen=True)
-class _Quotient:
-    """Numerator and denominator kept apart, and bounds on what they are multiplied out.
-
-    `power` bounds the total degree of both in the symbols and square roots named in `generators`,
-    `terms` and `terms_below` their numbers of terms.
-    """
-
-    numerator: Expr
-    denominator: Expr
-    power: int
-    terms: int = 1
-    terms_below: int = 1
-    generators: frozenset[str] = frozenset()
-
-    def value(self) -> Expr:
-        return self.numerator / self.denominator
 
 
 def parse_expression(text: str) -> Expr:
     r"""Read an arithmetic expression exactly: decimals become rationals.
 
-    ``0.1`` :math:`= 1/10`, ``0.8j`` :math:`= \tfrac{4}{5}\,\mathrm{j}`, and ``^`` means ``**``.
+    ``0.1`` :math:`= 1/10`, ``0.8j`` and ``0.8i`` :math:`= \tfrac{4}{5}\,\mathrm{j}`, and ``^``
+    means ``**``.
 
     Parameters
     ----------
     text : str
         Numbers, names, ``+ - * / ** ^``, parentheses and ``sqrt``. ``j`` and ``I`` are the
-        imaginary unit, ``pi`` is the constant, every other name is a symbol. Attribute access,
-        indexing, other calls, names with a double underscore, powers above 1000 and expressions
-        that may multiply out to more than 2000 terms are refused.
+        imaginary unit, ``pi`` is the constant, every other name is a symbol. Two numbers with white
+        space between them are refused, also as ``-1 -2``, which may mean -3 or two numbers.
+        Attribute access, indexing, other calls and names with a double underscore are refused, and
+        so is what the :class:`~compensator_theory.Budget` does not allow.
 
     Returns
     -------
     sympy.Expr
-        The exact value; SymPy cancels common factors (see :func:`parse_quotient`).
+        The exact value, in lowest terms and multiplied out.
 
     Raises
     ------
     InputError
         If the text is empty, is not such an expression, divides by zero or is not finite.
+    BudgetError
+        If it is too long, too deeply nested, or multiplies out to too much.
 
     Examples
     --------
@@ -70,8 +71,7 @@ def parse_expression(text: str) -> Expr:
     >>> parse_expression("0.1*a + 1/3 - 0.8j")
     a/10 + 1/3 - 4*I/5
     """
-    numerator, denominator = parse_quotient(text)
-    return numerator / denominator
+    return read_text(text).value()
 
 
 def parse_quotient(text: str) -> tuple[Expr, Expr]:
@@ -88,76 +88,193 @@ def parse_quotient(text: str) -> tuple[Expr, Expr]:
     Returns
     -------
     tuple of sympy.Expr
-        Numerator and denominator.
+        Numerator and denominator, multiplied out.
 
     Raises
     ------
-    InputError
+    InputError, BudgetError
         As for :func:`parse_expression`.
 
     Examples
     --------
     >>> from compensator_theory.polynomials.expressions import parse_quotient
     >>> parse_quotient("(s + 1)/((s + 1)*(s + 2))")
-    (s + 1, (s + 1)*(s + 2))
+    (s + 1, s**2 + 3*s + 2)
+    """
+    return read_text(text).sides()
+
+
+def read_text(text: str) -> Quotient:
+    """Read a text as a :class:`Quotient`, which keeps common factors.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.expressions import read_text
+    >>> read_text("s/s").sides()
+    (s, s)
     """
     if not isinstance(text, str):
         raise InputError(f"{text!r} is not a string; write for instance 's**2 + 0.1*s + 1/3'")
-    if len(text) > MAX_LENGTH:
-        raise InputError(
-            f"the expression has {len(text)} characters; at most {MAX_LENGTH} are read"
-        )
+    ask("characters", len(text), "the expression")
     if not text.strip():
         raise InputError("the expression is empty; write for instance 's**2 + 0.1*s + 1/3'")
-    source = " ".join(text.split()).replace("^", "**")
-    try:
-        result = _read(ast.parse(source, mode="eval").body, source.encode())
-    except (SyntaxError, MemoryError, RecursionError) as error:
-        raise InputError(
-            f"cannot read {_short(text)}: write {_GRAMMAR}, spell products out as in 2*s"
-        ) from error
-    return result.numerator, result.denominator
+    return multiplied_out(_Reader(text, _tokens(text)).whole())
 
 
-def _read(node: ast.expr, source: bytes) -> _Quotient:
-    match node:
-        case ast.Constant():
-            return _literal(source[node.col_offset : node.end_col_offset].decode())
-        case ast.Name(id=name):
-            symbol = _named(name)
-            own = frozenset([name]) if symbol.is_Symbol else frozenset()
-            return _Quotient(symbol, Integer(1), 1, generators=own)
-        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
-            return _read(operand, source)
-        case ast.UnaryOp(op=ast.USub(), operand=operand):
-            inner = _read(operand, source)
-            return replace(inner, numerator=-inner.numerator)
-        case ast.BinOp(left=left, op=ast.Pow(), right=right):
-            return _power(_read(left, source), _read(right, source).value())
-        case ast.BinOp(left=left, op=operator, right=right):
-            return _combine(_read(left, source), operator, _read(right, source))
-        case ast.Call(func=ast.Name(id="sqrt"), args=[argument], keywords=[]):
-            inner = _read(argument, source)
-            own = inner.generators | {source[node.col_offset : node.end_col_offset].decode()}
-            root = sympy.sqrt(inner.value())
-            return replace(
-                inner, numerator=root, denominator=Integer(1), terms_below=1, generators=own
+class _Token(NamedTuple):
+    kind: str
+    text: str
+    is_spaced: bool
+    is_imaginary: bool
+
+
+def _tokens(text: str) -> list[_Token]:
+    found: list[_Token] = []
+    place = 0
+    while not found or found[-1].kind != "end":
+        match = _TOKEN.match(text, place)
+        if match is None:
+            rest = text[place:].lstrip()
+            raise InputError(f"cannot read {_short(text)} from {_short(rest)} on: write {_GRAMMAR}")
+        kind = next(k for k in ("number", "name", "operator", "end") if match[k] is not None)
+        found.append(_Token(kind, match[kind], bool(match["space"]), bool(match["imaginary"])))
+        place = match.end()
+    return found
+
+
+@dataclass
+class _Reader:
+    """Recursive descent; sums and products are read in a loop, so that long ones nest nothing."""
+
+    text: str
+    tokens: list[_Token]
+    place: int = 0
+    depth: int = 0
+    has_symbols: bool = field(init=False)
+
+    def __post_init__(self) -> None:
+        names = {token.text for token in self.tokens if token.kind == "name"}
+        self.has_symbols = bool(names - set(_CONSTANTS) - set(_FUNCTIONS))
+
+    def whole(self) -> Tree:
+        tree = self.sum()
+        if self.next.kind != "end":
+            self.fail()
+        return tree
+
+    @property
+    def next(self) -> _Token:
+        return self.tokens[self.place]
+
+    def take(self, *operators: str) -> str | None:
+        if self.next.kind != "operator" or self.next.text not in operators:
+            return None
+        self.place += 1
+        return self.tokens[self.place - 1].text
+
+    def sum(self) -> Tree:
+        terms = [self.product()]
+        while sign := self.take("+", "-"):
+            self.require_clear_sign()
+            term = self.product()
+            terms.append(term if sign == "+" else Product((Leaf(Integer(-1)), term)))
+        return terms[0] if len(terms) == 1 else Sum(terms)
+
+    def product(self) -> Tree:
+        factors: list[Tree] = [self.signed()]
+        divisors: list[Tree] = []
+        while operator := self.take("*", "/"):
+            (factors if operator == "*" else divisors).append(self.signed())
+        return Product(factors, divisors) if divisors or len(factors) > 1 else factors[0]
+
+    def signed(self) -> Tree:
+        sign = 1
+        while operator := self.take("+", "-"):
+            sign = -sign if operator == "-" else sign
+        tree = self.power()
+        return tree if sign == 1 else Product((Leaf(Integer(-1)), tree))
+
+    def power(self) -> Tree:
+        base = self.atom()
+        if not self.take("**", "^"):
+            return base
+        self.deeper()
+        exponent = multiplied_out(self.signed()).value()
+        self.depth -= 1
+        if exponent.is_Integer:
+            return Power(base, int(exponent))
+        return tree_of(real_power(multiplied_out(base).value(), exponent))
+
+    def atom(self) -> Tree:
+        token = self.next
+        self.place += 1
+        if token.kind == "number":
+            return _number(token)
+        if token.kind == "name" and token.text in _FUNCTIONS:
+            return self.function(token.text)
+        if token.kind == "name":
+            return Leaf(_named(token.text))
+        if token.text == "(":
+            return self.closed(self.sum_inside())
+        self.place -= 1
+        self.fail()
+
+    def function(self, name: str) -> Tree:
+        if not self.take("("):
+            self.fail()
+        argument = multiplied_out(self.sum_inside()).value()
+        if name == "sqrt":
+            return self.closed(tree_of(square_root(argument)))
+        if not self.take(","):
+            self.fail()
+        index = multiplied_out(self.sum_inside()).value()
+        return self.closed(tree_of(indexed_root(argument, index)))
+
+    def sum_inside(self) -> Tree:
+        self.deeper()
+        tree = self.sum()
+        self.depth -= 1
+        return tree
+
+    def closed(self, tree: Tree) -> Tree:
+        if not self.take(")"):
+            self.fail()
+        return tree
+
+    def deeper(self) -> None:
+        self.depth += 1
+        ask("nesting", self.depth, f"the expression {_short(self.text)}")
+
+    def require_clear_sign(self) -> None:
+        """Refuse -1 -2: in a list of numbers it would be two, in a sum it is one."""
+        sign, following = self.tokens[self.place - 1], self.next
+        if not self.has_symbols and sign.is_spaced and not following.is_spaced:
+            raise InputError(
+                f"{_short(self.text)} may be one number or several: there is white space before "
+                f"{sign.text!r} and none after it; write 'a {sign.text} b' for one number, and "
+                "commas between several"
             )
-        case _:
-            piece = source[node.col_offset : node.end_col_offset].decode()
-            raise InputError(f"{_short(piece)} is not allowed in an expression: write {_GRAMMAR}")
+
+    def fail(self) -> NoReturn:
+        found = self.next
+        before = self.tokens[self.place - 1] if self.place else None
+        where = "its end" if found.kind == "end" else repr(found.text)
+        hint = "spell products out as in 2*s"
+        if before is not None and before.kind == found.kind == "number":
+            hint = "put commas between several numbers"
+        elif found.text == "(" and before is not None and before.kind == "name":
+            hint = f"{before.text} is no function that is known here; {hint}"
+        raise InputError(f"cannot read {_short(self.text)} at {where}: write {_GRAMMAR}; {hint}")
 
 
-def _literal(text: str) -> _Quotient:
-    found = _LITERAL.fullmatch(text)
-    if found is None:
-        raise InputError(f"{_short(text)} is not a number; write decimals such as 0.25 or 1e-3")
-    try:
-        value = Fraction(found["real"])
-    except ValueError as error:  # more digits than Python converts
-        raise InputError(f"the number {_short(text)} has too many digits") from error
-    number = Rational(value.numerator, value.denominator)
-    return _Quotient(number * sympy.I if found["imaginary"] else number, Integer(1), 1)
+def _number(token: _Token) -> Tree:
+    mantissa, _, exponent = token.text.lower().partition("e")
+    size = abs(int(exponent)) if 0 < len(exponent) < 12 else 10 ** min(len(exponent), 300)
+    ask("digits", len(mantissa) + (size if exponent else 0), "a number")
+    value = Fraction(token.text)
+    ask_for_number(value.numerator, value.denominator)
+    real = Leaf(Rational(value.numerator, value.denominator))
+    return Product((real, Leaf(sympy.I))) if token.is_imaginary else real
 
 
 def _named(name: str) -> Expr:
@@ -166,80 +283,10 @@ def _named(name: str) -> Expr:
     if name.lower() in _NOT_NUMBERS:
         raise InputError(f"{name!r} is not a finite number; exact data must be finite")
     if name == "i":
-        raise InputError("'i' is ambiguous here; write the imaginary unit as j or I")
-    if _NAME.fullmatch(name) is None:
+        raise InputError("'i' is ambiguous here; write the imaginary unit as j or I, or as in 2i")
+    if "__" in name or name.startswith("_") or keyword.iskeyword(name):
         raise InputError(f"{_short(name)} is not a name for a symbol; use letters and digits")
     return Symbol(name)
-
-
-def _combine(left: _Quotient, operator: ast.operator, right: _Quotient) -> _Quotient:
-    n_1, d_1, n_2, d_2 = left.numerator, left.denominator, right.numerator, right.denominator
-    t_1, b_1, t_2, b_2 = left.terms, left.terms_below, right.terms, right.terms_below
-    power, generators = left.power + right.power, left.generators | right.generators
-    match operator:
-        case ast.Mult():
-            return _bounded(
-                _Quotient(n_1 * n_2, d_1 * d_2, power, t_1 * t_2, b_1 * b_2, generators)
-            )
-        case ast.Div() if n_2.is_zero:
-            raise InputError("the expression divides by zero")
-        case ast.Div():
-            up, down = (n_1 * d_2 / n_2, d_1) if n_2.is_number else (n_1 * d_2, d_1 * n_2)
-            return _bounded(_Quotient(up, down, power, t_1 * b_2, b_1 * t_2, generators))
-        case ast.Add() | ast.Sub():
-            sign = 1 if isinstance(operator, ast.Add) else -1
-            if d_1 == d_2:
-                power = max(left.power, right.power)
-                return _bounded(_Quotient(n_1 + sign * n_2, d_1, power, t_1 + t_2, b_1, generators))
-            up, down = n_1 * d_2 + sign * n_2 * d_1, d_1 * d_2
-            terms = t_1 * b_2 + t_2 * b_1
-            return _bounded(_Quotient(up, down, power, terms, b_1 * b_2, generators))
-        case _:
-            raise InputError(f"this operator is not allowed in an expression: write {_GRAMMAR}")
-
-
-def _power(base: _Quotient, exponent: Expr) -> _Quotient:
-    if not exponent.is_Integer:
-        raise InputError(f"the exponent {exponent} is not an integer; roots are written sqrt(...)")
-    size = abs(int(exponent))
-    if size > MAX_POWER:
-        raise InputError(f"the exponent {_short(str(exponent))} exceeds {MAX_POWER}")
-    if exponent < 0 and base.numerator.is_zero:
-        raise InputError("the expression divides by zero")
-    bounds = _Quotient(
-        base.numerator,
-        base.denominator,
-        max(1, base.power * size),
-        _terms_of_power(base.terms, size),
-        _terms_of_power(base.terms_below, size),
-        base.generators,
-    )
-    _bounded(bounds)  # before the power is taken
-    up, down = base.numerator**size, base.denominator**size
-    above, below = bounds.terms, bounds.terms_below
-    if exponent < 0:
-        up, down, above, below = down, up, below, above
-    return _bounded(replace(bounds, numerator=up, denominator=down, terms=above, terms_below=below))
-
-
-def _terms_of_power(terms: int, size: int) -> int:
-    return comb(terms + size - 1, size)  # monomials of that degree in so many unknowns
-
-
-def _bounded(quotient: _Quotient) -> _Quotient:
-    """Return the quotient with its tightest bounds, or refuse it if they are too large."""
-    if quotient.power > MAX_POWER:
-        raise InputError(f"the expression multiplies out to powers above {MAX_POWER}")
-    kinds = len(quotient.generators)
-    monomials = comb(quotient.power + kinds, kinds)
-    above, below = min(quotient.terms, monomials), min(quotient.terms_below, monomials)
-    if max(above, below) > MAX_TERMS:
-        raise InputError(
-            f"the expression may multiply out to {max(above, below):.2g} terms, and at most "
-            f"{MAX_TERMS} are read: lower its powers (total degree {quotient.power}) or give fewer "
-            f"of its {kinds} symbols at once"
-        )
-    return replace(quotient, terms=above, terms_below=below)
 
 
 def _short(text: str) -> str:

@@ -2,18 +2,26 @@
 
 import math
 import numbers
+from collections.abc import Iterable, Sized
 from decimal import Decimal
 from fractions import Fraction
-from typing import Any
+from itertools import islice
+from typing import Any, TypeAlias
 
+import flint
 import sympy
-from sympy import Expr, Float, Rational
+from sympy import Expr, Rational
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask, ask_for_number, limit_of
 from compensator_theory.polynomials.expressions import parse_expression
+from compensator_theory.polynomials.sympy_trees import rational_floats, require_readable
+
+NumberLike: TypeAlias = int | float | complex | Fraction | Decimal | str | Expr
+"""What :func:`exact_number` reads; NumPy scalars and numbers of python-flint too."""
 
 
-def exact_number(value: object, *, binary: bool = False) -> Expr:
+def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
     r"""Turn a number of any kind into an exact SymPy number or expression.
 
     A float means its shortest decimal, :math:`0.1 \mapsto 1/10`, unless ``binary=True`` asks for
@@ -36,6 +44,8 @@ def exact_number(value: object, *, binary: bool = False) -> Expr:
     ------
     InputError
         If the value is NaN, infinite, a bool, or no number at all.
+    BudgetError
+        If it has too many digits; decided before they are written out.
 
     Notes
     -----
@@ -55,13 +65,12 @@ def exact_number(value: object, *, binary: bool = False) -> Expr:
     if isinstance(value, bool) or value is None:
         raise InputError(f"{value!r} is not a number")
     if isinstance(value, Expr):
-        return _without_floats(value, binary)
+        require_readable(value)
+        return rational_floats(value, binary)
     if isinstance(value, Decimal):
-        if not value.is_finite():
-            raise InputError(f"{value} is not a finite number; exact data must be finite")
-        return _rational(Fraction(value))
+        return _from_decimal(value)
     if isinstance(value, numbers.Rational):
-        return _rational(Fraction(int(value.numerator), int(value.denominator)))
+        return _ratio(int(value.numerator), int(value.denominator))
     if isinstance(value, numbers.Real):
         return _from_float(value, binary)
     if isinstance(value, numbers.Complex):
@@ -69,42 +78,57 @@ def exact_number(value: object, *, binary: bool = False) -> Expr:
     return _from_wrapped(value, binary)
 
 
-def _from_float(value: Any, binary: bool) -> Expr:
+def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
+    """Read a list of coefficients in descending powers, no more of them than the budget allows.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.numbers import read_coefficients
+    >>> read_coefficients([0, "1/2"])
+    [0, 1/2]
+    """
+    if isinstance(values, Sized):
+        ask("degree", len(values) - 1, "the list of coefficients")
+    found = [sympy.sympify(exact_number(v)) for v in islice(values, limit_of("degree") + 2)]
+    ask("degree", len(found) - 1, "the list of coefficients")
+    if not found:
+        raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
+    return found
+
+
+def _ratio(numerator: int, denominator: int) -> Rational:
+    ask_for_number(numerator, denominator)
+    return Rational(numerator, denominator)
+
+
+def _from_decimal(value: Decimal) -> Rational:
+    if not value.is_finite():
+        raise InputError(f"{value} is not a finite number; exact data must be finite")
+    _, digits, exponent = value.as_tuple()
+    ask("digits", len(digits) + abs(int(exponent)), "a number")
+    return _ratio(*value.as_integer_ratio())
+
+
+def _from_float(value: Any, binary: bool) -> Rational:
     if not math.isfinite(value):
         raise InputError(f"{value} is not a finite number; exact data must be finite")
     if binary:
-        return _rational(Fraction(*value.as_integer_ratio()))
-    return _rational(Fraction(str(value)))  # str of a float32 is the shortest for 24 bits
+        return _ratio(*map(int, value.as_integer_ratio()))
+    text = str(value)  # of a float32 the shortest for 24 bits
+    ask("digits", abs(int(text.lower().partition("e")[2] or 0)), "a number")
+    found = Fraction(text)
+    return _ratio(found.numerator, found.denominator)
 
 
 def _from_wrapped(value: Any, binary: bool) -> Expr:
-    if hasattr(value, "p") and hasattr(value, "q"):  # a python-flint rational
-        return _rational(Fraction(int(value.p), int(value.q)))
+    if isinstance(value, flint.fmpz):
+        return _ratio(int(value), 1)
+    if isinstance(value, flint.fmpq):
+        return _ratio(int(value.p), int(value.q))
     if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a 0-dimensional array
         return exact_number(value.item(), binary=binary)
+    text = repr(value)
     raise InputError(
-        f"{value!r} of type {type(value).__name__} is not a number; give an int, Fraction, float, "
-        "decimal string or SymPy expression"
+        f"{text if len(text) <= 60 else text[:57] + '...'} of type {type(value).__name__} is not a "
+        "number; give an int, Fraction, float, decimal string or SymPy expression"
     )
-
-
-def _without_floats(value: Expr, binary: bool) -> Expr:
-    if value.has(sympy.nan, sympy.oo, -sympy.oo, sympy.zoo):
-        raise InputError(f"{value} is not finite; exact data must be finite")
-    floats = value.atoms(Float)
-    if not floats:
-        return value
-    return value.xreplace({number: _from_sympy_float(number, binary) for number in floats})
-
-
-def _from_sympy_float(number: Float, binary: bool) -> Rational:
-    double_digits = 15
-    if binary:
-        sign, mantissa, exponent, _ = number._mpf_
-        return _rational(Fraction(-1 if sign else 1) * int(mantissa) * Fraction(2) ** int(exponent))
-    text = repr(float(number)) if number._prec <= Float(1, double_digits)._prec else str(number)
-    return _rational(Fraction(text))
-
-
-def _rational(value: Fraction) -> Rational:
-    return Rational(value.numerator, value.denominator)

@@ -1,38 +1,29 @@
 """Exact polynomials in one variable: the one way in from text, expressions, lists and roots."""
 
-from collections.abc import Iterable, Sequence
-from typing import Any, TypeAlias
+from collections.abc import Iterable, Mapping, Sequence, Set
+from typing import TypeAlias
 
 import sympy
 from sympy import QQ, Expr, Poly, Symbol
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.expressions import parse_expression
-from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.budget import unlimited
+from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
+from compensator_theory.polynomials.quotients import Quotient, multiplied_out
+from compensator_theory.polynomials.sympy_trees import (
+    require_small_field,
+    tree_of,
+)
+from compensator_theory.polynomials.variables import (
+    as_symbol,
+    require_one_symbol_a_name,
+    shared_variable,
+)
 
-PolynomialLike: TypeAlias = Poly | Expr | str | int | Sequence[Any]
+PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
 """What :func:`polynomial` reads."""
-
-OPERATORS = ("s", "z", "q")
-"""Names that are taken for the variable when none is given."""
-
-
-def as_symbol(variable: str | Symbol) -> Symbol:
-    """Return the symbol of that name, as every function here names its variable.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.poly import as_symbol
-    >>> as_symbol("q")
-    q
-    """
-    if isinstance(variable, Symbol):
-        return variable
-    found = parse_expression(variable) if isinstance(variable, str) else None
-    if not isinstance(found, Symbol):
-        raise InputError(f"{variable!r} cannot be a variable; give a name such as 's' or 'q'")
-    return found
 
 
 def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
@@ -68,19 +59,40 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     """
     if isinstance(obj, Poly):
         return _from_poly(obj, variable)
-    if isinstance(obj, str) or not isinstance(obj, Iterable):
+    if isinstance(obj, str):
+        quotient = read_text(obj)
+        return _from_quotient(quotient, shared_variable([quotient.value()], variable))
+    if isinstance(obj, Mapping | Set | bytes | bytearray):
+        raise InputError(
+            f"a {type(obj).__name__} has no first and last coefficient; list the coefficients from "
+            "the highest power down, as in [1, 3, 2]"
+        )
+    if not isinstance(obj, Iterable):
         expression = exact_number(obj)
-        symbol = _variable_of(expression, variable)
-        return from_expression(expression, symbol)
-    coefficients = [exact_number(value) for value in obj]
-    if not coefficients:
-        raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
+        symbol = shared_variable([expression], variable)
+        return _from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
+    coefficients = read_coefficients(obj)
     if variable is None:
-        raise InputError(f"the coefficients {coefficients} need a variable, for instance 's'")
+        raise InputError(
+            f"the {len(coefficients)} coefficients need a variable, for instance variable='s'"
+        )
     symbol = as_symbol(variable)
     if any(symbol in value.free_symbols for value in coefficients):
-        raise InputError(f"a coefficient in {coefficients} contains the variable {symbol} itself")
-    return from_expression(sum(c * symbol**k for k, c in enumerate(reversed(coefficients))), symbol)
+        raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
+    return from_coefficients(coefficients, symbol)
+
+
+def from_coefficients(descending: Sequence[Expr], variable: Symbol) -> Poly:
+    """Return the polynomial with exact coefficients that were computed here.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials.poly import from_coefficients
+    >>> from_coefficients([a, a - a], s)
+    Poly(a*s, s, domain='QQ[a]')
+    """
+    return _from_powers(dict(enumerate(map(sympy.sympify, reversed(descending)))), variable)
 
 
 def from_expression(expression: Expr, variable: Symbol) -> Poly:
@@ -93,14 +105,9 @@ def from_expression(expression: Expr, variable: Symbol) -> Poly:
     >>> from_expression(s * (s + a), s)
     Poly(s**2 + a*s, s, domain='QQ[a]')
     """
-    try:
-        result = Poly(expression, variable, extension=True)
-    except (PolynomialError, GeneratorsError, CoercionFailed) as error:
-        raise InputError(
-            f"{expression} is not a polynomial in {variable}; give numerator and denominator of a "
-            "rational function separately"
-        ) from error
-    return canonical(result)
+    with unlimited():
+        quotient = multiplied_out(tree_of(expression), least_denominators=True)
+        return _from_quotient(quotient, variable)
 
 
 def canonical(poly: Poly) -> Poly:
@@ -111,7 +118,7 @@ def canonical(poly: Poly) -> Poly:
     Raises
     ------
     InputError
-        If a coefficient is not real.
+        If a coefficient is not real, or lies in a finite field, or there are several generators.
 
     Examples
     --------
@@ -121,14 +128,19 @@ def canonical(poly: Poly) -> Poly:
     >>> canonical(Poly(a * q + q - a * q, q))
     Poly(q, q, domain='QQ')
     """
+    if len(poly.gens) > 1:
+        raise InputError(f"{poly} has several generators; say which is the variable")
     if poly.domain.is_QQ:
         return poly
-    if poly.domain.is_RR or poly.domain.is_CC:
+    if poly.domain.is_FiniteField:
+        raise InputError(f"{poly} has coefficients in a finite field; rational ones are needed")
+    if not poly.domain.is_Exact or poly.domain.is_EX or poly.domain.is_EXRAW:
         return from_expression(exact_number(poly.as_expr()), poly.gen)
     if any(value.has(sympy.I) for value in poly.all_coeffs()):
         raise InputError(
             f"{poly.as_expr()} has complex coefficients; complex roots must come in conjugate pairs"
         )
+    require_one_symbol_a_name(poly.free_symbols | {poly.gen})
     small = poly.retract() if poly.domain.is_Composite else poly
     domain = small.domain
     if domain.is_ZZ:
@@ -154,35 +166,12 @@ def monic(poly: Poly) -> Poly:
     >>> monic(polynomial("2*s + 3"))
     Poly(s + 3/2, s, domain='QQ')
     """
-    require_poly(poly)
+    poly = require_poly(poly)
     if poly.is_zero:
         raise InputError("the zero polynomial has no monic multiple")
-    if poly.is_monic and poly.domain.is_Exact:
+    if poly.is_monic:
         return poly
     return canonical(poly.set_domain(poly.domain.get_field()).monic())
-
-
-def format_polynomial(poly: Poly) -> str:
-    """Write a polynomial in descending powers, as :func:`polynomial` reads it.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.poly import format_polynomial, polynomial
-    >>> format_polynomial(polynomial("a - s/3 + (a + 1)*s**2"))
-    '(a + 1)*s**2 - s/3 + a'
-    """
-    text = ""
-    for power, coefficient in sorted(poly.as_dict().items(), reverse=True):
-        unit = poly.gen ** power[0]
-        if coefficient.is_Add:
-            term = f"({coefficient})" if power[0] == 0 else f"({coefficient})*{unit}"
-        else:
-            term = str(coefficient * unit)
-        sign, term = ("-", term[1:]) if term.startswith("-") else ("+", term)
-        text += f" {sign} {term}"
-    if not text:
-        return "0"
-    return text[3:] if text.startswith(" +") else "-" + text[3:]
 
 
 def scaled(poly: Poly, factor: Expr) -> Poly:
@@ -195,26 +184,33 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
     >>> scaled(polynomial("s + 2"), 1/a)
     Poly(1/a*s + 2/a, s, domain='QQ(a)')
     """
-    return canonical(poly * from_expression(sympy.sympify(factor), poly.gen))
+    number = sympy.sympify(factor)
+    if number.is_Rational and poly.domain.is_QQ:
+        return poly.mul_ground(QQ(int(number.p), int(number.q)))
+    return canonical(poly * from_expression(number, poly.gen))
 
 
-def require_poly(poly: Any) -> None:
-    """Refuse what is not a polynomial over the rationals or over symbols.
+def require_poly(poly: Poly) -> Poly:
+    """Return a polynomial over the rationals or over symbols in canonical form.
 
     Raises
     ------
     InputError
-        The message says how to make one.
+        If it is none; the message says how to make one.
 
     Examples
     --------
-    >>> from compensator_theory.polynomials.poly import polynomial, require_poly
-    >>> require_poly(polynomial("s + 1"))
+    >>> from sympy import Poly
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.poly import require_poly
+    >>> require_poly(Poly(2 * s + 1))
+    Poly(2*s + 1, s, domain='QQ')
     """
     if not isinstance(poly, Poly):
         raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
-    if not poly.domain.is_Exact or poly.domain.is_FiniteField:
+    if not poly.domain.is_Exact:
         raise InputError(f"{poly} is not exact; read it with polynomial(...) first")
+    return canonical(poly)
 
 
 def is_rational(poly: Poly) -> bool:
@@ -231,36 +227,85 @@ def is_rational(poly: Poly) -> bool:
     >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
     (True, False)
     """
-    require_poly(poly)
-    return bool(poly.domain.is_QQ or poly.domain.is_ZZ)
+    return bool(require_poly(poly).domain.is_QQ)
 
 
 def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
-    if poly.domain.is_FiniteField:
-        raise InputError(f"{poly} has coefficients in a finite field; rational ones are needed")
-    if not poly.domain.is_Exact:
-        poly = Poly([exact_number(float(c)) for c in poly.all_coeffs()], poly.gen)
-    if len(poly.gens) > 1:
-        if variable is None:
-            raise InputError(f"{poly} has several generators; say which is the variable")
-        return from_expression(poly.as_expr(), as_symbol(variable))
-    if variable is not None and poly.gen != as_symbol(variable):
-        if poly.degree() > 0:
-            raise InputError(f"{poly.as_expr()} is a polynomial in {poly.gen}, not in {variable}")
-        return from_expression(poly.as_expr(), as_symbol(variable))
-    return canonical(poly)
+    if len(poly.gens) > 1 and variable is not None:
+        return from_expression(exact_number(poly.as_expr()), as_symbol(variable))
+    poly = canonical(poly)
+    if variable is None or poly.gen == (symbol := as_symbol(variable)):
+        return poly
+    if poly.degree() > 0:
+        raise InputError(f"{poly.as_expr()} is a polynomial in {poly.gen}, not in {variable}")
+    return from_expression(poly.as_expr(), symbol)
 
 
-def _variable_of(expression: Expr, variable: str | Symbol | None) -> Symbol:
-    if variable is not None:
-        return as_symbol(variable)
-    symbols = expression.free_symbols
-    usual = [symbol for symbol in symbols if symbol.name in OPERATORS]
-    candidates = usual or list(symbols)
-    if len(candidates) != 1:
-        names = ", ".join(sorted(symbol.name for symbol in symbols)) or "none"
+def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
+    """Return numerator and denominator of a quotient as polynomials, common factors kept.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.expressions import read_text
+    >>> from compensator_theory.polynomials.poly import sides_in
+    >>> sides_in(read_text("2/(2*s)"), s)[1]
+    Poly(2*s, s, domain='QQ')
+    """
+    sides = quotient.polynomials(variable)
+    if sides is not None:
+        return sides
+    top, bottom = (_by_powers(side, variable) for side in quotient.sides())
+    if top is None or bottom is None:
+        raise InputError(f"{_short(quotient.value())} is no quotient of polynomials in {variable}")
+    return _from_powers(top, variable), _from_powers(bottom, variable)
+
+
+def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
+    """Return a quotient that is a polynomial; what divides it is cancelled first."""
+    reduced = quotient.reduced()
+    sides = reduced.polynomials(variable)
+    if sides is not None and sides[1].degree() == 0:
+        return sides[0].quo_ground(sides[1].LC())
+    numerator, denominator = reduced.sides()
+    powers = _by_powers(numerator, variable)
+    if powers is None or variable in denominator.free_symbols:
         raise InputError(
-            f"the variable of {expression} is not evident (symbols: {names}); name it, "
-            "for instance variable='s'"
+            f"{_short(numerator / denominator)} is not a polynomial in {variable}; give numerator "
+            "and denominator of a rational function separately"
         )
-    return candidates[0]
+    return _from_powers({k: c / denominator for k, c in powers.items()}, variable)
+
+
+def _by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
+    """Collect an expanded expression by powers; None if it is no polynomial in the variable."""
+    found: dict[int, list[Expr]] = {}
+    for term in sympy.Add.make_args(expression):
+        rest, power = term.as_independent(variable, as_Add=False)
+        base, exponent = power.as_base_exp()
+        if power != 1 and not (base == variable and exponent.is_Integer and exponent > 0):
+            return None
+        found.setdefault(0 if power == 1 else int(exponent), []).append(rest)
+    return {k: sympy.Add(*terms) for k, terms in found.items()}
+
+
+def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
+    if all(c.is_Rational for c in powers.values()):
+        values = {(k,): QQ(int(c.p), int(c.q)) for k, c in powers.items()}
+        return Poly(values, variable, domain=QQ)
+    require_one_symbol_a_name(set().union({variable}, *(c.free_symbols for c in powers.values())))
+    require_small_field(list(powers.values()))
+    try:
+        result = Poly({(k,): c for k, c in powers.items()}, variable, extension=True)
+    except (PolynomialError, GeneratorsError, CoercionFailed) as error:
+        whole = sum(c * variable**k for k, c in powers.items())
+        raise InputError(
+            f"the coefficients of {_short(whole)} span no field that is known here; write symbols "
+            "in their place"
+        ) from error
+    return canonical(result)
+
+
+def _short(expression: Expr) -> str:
+    text = str(expression)
+    return text if len(text) <= 100 else text[:97] + "..."

@@ -3,19 +3,20 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import flint
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.poly import canonical, is_rational
+from compensator_theory.polynomials.values import ExactValue
 
 Decision = TypeVar("Decision")
 
 
 @dataclass(frozen=True)
-class Root:
+class Root(ExactValue):
     """A root of a rational polynomial, known to lie in a disk that contains no other root.
 
     Attributes
@@ -77,7 +78,7 @@ def certified_roots(poly: Poly) -> tuple[Root, ...]:
     return tuple(sorted(found, key=_order))
 
 
-def root_balls(poly: Poly, precision: int = 64) -> list[tuple[Any, int]]:
+def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
     """Return the certified complex balls of python-flint with their multiplicities.
 
     Parameters
@@ -109,8 +110,8 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[Any, int]]:
 
 
 def decided_balls(
-    poly: Poly, decide: Callable[[Any], Decision | None], precision: int = 64
-) -> list[tuple[Any, int, Decision]]:
+    poly: Poly, decide: Callable[[flint.acb], Decision | None], precision: int = 64
+) -> list[tuple[flint.acb, int, Decision]]:
     """Isolate the roots with growing precision until each ball answers a question.
 
     The question is asked at the precision of the balls: at a lower one, python-flint would round
@@ -147,7 +148,7 @@ def decided_balls(
         precision *= 2
 
 
-def _integer_polynomial(poly: Poly) -> Any:
+def _integer_polynomial(poly: Poly) -> flint.fmpz_poly:
     if not is_rational(poly):
         raise InputError(
             f"the roots of {poly.as_expr()} cannot be certified: its coefficients are not all "
@@ -155,11 +156,11 @@ def _integer_polynomial(poly: Poly) -> Any:
         )
     if poly.is_zero:
         raise InputError("every number is a root of the zero polynomial")
-    _, cleared = poly.clear_denoms(convert=True)
+    _, cleared = canonical(poly).clear_denoms(convert=True)
     return flint.fmpz_poly([int(c) for c in reversed(cleared.all_coeffs())])
 
 
-def _rounded(ball: Any, multiplicity: int) -> Root:
+def _rounded(ball: flint.acb, multiplicity: int) -> Root:
     is_real = bool(ball.imag == 0)
     real = 0.0 if ball.real.contains(0) else float(ball.real.mid())  # +-j prints as +-j
     value = complex(real, 0.0 if is_real else float(ball.imag.mid()))

@@ -6,11 +6,13 @@ from itertools import pairwise
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import format_polynomial, is_rational
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical, is_rational
+from compensator_theory.polynomials.values import ExactValue
 
 
 @dataclass(frozen=True)
-class RootCount:
+class RootCount(ExactValue):
     """Numbers of roots with multiplicity on the two sides of a boundary and on it.
 
     Attributes
@@ -64,7 +66,7 @@ def number_of_real_roots(poly: Poly) -> int:
     >>> number_of_real_roots(polynomial("(s + 1)**2*(s**2 + 1)**2"))
     2
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     return sum(m * _distinct_real_roots(factor) for factor, m in poly.sqf_list()[1])
 
 
@@ -99,7 +101,7 @@ def count_half_plane_roots(poly: Poly) -> RootCount:
     >>> print(count_half_plane_roots(polynomial("s**4 + s**3 + 2*s**2 + 2*s + 5")))
     2 stable, 0 on the boundary, 2 unstable
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     chain = routh_chain(poly)
     difference = _variations(chain, -1) - _variations(chain, +1)
     boundary = number_of_real_roots(chain[-1])
@@ -120,7 +122,7 @@ def routh_chain(poly: Poly) -> tuple[Poly, ...]:
     >>> [str(p.as_expr()) for p in routh_chain(polynomial("s**3 + 2*s**2 + 3*s + 4"))]
     ['s**3 - 3*s', 's**2 - 2', 's', '1']
     """
-    descending = poly.all_coeffs()
+    descending = require_rational(poly).all_coeffs()
     signed = [c * (-1) ** (k // 2) for k, c in enumerate(descending)]
     rows = [
         Poly([c if k % 2 == parity else 0 for k, c in enumerate(signed)], poly.gen, domain=QQ)
@@ -129,8 +131,8 @@ def routh_chain(poly: Poly) -> tuple[Poly, ...]:
     return _sturm_chain(*rows)
 
 
-def require_rational(poly: Poly) -> None:
-    """Refuse the zero polynomial and polynomials with symbols.
+def require_rational(poly: Poly) -> Poly:
+    """Return a rational polynomial in canonical form; refuse zero and polynomials with symbols.
 
     Raises
     ------
@@ -142,6 +144,7 @@ def require_rational(poly: Poly) -> None:
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.roots.counts import require_rational
     >>> require_rational(polynomial("s + 1/3"))
+    Poly(s + 1/3, s, domain='QQ')
     """
     if not isinstance(poly, Poly):
         raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial()")
@@ -152,6 +155,7 @@ def require_rational(poly: Poly) -> None:
         )
     if poly.is_zero:
         raise InputError("every number is a root of the zero polynomial")
+    return canonical(poly)
 
 
 def _distinct_real_roots(poly: Poly) -> int:

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any
 
 import flint
 import sympy
@@ -10,12 +9,13 @@ from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.values import ExactValue
 
 SHOWN_DIGITS = 20
 
 
 @dataclass(frozen=True, repr=False)
-class Enclosure:
+class Enclosure(ExactValue):
     r"""A real number x with :math:`|x - \mathrm{centre}| \le \mathrm{radius}`, certified.
 
     Attributes
@@ -74,7 +74,7 @@ class Enclosure:
 
 
 @dataclass(frozen=True, repr=False)
-class PolynomialEnclosure:
+class PolynomialEnclosure(ExactValue):
     r"""A real polynomial whose coefficients are certified by :class:`Enclosure`.
 
     .. math:: a(s) = a_k s^k + \cdots + a_0, \qquad
@@ -150,7 +150,7 @@ class PolynomialEnclosure:
         return str(sympy.latex(sum(terms)))
 
 
-def enclosure_of_ball(ball: Any) -> Enclosure:
+def enclosure_of_ball(ball: flint.arb) -> Enclosure:
     """Return the exact data of a python-flint real ball.
 
     Raises
@@ -170,7 +170,7 @@ def enclosure_of_ball(ball: Any) -> Enclosure:
     return Enclosure(_dyadic(ball.mid()), _dyadic(ball.rad()))
 
 
-def ball_of_number(number: Expr) -> Any:
+def ball_of_number(number: Expr) -> flint.arb:
     """Return a python-flint real ball, at its working precision, that contains a rational number.
 
     Examples
@@ -183,7 +183,7 @@ def ball_of_number(number: Expr) -> Any:
     return flint.arb(flint.fmpq(int(number.p), int(number.q)))
 
 
-def ball_of_enclosure(enclosure: Enclosure) -> Any:
+def ball_of_enclosure(enclosure: Enclosure) -> flint.arb:
     """Return a python-flint real ball, at its working precision, that contains an enclosure.
 
     Examples
@@ -197,7 +197,7 @@ def ball_of_enclosure(enclosure: Enclosure) -> Any:
     return ball_of_number(enclosure.centre) + error
 
 
-def _dyadic(value: Any) -> Rational:
+def _dyadic(value: flint.arf) -> Rational:
     mantissa, exponent = value.man_exp()
     return sympy.Integer(int(mantissa)) * Rational(2) ** int(exponent)
 

@@ -1,12 +1,11 @@
 """Where certified roots lie: left of, on or right of the imaginary axis; inside the unit circle."""
 
-from typing import Any
-
+import flint
 from sympy import QQ, Poly
 
-from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import RootCount, require_rational
+from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 
@@ -36,7 +35,7 @@ def locate_half_plane_roots(poly: Poly) -> RootCount:
     >>> print(locate_half_plane_roots(polynomial("(s + 1)**2*(s**2 + 2)*s")))
     2 stable, 3 on the boundary, 0 unstable
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     s = poly.gen
     symmetric = poly.gcd(poly.compose(Poly(-s, s, domain=QQ)))
     others = decided_balls(poly.exquo(symmetric), lambda ball: _sign(ball.real))
@@ -77,7 +76,7 @@ def locate_unit_disk_roots(poly: Poly) -> RootCount:
     >>> print(locate_unit_disk_roots(polynomial("q*(q + 1)**2*(q - 3)")))
     1 stable, 2 on the boundary, 1 unstable
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     degree = int(poly.degree())
     at_origin, rest = _without_origin(poly)
     symmetric = rest.gcd(reciprocal_polynomial(rest))
@@ -108,9 +107,9 @@ def _divided(poly: Poly, factor: Poly) -> tuple[int, Poly]:
         multiplicity, poly = multiplicity + 1, quotient
 
 
-def _sign(value: Any) -> int | None:
+def _sign(value: flint.arb) -> int | None:
     return -1 if value < 0 else 1 if value > 0 else None
 
 
-def _less(value: Any, bound: int) -> bool | None:
+def _less(value: flint.arb, bound: int) -> bool | None:
     return True if value < bound else False if value > bound else None

@@ -1,8 +1,6 @@
 """How many roots are inside the unit circle, by exact arithmetic on the coefficients."""
 
-from typing import Any
-
-from sympy import QQ, Poly
+from sympy import QQ, Expr, Poly
 
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
 
@@ -33,7 +31,7 @@ def count_unit_disk_roots(poly: Poly) -> RootCount:
     >>> print(count_unit_disk_roots(polynomial("q*(q + 1)**2*(q - 3)")))
     1 stable, 2 on the boundary, 1 unstable
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     s, degree = poly.gen, int(poly.degree())
     plus, minus = Poly([1, 1], s, domain=QQ), Poly([-1, 1], s, domain=QQ)
     image, power = Poly(0, s, domain=QQ), Poly(1, s, domain=QQ)
@@ -44,7 +42,7 @@ def count_unit_disk_roots(poly: Poly) -> RootCount:
     return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
 
 
-def reflection_coefficients(poly: Poly) -> tuple[Any, ...]:
+def reflection_coefficients(poly: Poly) -> tuple[Expr, ...]:
     r"""Return the numbers of Schur and Cohn, as far as they decide.
 
     .. math:: k_j = \frac{a_j(0)}{\mathrm{lc}(a_j)}, \qquad
@@ -80,7 +78,7 @@ def reflection_coefficients(poly: Poly) -> tuple[Any, ...]:
     >>> reflection_coefficients(polynomial("z**2 - 3*z + 2"))
     (2,)
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     ring = poly.domain
     row = [ring.convert(c) for c in poly.rep.to_list()]
     found = []

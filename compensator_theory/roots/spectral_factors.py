@@ -7,14 +7,11 @@ import sympy
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    format_polynomial,
-    polynomial,
-)
-from compensator_theory.polynomials.reciprocals import reciprocal_polynomial
+from compensator_theory.polynomials.poly import PolynomialLike, canonical
+from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
     Enclosure,
@@ -23,6 +20,7 @@ from compensator_theory.roots.enclosures import (
     ball_of_number,
     enclosure_of_ball,
 )
+from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.unit_circle import split_at_unit_circle
 from compensator_theory.roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle,
@@ -32,7 +30,7 @@ from compensator_theory.roots.unit_circle_enclosures import (
 
 
 @dataclass(frozen=True)
-class SpectralFactor:
+class SpectralFactor(ExactValue):
     r"""A monic Schur polynomial and a constant with the given product on the unit circle.
 
     .. math:: c\,\chi(z)\,\chi(1/z) = N(z) N(1/z) + r\, D(z) D(1/z) = z^{-m} p(z)
@@ -152,9 +150,10 @@ def spectral_factor(
     weight = exact_number(r)
     if not (weight.is_Rational and weight >= 0):
         raise InputError(f"r = {weight} must be a rational number of at least 0")
-    first, second = _read(N, D, variable)
+    read = in_one_variable(N, 0 if D is None else D, variable=variable)
+    first, second = (p if p.is_zero else require_rational(p) for p in read)
     size = int(max(first.degree(), second.degree(), 0))
-    palindrome = _spectrum(first, size) + _spectrum(second, size).mul_ground(weight)
+    palindrome = spectrum_of(first, size) + spectrum_of(second, size).mul_ground(weight)
     return factor_palindrome(canonical(palindrome), size, digits)
 
 
@@ -191,7 +190,7 @@ def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> Spectr
     bits = working_bits(digits)
     if palindrome.is_zero:
         raise NoSolutionError("the spectrum to be factored is zero everywhere, and no factor is")
-    require_rational(palindrome)
+    palindrome = require_rational(palindrome)
     stripped = reciprocal_polynomial(reciprocal_polynomial(palindrome))
     if stripped != reciprocal_polynomial(stripped):
         raise InputError(f"{format_polynomial(palindrome)} is not palindromic")
@@ -220,25 +219,16 @@ def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> Spectr
         return SpectralFactor(palindrome, degree, None, chi_ball, enclosure_of_ball(constant_ball))
 
 
-def _read(N: PolynomialLike, D: PolynomialLike | None, variable: str | Symbol | None) -> list[Poly]:
-    if variable is None:
-        for candidate in (N, D):
-            try:
-                variable = polynomial(candidate).gen if candidate is not None else None
-            except InputError:
-                continue
-            if variable is not None:
-                break
-    found = [polynomial(N, variable)]
-    found.append(polynomial(0 if D is None else D, found[0].gen))
-    for poly in found:
-        if not poly.is_zero:
-            require_rational(poly)
-    return found
+def spectrum_of(poly: Poly, size: int) -> Poly:
+    r"""Return :math:`z^k a(z) a(1/z)` for a polynomial a of at most degree k.
 
-
-def _spectrum(poly: Poly, size: int) -> Poly:
-    """Return z**size poly(z) poly(1/z)."""
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.spectral_factors import spectrum_of
+    >>> spectrum_of(polynomial("z - 2"), 2).as_expr()
+    -2*z**3 + 5*z**2 - 2*z
+    """
     if poly.is_zero:
         return poly
     degree = int(poly.degree())

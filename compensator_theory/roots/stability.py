@@ -1,18 +1,15 @@
 """Is every root stable: decided twice, from the coefficients and from certified roots."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import sympy
-from sympy import Matrix, Poly
+from sympy import Expr, Matrix, Poly
 
 from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    format_polynomial,
-    is_rational,
-    polynomial,
-)
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import PolynomialLike, is_rational, polynomial
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
 from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots, reflection_coefficients
@@ -21,7 +18,7 @@ MAX_DETERMINANTS = 40
 
 
 @dataclass(frozen=True)
-class StabilityDecision:
+class StabilityDecision(ExactValue):
     """Whether a polynomial is Hurwitz or Schur, by two independent routes, with the evidence.
 
     Attributes
@@ -53,7 +50,7 @@ class StabilityDecision:
     by_roots: bool | None
     counts_by_coefficients: RootCount | None
     counts_by_roots: RootCount | None
-    evidence: tuple[Any, ...]
+    evidence: tuple[Expr, ...]
 
     @property
     def is_stable(self) -> bool | None:
@@ -176,7 +173,7 @@ def decide_schur(poly: PolynomialLike) -> StabilityDecision:
     return StabilityDecision(p, "unit disk", answer, None, None, None, (product,))
 
 
-def hurwitz_determinants(poly: PolynomialLike) -> tuple[Any, ...]:
+def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
     r"""Return the leading principal minors of the Hurwitz matrix of the monic polynomial.
 
     .. math:: H_{ij} = a_{n - 2j + i}, \qquad \Delta_k = \det [H_{ij}]_{i,j\le k}

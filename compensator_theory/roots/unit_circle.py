@@ -1,11 +1,10 @@
 """Inside, on or outside the unit circle: decided exactly."""
 
-from typing import Any
-
+import flint
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
-from compensator_theory.polynomials.poly import canonical, is_rational, monic
+from compensator_theory.polynomials.poly import canonical, is_rational, monic, require_poly
 from compensator_theory.roots.certified import decided_balls
 
 
@@ -57,6 +56,7 @@ def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
         )
     if poly.is_zero:
         raise InputError("the zero polynomial cannot be split at the unit circle")
+    poly = canonical(poly)
     inside = outside = poly.one
     for factor, multiplicity in poly.factor_list()[1]:
         if lies_inside(factor):
@@ -99,7 +99,7 @@ def lies_inside(factor: Poly) -> bool:
     return all(inside)
 
 
-def is_inside(ball: Any) -> bool | None:
+def is_inside(ball: flint.acb) -> bool | None:
     """Tell whether a complex ball lies inside the unit circle; None if it meets the circle.
 
     Examples
@@ -130,6 +130,7 @@ def fold_palindrome(poly: Poly) -> Poly:
     >>> fold_palindrome(polynomial("q**4 + 3*q**2 + 1")).as_expr()
     q**2 + 1
     """
+    poly = require_poly(poly)
     half = int(poly.degree()) // 2
     descending = poly.all_coeffs()[: half + 1]  # c_half, ..., c_0 of sum c_j (q^j + q^-j)
     t = poly.gen
@@ -157,7 +158,7 @@ def require_none_on_circle(poly: Poly) -> None:
     >>> from compensator_theory.roots.unit_circle import require_none_on_circle
     >>> require_none_on_circle(polynomial("q**2 - 3*q + 1"))
     """
-    for factor, _ in poly.factor_list()[1]:
+    for factor, _ in require_poly(poly).factor_list()[1]:
         if _is_self_reciprocal(factor) and _has_root_on_circle(factor):
             raise UnitCircleError(
                 f"the factor {monic(factor).as_expr()} has a root exactly on the unit circle; it "

@@ -3,13 +3,11 @@
 import operator
 from collections.abc import Iterable
 from functools import reduce
-from typing import Any
 
 import flint
-from sympy import Poly, Rational
+from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.polynomials.reciprocals import monic_reciprocal_polynomial
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
@@ -18,6 +16,7 @@ from compensator_theory.roots.enclosures import (
     ball_of_enclosure,
     enclosure_of_ball,
 )
+from compensator_theory.roots.reciprocals import monic_reciprocal_polynomial
 from compensator_theory.roots.unit_circle import (
     is_inside,
     require_none_on_circle,
@@ -66,7 +65,7 @@ def enclose_split_at_unit_circle(
     >>> print(inside, "|", outside)
     q - 0.26794919243112270647 | q - 3.7320508075688772935
     """
-    require_rational(poly)
+    poly = require_rational(poly)
     bits = working_bits(digits)
     try:
         return tuple(exact_enclosure(factor) for factor in split_at_unit_circle(poly))  # type: ignore[return-value]
@@ -87,7 +86,9 @@ def enclose_split_at_unit_circle(
         bits *= 2
 
 
-def product_of_roots(balls: Iterable[tuple[Any, int]], variable: Any) -> PolynomialEnclosure:
+def product_of_roots(
+    balls: Iterable[tuple[flint.acb, int]], variable: Symbol
+) -> PolynomialEnclosure:
     """Multiply out the monic polynomial with the given balls as roots, conjugates included.
 
     Parameters

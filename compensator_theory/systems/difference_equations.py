@@ -6,8 +6,8 @@ import sympy
 from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.poly import as_symbol
-from compensator_theory.systems.standard_problems import MatrixLike, exact_matrix
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.polynomials.variables import as_symbol
 
 
 def compensator_polynomials(

@@ -1,13 +1,14 @@
 """The usual standard problems, built from a transfer function or from a realisation."""
 
-from typing import Any, Literal
+from typing import Literal
 
 import sympy
 from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.standard_problems import MatrixLike, StandardProblem, exact_matrix
+from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import controllable_canonical_form
 
 _SERVO_MATRICES = ("A", "B", "D_1", "C", "D_0")
@@ -133,7 +134,9 @@ def servo_problem(
     return _servo(matrices, performance, variable if variable is not None else "q")
 
 
-def _servo(matrices: dict[str, Any], performance: str, variable: str | Symbol) -> StandardProblem:
+def _servo(
+    matrices: dict[str, ImmutableMatrix], performance: str, variable: str | Symbol
+) -> StandardProblem:
     A, D_1, C, D_0 = (matrices[name] for name in ("A", "D_1", "C", "D_0"))
     l_y, l_d = C.rows, D_1.cols
     if D_1.rows != A.rows:

@@ -7,15 +7,13 @@ import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import as_symbol
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.systems.transfer_functions import TransferFunction
 from compensator_theory.systems.transfer_matrices import TransferMatrix
-
-MatrixLike = Any
-"""A SymPy matrix, a NumPy array or nested lists of anything :func:`exact_number` reads."""
 
 CHANNELS = ("zw", "zu", "yw", "yu")
 _SHAPES = {
@@ -38,8 +36,8 @@ _DIMENSIONS = {
 }
 
 
-@dataclass(frozen=True)
-class StandardProblem:
+@dataclass(frozen=True, init=False)
+class StandardProblem(ExactValue):
     r"""A linear time-invariant plant with control, exogenous input, measurement, performance.
 
     .. math::
@@ -76,20 +74,36 @@ class StandardProblem:
     (6)/(q - 1/2) (1)/(q - 1/2)
     """
 
-    A: MatrixLike
-    B: MatrixLike
-    C: MatrixLike
-    D_1: MatrixLike
-    D_0: MatrixLike
-    D_2: MatrixLike
-    E_1: MatrixLike
-    E_2: MatrixLike
-    E_0: MatrixLike
-    variable: Symbol = Symbol("q")  # noqa: RUF009  (immutable)
+    A: ImmutableMatrix
+    B: ImmutableMatrix
+    C: ImmutableMatrix
+    D_1: ImmutableMatrix
+    D_0: ImmutableMatrix
+    D_2: ImmutableMatrix
+    E_1: ImmutableMatrix
+    E_2: ImmutableMatrix
+    E_0: ImmutableMatrix
+    variable: Symbol
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "variable", as_symbol(self.variable))
-        given = {name: getattr(self, name) for name in _SHAPES}
+    def __init__(
+        self,
+        A: MatrixLike,
+        B: MatrixLike,
+        C: MatrixLike,
+        D_1: MatrixLike,
+        D_0: MatrixLike | None,
+        D_2: MatrixLike | None,
+        E_1: MatrixLike,
+        E_2: MatrixLike | None,
+        E_0: MatrixLike | None,
+        variable: str | Symbol = "q",
+    ) -> None:
+        symbol = as_symbol(variable)
+        object.__setattr__(self, "variable", symbol)
+        given = {
+            "A": A, "B": B, "C": C, "D_1": D_1, "D_0": D_0, "D_2": D_2, "E_1": E_1, "E_2": E_2,
+            "E_0": E_0,
+        }  # fmt: skip
         exact = {k: exact_matrix(v, k) for k, v in given.items() if v is not None}
         missing = [k for k in ("A", "B", "C", "D_1", "E_1") if k not in exact]
         if missing:
@@ -103,9 +117,10 @@ class StandardProblem:
                     f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]} "
                     f"({symbolic[0]} x {symbolic[1]}, as the other matrices show)"
                 )
-            if self.variable in matrix.free_symbols:
-                raise InputError(f"{name} contains {self.variable}, the name of the shift operator")
+            if symbol in matrix.free_symbols:
+                raise InputError(f"{name} contains {symbol}, the name of the shift operator")
             object.__setattr__(self, name, matrix)
+        require_one_symbol_a_name({symbol}.union(*(m.free_symbols for m in exact.values())))
 
     @property
     def n(self) -> int:
@@ -211,41 +226,3 @@ class StandardProblem:
     def _repr_latex_(self) -> str:
         parts = [f"{name} = {sympy.latex(getattr(self, name))}" for name in _SHAPES]
         return r"$\displaystyle " + r",\; ".join(parts) + "$"
-
-
-def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
-    """Read a matrix exactly, entry by entry.
-
-    Raises
-    ------
-    InputError
-        If it is not two-dimensional or an entry is no number.
-
-    Examples
-    --------
-    >>> from compensator_theory.systems.standard_problems import exact_matrix
-    >>> exact_matrix([[0.1, "a"]], "A")
-    Matrix([[1/10, a]])
-    """
-    if isinstance(value, sympy.MatrixBase):
-        exact = [_rational_or_symbolic(entry, name) for entry in value]
-        return ImmutableMatrix(value.rows, value.cols, exact)
-    shape = getattr(value, "shape", None)
-    rows = list(value) if not isinstance(value, str) and hasattr(value, "__iter__") else None
-    flat_rows = rows is None or any(isinstance(r, str) or not hasattr(r, "__len__") for r in rows)
-    if flat_rows or len({len(row) for row in rows or ()}) > 1:
-        raise InputError(f"{name} = {value!r} is not a matrix; write rows, as in [[1, 2], [3, 4]]")
-    entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows or ()]
-    columns = len(entries[0]) if entries else (shape[1] if shape is not None else 0)
-    return ImmutableMatrix(len(entries), columns, [entry for row in entries for entry in row])
-
-
-def _rational_or_symbolic(value: Any, name: str) -> sympy.Expr:
-    """Read an entry; an irrational number would leave the rings that the algorithms work in."""
-    entry = exact_number(value)
-    if entry.is_number and not entry.is_rational:
-        raise InputError(
-            f"{name} contains the irrational number {entry}; write a symbol in its place, or a "
-            "rational number close to it"
-        )
-    return entry

@@ -1,13 +1,9 @@
 // A controller as Python sees it.
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/tuple.h>
-#include <nanobind/stl/vector.h>
-
-#include <limits>
+#include <nanobind/stl/unique_ptr.h>
 
 #include "bindings/bindings.hpp"
-#include "controller/controller.hpp"
+#include "bindings/owned.hpp"
+#include "bindings/plan.hpp"
 #include "updates/covariance.hpp"
 #include "updates/memoryless.hpp"
 #include "updates/window.hpp"
@@ -15,132 +11,81 @@
 namespace rcac {
 namespace {
 
-using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+using Forgetting = std::tuple<std::size_t, std::size_t, double, double>;
+using Reset = std::tuple<std::int64_t, double, double, std::size_t, std::size_t>;
 
-std::vector<Tap> taps(const Pairs& pairs) {
-    std::vector<Tap> result;
-    for (const auto& [source, delay] : pairs) result.push_back({source, delay});
-    return result;
+void require_window(std::size_t steps, const char* name) {
+    require_range<std::size_t>(steps, 0, most_numbers, name);
 }
 
-// A matrix, or a table {"base", "z_squared"}, or a function R(k, y, z, u) that returns None where
-// it failed; then the update meets a NaN and the run ends.
-Weight weight(nb::handle value, std::size_t l_y, std::size_t l_z, std::size_t l_u, const char* name) {
-    Weight result;
-    result.base.assign(l_z * l_z, 0.0);
-    if (nb::isinstance<nb::tuple>(value)) {
-        auto [base, z_squared] = nb::cast<std::pair<Array, double>>(value);
-        result.base = copied(base, l_z * l_z, name);
-        result.z_squared = z_squared;
-    } else if (PyCallable_Check(value.ptr())) {
-        nb::object function = nb::borrow(value);
-        result.function = [function, l_y, l_z, l_u, name](std::int64_t k, const double* y,
-                                                          const double* z, const double* u,
-                                                          double* matrix) {
-            nb::gil_scoped_acquire gil;
-            nb::object answer = function(k, to_numpy(y, l_y), to_numpy(z, l_z), to_numpy(u, l_u));
-            if (answer.is_none()) {
-                std::fill_n(matrix, l_z * l_z, std::numeric_limits<double>::quiet_NaN());
-                return;
-            }
-            const std::vector<double> values = copied(nb::cast<Array>(answer), l_z * l_z, name);
-            std::copy(values.begin(), values.end(), matrix);
-        };
-    } else {
-        result.base = copied(nb::cast<Array>(value), l_z * l_z, name);
+std::unique_ptr<Update> update_of(const std::string& name, const std::vector<double>& P,
+                                  const std::vector<double>& theta, std::size_t l_z,
+                                  std::size_t window, double step_size) {
+    const std::size_t l_theta = theta.size();
+    if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta);
+    if (name == "covariance") return std::make_unique<CovarianceUpdate>(P.data(), l_theta);
+    if (name == "sliding window") {
+        require_range<std::size_t>(window, 1, most_numbers, "window");
+        length_of({window, (l_theta + 1) * l_z + 2 * l_z * l_z}, "the window");
+        return std::make_unique<WindowUpdate>(P.data(), theta.data(), l_theta, l_z, window);
     }
-    return result;
+    if (name == "instantaneous") return std::make_unique<InstantaneousUpdate>(P.data(), l_theta);
+    if (name == "gradient") return std::make_unique<GradientUpdate>(step_size, l_theta);
+    throw std::invalid_argument("no update named " + name.substr(0, 200));
 }
 
-std::vector<Event> events(const nb::list& list) {
-    static const std::vector<std::string> kinds{"freeze", "resume", "reset", "forgetting", "target"};
-    std::vector<Event> result;
-    for (nb::handle item : list) {
-        auto [step, name, value] = nb::cast<std::tuple<std::int64_t, std::string, double>>(item);
-        const auto kind = std::find(kinds.begin(), kinds.end(), name);
-        if (kind == kinds.end()) throw std::invalid_argument("no event named " + name);
-        result.push_back({step, static_cast<Event::Kind>(kind - kinds.begin()), value,
-                          static_cast<std::size_t>(value > 0.0 ? value : 0.0)});
-    }
-    return result;
-}
-
-Controller make_controller(std::size_t l_u, std::size_t l_y, std::size_t l_r, std::size_t l_z,
-                           const nb::list& derived, const Pairs& regressor, const Pairs& channels,
-                           const Pairs& filtered, const nb::list& targets, nb::object R_z,
-                           nb::object R_u, double lambda, std::int64_t k_w, std::int64_t k_update,
-                           std::int64_t k_filter, bool filter_form, bool reflect_poles,
-                           const nb::list& event_list, const std::tuple<std::size_t, std::size_t, double, double>& forgetting,
-                           const std::tuple<std::int64_t, double, double, std::size_t, std::size_t>& reset,
-                           const Array& noise, const std::string& update, const Array& P_0,
-                           const Array& theta_0, std::size_t window, double step_size) {
-    const std::size_t l_theta = regressor.size() * l_u;
+std::unique_ptr<OwnedController> make_controller(
+    std::size_t l_u, std::size_t l_y, std::size_t l_r, std::size_t l_z, const nb::list& derived,
+    const Pairs& regressor, const Pairs& channels, const Pairs& filtered, const nb::list& targets,
+    nb::object R_z, nb::object R_u, double lambda, std::int64_t k_w, std::int64_t k_update,
+    std::int64_t k_filter, bool filter_form, bool reflect_poles, const nb::list& events,
+    const Forgetting& forgetting, const Reset& reset, const Array& noise, const std::string& update,
+    const Array& P_0, const Array& theta_0, std::size_t window, double step_size) {
     ControllerPlan plan;
-    plan.structure = {l_u, l_y, l_r, {}, taps(regressor), taps(channels), taps(filtered)};
-    for (nb::handle item : derived) {
-        auto [now, before, pole] = nb::cast<std::tuple<Array, Array, double>>(item);
-        plan.structure.derived.push_back(
-            {copied(now, l_y + l_r, "now"), copied(before, l_y + l_r, "before"), pole});
-    }
-    for (const Tap& tap : plan.structure.regressor)
-        if (tap.source >= plan.structure.signals()) throw std::invalid_argument("no such signal");
-    for (const Tap& tap : plan.structure.channels)
-        if (tap.source >= plan.structure.signals()) throw std::invalid_argument("no such signal");
-    for (const Tap& tap : plan.structure.filtered)
-        if (tap.source >= channels.size()) throw std::invalid_argument("no such channel");
-    require(filtered.size(), regressor.size(), "filtered");
-    std::size_t order = 0;
-    for (nb::handle item : targets) {
-        auto [numerator, denominator] = nb::cast<std::pair<Array, Array>>(item);
-        if (plan.targets.empty()) order = numerator.size() / (l_z * l_u) - 1;
-        plan.targets.push_back({l_z, l_u, order,
-                                copied(numerator, (order + 1) * l_z * l_u, "numerator"),
-                                copied(denominator, (order + 1) * l_z * l_z, "denominator")});
-    }
-    plan.R_z = weight(R_z, l_y, l_z, l_u, "R_z");
-    plan.R_u = weight(R_u, l_y, l_z, l_u, "R_u");
+    require_width(l_z, 1, "l_z");
+    plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
+    plan.targets = targets_of(targets, plan.structure, l_z);
+    plan.R_z = weight_of(R_z, plan.structure, l_z, "R_z");
+    plan.R_u = weight_of(R_u, plan.structure, l_z, "R_u");
+    require_forgetting(lambda, "lambda");
     plan.lambda = lambda;
+    require_step(k_w, "k_w");
+    require_step(k_update, "k_update");
+    require_step(k_filter, "k_filter");
     plan.k_w = k_w;
     plan.k_update = k_update;
     plan.k_filter = k_filter;
     plan.filter_form = filter_form;
     plan.reflect_poles = reflect_poles;
-    plan.events = events(event_list);
-    for (const Event& event : plan.events)
-        if (event.kind == Event::target && event.index >= plan.targets.size())
-            throw std::invalid_argument("no such target model");
+    if (reflect_poles) require_reflectable(plan.structure);
+    plan.events = events_of(events, plan.targets.size());
     plan.forgetting = {std::get<0>(forgetting), std::get<1>(forgetting), std::get<2>(forgetting),
                        std::get<3>(forgetting)};
     plan.reset = {std::get<0>(reset), std::get<1>(reset), std::get<2>(reset), std::get<3>(reset),
                   std::get<4>(reset)};
-    plan.noise = copied(noise, noise.size() / std::max<std::size_t>(l_theta, 1) * l_theta, "noise");
+    for (std::size_t steps : {plan.forgetting.short_window, plan.forgetting.long_window,
+                              plan.reset.short_window, plan.reset.long_window})
+        require_window(steps, "the window of a rule");
+    const std::size_t l_theta = regressor.size() * l_u, P_size = length_of({l_theta, l_theta}, "P_0");
+    plan.noise = copied(noise, noise.size() / l_theta * l_theta, "noise");
 
     std::vector<double> theta = copied(theta_0, l_theta, "theta_0");
-    const std::vector<double> P = copied(P_0, l_theta * l_theta, "P_0");
-    std::unique_ptr<Update> arithmetic;
-    if (update == "ud")
-        arithmetic = std::make_unique<UdUpdate>(P.data(), l_theta);
-    else if (update == "covariance")
-        arithmetic = std::make_unique<CovarianceUpdate>(P.data(), l_theta);
-    else if (update == "sliding window")
-        arithmetic = std::make_unique<WindowUpdate>(P.data(), theta.data(), l_theta, l_z, window);
-    else if (update == "instantaneous")
-        arithmetic = std::make_unique<InstantaneousUpdate>(P.data(), l_theta);
-    else if (update == "gradient")
-        arithmetic = std::make_unique<GradientUpdate>(step_size, l_theta);
-    else
-        throw std::invalid_argument("no update named " + update);
-    return Controller(std::move(plan), std::move(arithmetic), std::move(theta));
+    const std::vector<double> P = copied(P_0, P_size, "P_0");
+    std::unique_ptr<Update> arithmetic = update_of(update, P, theta, l_z, window, step_size);
+    return std::make_unique<OwnedController>(std::move(plan), std::move(arithmetic),
+                                             std::move(theta));
 }
 
 // u(k), and whether the update stayed in the range of float64.
-std::pair<nb::ndarray<nb::numpy, double>, bool> step(Controller& controller, const Array& y,
+std::pair<nb::ndarray<nb::numpy, double>, bool> step(OwnedController& owned, const Array& y,
                                                      const Array& z, const Array& r,
                                                      const Array& u_applied) {
+    Controller& controller = owned.controller;
     require(y.size(), controller.structure().l_y, "y");
     require(r.size(), controller.structure().l_r, "r");
     require(z.size(), controller.l_z(), "z");
     if (u_applied.size() > 0) require(u_applied.size(), controller.l_u(), "u_applied");
+    const Hold hold(owned.use);
     controller.begin();
     if (u_applied.size() > 0) controller.correct_previous(u_applied.data());
     controller.measure(y.data(), r.data());
@@ -157,43 +102,52 @@ std::pair<nb::ndarray<nb::numpy, double>, bool> step(Controller& controller, con
 }  // namespace
 
 void bind_controller(nb::module_& m) {
-    nb::class_<Controller>(m, "Controller")
+    const auto number = [](auto of) {
+        return [of](const OwnedController& self) { return of(self.controller); };
+    };
+    nb::class_<OwnedController>(m, "Controller")
         .def("step", &step, nb::arg("y"), nb::arg("z"), nb::arg("r"), nb::arg("u_applied"))
-        .def("freeze", [](Controller& self, bool frozen) { self.set_frozen(frozen); })
-        .def("reset_covariance", &Controller::reset_covariance)
+        .def("freeze",
+             [](OwnedController& self, bool frozen) {
+                 const Hold hold(self.use);
+                 self.controller.set_frozen(frozen);
+             })
+        .def("reset_covariance",
+             [](OwnedController& self) {
+                 const Hold hold(self.use);
+                 self.controller.reset_covariance();
+             })
         .def("save",
-             [](Controller& self) {
+             [](OwnedController& self) {
+                 const Hold hold(self.use);
                  Archive archive;
                  self.visit(archive);
                  return to_numpy(archive.values().data(), archive.values().size());
              })
         .def("restore",
-             [](Controller& self, const Array& state) {
-                 Archive archive(copied(state, state.size(), "state"));
-                 self.visit(archive);
-                 archive.finish();
+             [](OwnedController& self, const Array& state) {
+                 const Hold hold(self.use);
+                 restore(self, copied(state, state.size(), "state"));
              })
-        .def_prop_ro("theta",
-                     [](const Controller& self) {
-                         return to_numpy(self.theta().data(), self.theta().size());
-                     },
+        .def_prop_ro("theta", number([](const Controller& c) {
+                         return to_numpy(c.theta().data(), c.theta().size());
+                     }),
                      nb::rv_policy::automatic)
-        .def_prop_ro("P",
-                     [](const Controller& self) {
-                         const std::size_t n = self.theta().size();
+        .def_prop_ro("P", number([](const Controller& c) {
+                         const std::size_t n = c.theta().size();
                          std::vector<double> P(n * n);
-                         self.update().covariance(P.data());
+                         c.update().covariance(P.data());
                          return to_numpy(std::move(P), {n, n});
-                     },
+                     }),
                      nb::rv_policy::automatic)
-        .def_prop_ro("k", &Controller::step)
-        .def_prop_ro("forgetting_factor", &Controller::lambda)
-        .def_prop_ro("reflections", &Controller::reflections)
-        .def_prop_ro("resets", &Controller::resets)
+        .def_prop_ro("k", number([](const Controller& c) { return c.step(); }))
+        .def_prop_ro("forgetting_factor", number([](const Controller& c) { return c.lambda(); }))
+        .def_prop_ro("reflections", number([](const Controller& c) { return c.reflections(); }))
+        .def_prop_ro("resets", number([](const Controller& c) { return c.resets(); }))
         .def_prop_ro("guard_count",
-                     [](const Controller& self) { return self.update().guard().count; })
+                     number([](const Controller& c) { return c.update().guard().count; }))
         .def_prop_ro("guard_first_step",
-                     [](const Controller& self) { return self.update().guard().first_step; });
+                     number([](const Controller& c) { return c.update().guard().first_step; }));
     m.def("controller", &make_controller, nb::kw_only(), nb::arg("l_u"), nb::arg("l_y"),
           nb::arg("l_r"), nb::arg("l_z"), nb::arg("derived"), nb::arg("regressor"),
           nb::arg("channels"), nb::arg("filtered"), nb::arg("targets"), nb::arg("R_z"),

@@ -4,7 +4,10 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+
 #include "bindings/bindings.hpp"
+#include "bindings/owned.hpp"
 #include "lanes/loop.hpp"
 
 namespace rcac {
@@ -18,41 +21,65 @@ public:
               bool shared_u, std::size_t r_in_w)
         : objects_(controllers),
           plant_object_(plant),
-          plant_(nb::cast<Plant*>(plant)),
+          owned_plant_(object_of<OwnedPlant>(plant, "Plant")),
+          owned_(owners(controllers)),
           actuator_(copied(low, low.size(), "low"), copied(high, low.size(), "high"),
                     copied(rate, low.size(), "rate")),
-          loop_(pointers(controllers), *plant_, actuator_,
+          loop_(pointers(owned_), this->plant(), actuator_,
                 {limit, stop_where_unsupported, shared_u, r_in_w}) {
-        const Sizes& size = plant_->sizes();
+        const Sizes& size = this->plant().sizes();
         if (!actuator_.is_ideal()) require(low.size(), size.l_u, "low");
+        for (std::size_t i = 0; i < low.size(); ++i) {
+            refuse_unless(low.data()[i] <= high.data()[i], "low exceeds high");
+            refuse_unless(rate.data()[i] >= 0.0, "a rate is negative");
+        }
+        refuse_unless(limit > 0.0, "limit is not positive");
         for (const Controller* c : loop_.controllers()) {
             require(c->structure().l_u, size.l_u, "l_u");
             require(c->structure().l_y, size.l_y, "l_y");
             require(c->l_z(), size.l_z, "l_z");
-            if (r_in_w + c->structure().l_r > size.l_w) throw std::invalid_argument("r beyond w");
+            refuse_unless(r_in_w <= size.l_w && c->structure().l_r <= size.l_w - r_in_w,
+                          "the command lies beyond w");
         }
     }
 
+    // Everything that a step of this loop changes.
+    void hold(Hold& all) {
+        all.add(owned_plant_.use);
+        for (OwnedController* c : owned_) all.add(c->use);
+    }
+
     Loop& loop() { return loop_; }
-    const Sizes& sizes() const { return plant_->sizes(); }
+    Plant& plant() { return *owned_plant_.plant; }
 
     void visit(Archive& archive) {
         for (Controller* c : loop_.controllers()) c->visit(archive);
-        plant_->visit(archive);
+        plant().visit(archive);
         actuator_.visit(archive);
     }
 
 private:
-    static std::vector<Controller*> pointers(const std::vector<nb::object>& objects) {
-        if (objects.empty()) throw std::invalid_argument("no controller");
+    static std::vector<OwnedController*> owners(const std::vector<nb::object>& objects) {
+        refuse_unless(!objects.empty(), "a loop has no controller");
+        std::vector<OwnedController*> result;
+        for (const nb::object& object : objects) {
+            OwnedController& one = object_of<OwnedController>(object, "Controller");
+            refuse_unless(std::find(result.begin(), result.end(), &one) == result.end(),
+                          "a controller is in the loop twice");
+            result.push_back(&one);
+        }
+        return result;
+    }
+    static std::vector<Controller*> pointers(const std::vector<OwnedController*>& owned) {
         std::vector<Controller*> result;
-        for (const nb::object& object : objects) result.push_back(nb::cast<Controller*>(object));
+        for (OwnedController* one : owned) result.push_back(&one->controller);
         return result;
     }
 
-    std::vector<nb::object> objects_;
+    std::vector<nb::object> objects_;  // so that what the rest points at lives on
     nb::object plant_object_;
-    Plant* plant_;
+    OwnedPlant& owned_plant_;
+    std::vector<OwnedController*> owned_;
     Actuator actuator_;
     Loop loop_;
 };
@@ -63,22 +90,25 @@ public:
     OwnedJob(nb::object loop, Array w, Output u, std::optional<Output> u_applied, Output y, Output z,
              Output theta, std::int64_t stride)
         : loop_object_(loop), w_(w), u_(u), u_applied_(u_applied), y_(y), z_(z), theta_(theta) {
-        OwnedLoop& owned = *nb::cast<OwnedLoop*>(loop);
-        const Sizes& size = owned.sizes();
-        if (stride < 1) throw std::invalid_argument("stride must be at least 1");
+        owner = &object_of<OwnedLoop>(loop, "Loop");
+        const Sizes& size = owner->plant().sizes();
+        require_range<std::int64_t>(stride, 1, Archive::longest, "stride");
+        refuse_unless(u.ndim() > 0, "u has no rows");
         const std::size_t steps = u.shape(0), per_row = static_cast<std::size_t>(stride);
+        require_range<std::size_t>(steps, 0, most_steps, "the number of steps");
         require(w.size(), steps * size.l_w, "w");
         require(u.size(), steps * size.l_u, "u");
         require(y.size(), steps * size.l_y, "y");
         require(z.size(), steps * size.l_z, "z");
         if (u_applied) require(u_applied->size(), steps * size.l_u, "u_applied");
-        require(theta.size(), (steps + per_row - 1) / per_row * owned.loop().l_theta(), "theta");
+        require(theta.size(), (steps + per_row - 1) / per_row * owner->loop().l_theta(), "theta");
         const Record record{u.data(), u_applied ? u_applied->data() : nullptr, y.data(), z.data(),
                             theta.data(), stride};
-        job = {&owned.loop(), w.data(), size.l_w, record, static_cast<std::int64_t>(steps)};
+        job = {&owner->loop(), w.data(), size.l_w, record, static_cast<std::int64_t>(steps)};
     }
 
     Job job;
+    OwnedLoop* owner = nullptr;
 
 private:
     nb::object loop_object_;
@@ -88,29 +118,36 @@ private:
     Output y_, z_, theta_;
 };
 
-// Each job at most `rows` steps further, in lanes (with that instruction set) where they are asked
-// for and the job fits; whether there is anything left to do.
-bool run_jobs(const std::vector<OwnedJob*>& owned, std::size_t threads, std::int64_t rows,
-              bool in_lanes, const std::string& level_name) {
-    const Level& lane_level = level(level_name.c_str());
+// Goes on with the jobs for about so many seconds, and at least by one step, in lanes (with that
+// instruction set) where they are asked for and the job fits; whether there is anything left to do.
+// The results are the same however the work is cut.
+bool run_jobs(const std::vector<nb::object>& objects, std::size_t threads, double seconds,
+              bool in_lanes, const std::string& set_name) {
+    refuse_unless(seconds >= 0.0, "seconds is negative or not a number");
+    const TimeBudget budget(seconds);
+    const InstructionSet& instructions = instruction_set(set_name.c_str());
+    Hold everything;
     std::vector<Job*> jobs;
-    for (OwnedJob* one : owned)
-        if (!one->job.finished()) jobs.push_back(&one->job);
+    for (const nb::object& object : objects) {
+        OwnedJob& owned = object_of<OwnedJob>(object, "Job");
+        if (owned.job.finished()) continue;
+        owned.owner->hold(everything);
+        jobs.push_back(&owned.job);
+    }
     {
         nb::gil_scoped_release release;
         LaneGroups groups{{}, jobs};
         if (in_lanes) groups = lane_groups(jobs);
         const std::size_t first = groups.in_lanes.size();
         in_threads(first + groups.others.size(), threads, [&](std::size_t i) {
+            if (i > 0 && budget.is_over()) return;
             if (i < first)
-                LaneLoop(groups.in_lanes[i], lane_level).run(rows);
+                LaneLoop(groups.in_lanes[i], instructions).run(budget);
             else
-                groups.others[i - first]->run(rows);
+                groups.others[i - first]->run(budget);
         });
     }
-    for (const Job* job : jobs)
-        if (!job->finished()) return true;
-    return false;
+    return std::any_of(jobs.begin(), jobs.end(), [](const Job* job) { return !job->finished(); });
 }
 
 }  // namespace
@@ -129,14 +166,16 @@ void bind_loop(nb::module_& m) {
              })
         .def("save",
              [](OwnedLoop& self) {
+                 Hold all;
+                 self.hold(all);
                  Archive archive;
                  self.visit(archive);
                  return to_numpy(archive.values().data(), archive.values().size());
              })
         .def("restore", [](OwnedLoop& self, const Array& state) {
-            Archive archive(copied(state, state.size(), "state"));
-            self.visit(archive);
-            archive.finish();
+            Hold all;
+            self.hold(all);
+            restore(self, copied(state, state.size(), "state"));
         });
     nb::class_<OwnedJob>(m, "Job")
         .def(nb::init<nb::object, Array, Output, std::optional<Output>, Output, Output, Output,
@@ -146,8 +185,8 @@ void bind_loop(nb::module_& m) {
         .def_prop_ro("done", [](const OwnedJob& self) { return self.job.done; })
         .def_prop_ro("outcome",
                      [](const OwnedJob& self) { return static_cast<int>(self.job.outcome); });
-    m.def("run_jobs", &run_jobs, nb::arg("jobs"), nb::arg("threads"), nb::arg("rows"),
-          nb::arg("lanes") = false, nb::arg("level") = "");
+    m.def("run_jobs", &run_jobs, nb::arg("jobs"), nb::arg("threads"), nb::arg("seconds"),
+          nb::arg("lanes") = false, nb::arg("instruction_set") = "");
 }
 
 }  // namespace rcac

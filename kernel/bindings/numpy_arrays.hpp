@@ -1,27 +1,17 @@
-// NumPy arrays in and out of the kernel. Shapes and ranges are checked in Python, where the
-// messages can name the user's arguments; here every size is checked once more, so that no call
-// can reach beyond an array.
+// NumPy arrays in and out of the kernel.
 #pragma once
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <stdexcept>
-#include <string>
 #include <vector>
 
-namespace nb = nanobind;
+#include "bindings/checks.hpp"
 
 namespace rcac {
 
 using Array = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Output = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
-
-inline void require(std::size_t found, std::size_t wanted, const char* name) {
-    if (found != wanted)
-        throw std::invalid_argument(std::string(name) + ": " + std::to_string(found) +
-                                    " numbers where " + std::to_string(wanted) + " belong");
-}
 
 inline std::vector<double> copied(const Array& array, std::size_t size, const char* name) {
     require(array.size(), size, name);

@@ -6,18 +6,16 @@
 #include <string>
 
 #include "updates/covariance.hpp"
-#include "updates/symmetric_covariance.hpp"
 #include "lanes/ud_lanes.hpp"
 #include "updates/ud.hpp"
 
 namespace rcac {
 
 inline std::unique_ptr<Update> make_update(const std::string& name, const double* P0,
-                                           std::size_t l_theta, const Level& level = rcac::level()) {
-    if (name == "ud") return std::make_unique<UdUpdate>(P0, l_theta, level);
+                                           std::size_t l_theta,
+                                           const InstructionSet& instructions) {
+    if (name == "ud") return std::make_unique<UdUpdate>(P0, l_theta, instructions);
     if (name == "covariance") return std::make_unique<CovarianceUpdate>(P0, l_theta);
-    if (name == "symmetric covariance")
-        return std::make_unique<SymmetricCovarianceUpdate>(P0, l_theta, level);
     throw std::invalid_argument("no update named " + name);
 }
 

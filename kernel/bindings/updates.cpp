@@ -16,30 +16,25 @@ using Vector = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::
 template <class Array>
 void require_shape(const Array& array, const std::vector<std::size_t>& shape, const char* name) {
     for (std::size_t i = 0; i < shape.size(); ++i)
-        if (array.shape(i) != shape[i])
-            throw std::invalid_argument(std::string(name) + ": extent " +
-                                        std::to_string(array.shape(i)) + " where " +
-                                        std::to_string(shape[i]) + " belongs");
-}
-
-void require_range(std::size_t l_theta, double forgetting) {
-    if (l_theta == 0) throw std::invalid_argument("l_theta is 0");
-    if (!(forgetting > 0.0 && forgetting <= 1.0))
-        throw std::invalid_argument("forgetting lies outside (0, 1]");
+        refuse_unless(array.shape(i) == shape[i], std::string(name) + ": extent " +
+                                                      std::to_string(array.shape(i)) + " where " +
+                                                      std::to_string(shape[i]) + " belongs");
 }
 
 nb::tuple replay_updates(const std::string& update, const Cube& Phi_f, const Matrix& target,
                          const Matrix& R_z, const Matrix& R_u, double forgetting, const Matrix& P_0,
-                         const Vector& theta_0, std::size_t repeat, const std::string& level_name) {
+                         const Vector& theta_0, std::size_t repeat, const std::string& set_name) {
     const std::size_t steps = Phi_f.shape(0), l_z = Phi_f.shape(1), l_theta = Phi_f.shape(2);
-    require_range(l_theta, forgetting);
+    require_width(l_theta, 1, "l_theta");
+    require_width(l_z, 1, "l_z");
+    require_forgetting(forgetting, "forgetting");
     require_shape(target, {steps, l_z}, "target");
     require_shape(R_z, {l_z, l_z}, "R_z");
     require_shape(R_u, {l_z, l_z}, "R_u");
     require_shape(P_0, {l_theta, l_theta}, "P_0");
     require_shape(theta_0, {l_theta}, "theta_0");
     std::vector<double> theta(theta_0.data(), theta_0.data() + l_theta), P(l_theta * l_theta);
-    const auto run = make_update(update, P_0.data(), l_theta, level(level_name.c_str()));
+    const auto run = make_update(update, P_0.data(), l_theta, instruction_set(set_name.c_str()));
     bool finite = false;
     {
         nb::gil_scoped_release release;
@@ -56,14 +51,15 @@ nb::tuple replay_updates(const std::string& update, const Cube& Phi_f, const Mat
 
 nb::tuple replay_ud_lanes(const Cube& Phi_f, const Matrix& target, double forgetting,
                           const Cube& P_0, const Matrix& theta_0, std::size_t repeat,
-                          const std::string& level_name) {
+                          const std::string& set_name) {
     const std::size_t steps = Phi_f.shape(0), l_theta = Phi_f.shape(1);
-    require_range(l_theta, forgetting);
+    require_width(l_theta, 1, "l_theta");
+    require_forgetting(forgetting, "forgetting");
     require_shape(Phi_f, {steps, l_theta, lanes}, "Phi_f");
     require_shape(target, {steps, lanes}, "target");
     require_shape(P_0, {lanes, l_theta, l_theta}, "P_0");
     require_shape(theta_0, {l_theta, lanes}, "theta_0");
-    const Level& chosen = level(level_name.c_str());
+    const InstructionSet& chosen = instruction_set(set_name.c_str());
     std::vector<double> theta(theta_0.data(), theta_0.data() + l_theta * lanes);
     std::vector<double> P(lanes * l_theta * l_theta);
     std::vector<std::int64_t> lost(lanes, 0);
@@ -91,18 +87,18 @@ nb::tuple replay_ud_lanes(const Cube& Phi_f, const Matrix& target, double forget
 
 void bind_updates(nb::module_& m) {
     m.attr("lanes") = lanes;
-    m.def("levels", [] {
+    m.def("instruction_sets", [] {
         std::vector<std::string> names;
-        const Levels all = levels();
+        const InstructionSets all = instruction_sets();
         for (std::size_t i = 0; i < all.count; ++i) names.push_back(all.first[i]->name);
         return names;
     });
     m.def("replay_updates", &replay_updates, nb::arg("update"), nb::arg("Phi_f"), nb::arg("target"),
           nb::kw_only(), nb::arg("R_z"), nb::arg("R_u"), nb::arg("forgetting") = 1.0,
-          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("repeat") = 1, nb::arg("level") = "");
+          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("repeat") = 1, nb::arg("instruction_set") = "");
     m.def("replay_ud_lanes", &replay_ud_lanes, nb::arg("Phi_f"), nb::arg("target"), nb::kw_only(),
           nb::arg("forgetting") = 1.0, nb::arg("P_0"), nb::arg("theta_0"), nb::arg("repeat") = 1,
-          nb::arg("level") = "");
+          nb::arg("instruction_set") = "");
 }
 
 }  // namespace rcac

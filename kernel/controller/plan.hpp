@@ -2,6 +2,7 @@
 #pragma once
 
 #include "controller/adaptation_rules.hpp"
+#include "controller/performance_rules.hpp"
 #include "controller/target_filter.hpp"
 
 namespace rcac {

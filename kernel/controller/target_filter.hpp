@@ -46,7 +46,9 @@ public:
     }
 
     double& input(std::size_t channel) { return inputs_.now(channel); }
-    double& previous_input(std::size_t channel) { return inputs_.before(channel); }
+    void correct_previous_input(std::size_t channel, double value) {
+        if (order_ > 0) inputs_.before(channel) = value;  // else nothing remembers it
+    }
 
     // F(k) of every channel from the inputs up to now.
     void run() {

@@ -10,7 +10,7 @@
 
 namespace rcac {
 
-// Whether the run is of the common kind that lane_loop_body.hpp does: one controller with the
+// Whether the run is of the common kind that simd/lanes/loop.inl.hpp does: one controller with the
 // factorised update in the predictor form, nothing that acts on it while it runs, and a plant that
 // is nothing but constant matrices. Where l_z > 1 the weights are constant too.
 // It depends on the run's own settings alone, so that neither its company nor the step that it has
@@ -27,7 +27,7 @@ inline bool fits_lanes(Loop& loop) {
         c.frozen() || !plan.events.empty() || !plan.noise.empty() ||
         !plan.structure.derived.empty() || plan.forgetting.long_window > 0 ||
         plan.reset.every > 0 || plan.reset.trace_below > 0.0 || plan.reset.growth > 0.0 ||
-        plan.k_filter > 0)
+        plan.k_filter > 0 || plan.targets.size() > 1)
         return false;
     if (c.l_z() > 3 || plan.R_z.function || plan.R_u.function) return false;
     // A W that is not positive definite ends a run; that is the ordinary loop's business.

@@ -9,8 +9,8 @@ namespace rcac {
 // of a lane that raised the alarm. A run that ends leaves an idle lane.
 class LaneLoop {
 public:
-    explicit LaneLoop(const std::vector<Job*>& jobs, const Level& level = rcac::level())
-        : level_(&level), state_(*jobs.front()->loop), jobs_(jobs), a_(state_.a) {
+    explicit LaneLoop(const std::vector<Job*>& jobs, const InstructionSet& instructions)
+        : instructions_(&instructions), state_(*jobs.front()->loop), jobs_(jobs), a_(state_.a) {
         for (std::size_t i = 0; i < jobs_.size(); ++i) state_.load(i, *jobs_[i]->loop);
         w_.assign(lane_rows * a_.l_w * lanes, 0.0);
         u_.assign(lane_rows * a_.l_u * lanes, 0.0);
@@ -20,30 +20,32 @@ public:
         for (std::size_t i = 0; i < jobs_.size(); ++i) first_[i] = jobs_[i]->done;
     }
 
-    // At most `rows` steps more of every run.
-    void run(std::int64_t rows) {
-        for (std::size_t i = 0; i < jobs_.size(); ++i)
-            stop_[i] = std::min(jobs_[i]->steps, jobs_[i]->done + rows);
-        for (std::size_t i = 0; i < jobs_.size(); ++i) leave_if_done(i);
-        while (const std::size_t count = piece()) {
+    // Until every run has ended or the time is up, and at least one step.
+    void run(const TimeBudget& budget) {
+        Watch watch(budget);
+        while (const std::size_t count = piece(watch.steps_to_next_look())) {
             for (std::size_t i = 0; i < jobs_.size(); ++i)
                 if (jobs_[i]) before(i, count);
-            const std::size_t made = level_->lane_steps(a_, count);
+            const std::size_t made = instructions_->lane_steps(a_, count);
             for (std::size_t i = 0; i < jobs_.size(); ++i)
                 if (jobs_[i]) after(i, made);
+            if (watch.time_is_up(static_cast<std::int64_t>(made))) break;
         }
+        for (std::size_t i = 0; i < jobs_.size(); ++i)
+            if (jobs_[i]) leave_intact(i);
     }
 
 private:
-    // Steps up to the end of the first run, or up to the first theta to be kept after this one.
-    std::size_t piece() const {
-        std::int64_t count = lane_rows;
+    // Steps up to the end of the first run, or up to the first theta to be kept after this one, and
+    // no more than that.
+    std::size_t piece(std::int64_t most) const {
+        std::int64_t count = std::min<std::int64_t>(most, lane_rows);
         bool any = false;
         for (std::size_t i = 0; i < jobs_.size(); ++i) {
             if (!jobs_[i]) continue;
             any = true;
             const std::int64_t stride = jobs_[i]->record.stride;
-            count = std::min({count, stop_[i] - jobs_[i]->done, stride - jobs_[i]->done % stride});
+            count = std::min({count, jobs_[i]->steps - jobs_[i]->done, stride - jobs_[i]->done % stride});
         }
         return any ? static_cast<std::size_t>(count) : 0;
     }
@@ -71,8 +73,8 @@ private:
             --job.done;
             job.loop->has_failed(LaneState::taken(a_.theta_before, a_.factors.n, lane));
             leave(lane);
-        } else {
-            leave_if_done(lane);
+        } else if (job.finished()) {
+            leave_intact(lane);
         }
     }
 
@@ -82,7 +84,7 @@ private:
         for (std::size_t i = 0; i < made * width; ++i) to[i] = from[i * lanes + lane];
     }
 
-    // What closed_loop.hpp says of the last step, row `row` of the piece, in its order.
+    // What loop/closed_loop.hpp says of the last step, row `row` of the piece, in its order.
     Outcome verdict(std::size_t lane, std::size_t row) {
         const Job& job = *jobs_[lane];
         const double limit = job.loop->options().limit;
@@ -114,9 +116,8 @@ private:
         return real(x) ? Outcome::diverged : Outcome::plant_not_finite;
     }
 
-    void leave_if_done(std::size_t lane) {
+    void leave_intact(std::size_t lane) {
         Job& job = *jobs_[lane];
-        if (job.done < stop_[lane]) return;
         state_.store(lane, *job.loop, job.done - first_[lane]);
         leave(lane);
     }
@@ -126,12 +127,12 @@ private:
         for (std::size_t i = lane; i < w_.size(); i += lanes) w_[i] = 0.0;
     }
 
-    const Level* level_;
+    const InstructionSet* instructions_;
     LaneState state_;
     std::vector<Job*> jobs_;  // null: has ended
     LaneArrays& a_;
     AlignedVector w_, u_, y_, z_;
-    std::int64_t first_[lanes] = {}, stop_[lanes] = {};  // rows where this took over and will end
+    std::int64_t first_[lanes] = {};  // rows where this took over
 };
 
 }  // namespace rcac

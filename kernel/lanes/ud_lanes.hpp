@@ -2,7 +2,7 @@
 #pragma once
 
 #include "memory/aligned.hpp"
-#include "simd/levels.hpp"
+#include "simd/dispatch.hpp"
 #include "updates/ud.hpp"
 
 namespace rcac {
@@ -11,9 +11,10 @@ namespace rcac {
 // l_theta up to about 40, where a single run cannot fill the processor's vectors.
 class UdLanes {
 public:
-    explicit UdLanes(std::size_t l_theta, const Level& level = rcac::level())
+    explicit UdLanes(std::size_t l_theta,
+                     const InstructionSet& instructions = rcac::instruction_set())
         : n_(l_theta),
-          level_(&level),
+          instructions_(&instructions),
           U_(n_ * (n_ - 1) / 2 * lanes, 0.0),
           D_(n_ * lanes, 1.0),
           gain_(n_ * lanes, 0.0),
@@ -38,13 +39,13 @@ public:
     // exactly as it was. A lane whose numbers left the range of float64 has an infinite or
     // undefined alpha()[lane].
     unsigned measure(const double* row, const double* rhs, const double* r, double* theta) {
-        return level_->lanes_measure({n_, U_.data(), D_.data()}, row, rhs, r, gain_.data(), theta,
-                                     alpha_.data());
+        return instructions_->lanes_measure({n_, U_.data(), D_.data()}, row, rhs, r, gain_.data(),
+                                            theta, alpha_.data());
     }
     // The factors alone; gain() and alpha() are what theta <- theta - gain innovation / alpha needs.
     unsigned rank_one(const double* row, const double* r) {
-        return level_->lanes_rank_one({n_, U_.data(), D_.data()}, row, r, gain_.data(),
-                                      alpha_.data());
+        return instructions_->lanes_rank_one({n_, U_.data(), D_.data()}, row, r, gain_.data(),
+                                             alpha_.data());
     }
     void forget(std::size_t lane, double lambda) {
         for (std::size_t j = 0; j < n_; ++j) D_[j * lanes + lane] /= lambda;
@@ -69,7 +70,7 @@ private:
     }
 
     std::size_t n_;
-    const Level* level_;
+    const InstructionSet* instructions_;
     AlignedVector U_, D_, gain_, alpha_;
 };
 

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "loop/closed_loop.hpp"
+#include "loop/time_budget.hpp"
 
 namespace rcac {
 
@@ -23,12 +24,22 @@ struct Job {
 
     bool finished() const { return done >= steps || outcome != Outcome::completed; }
 
-    // At most `rows` steps more.
-    void run(std::int64_t rows) {
-        const std::int64_t stop = std::min(steps, done + rows);
-        while (done < stop && step()) ++done;
+    // Until it has ended or the time is up, and at least one step. A function of the user that
+    // throws leaves its step half done, so the run cannot go on.
+    void run(const TimeBudget& budget) {
+        Watch watch(budget);
+        try {
+            while (done < steps && step()) {
+                ++done;
+                if (watch.time_is_up()) return;
+            }
+        } catch (...) {
+            outcome = Outcome::plant_failed;
+            throw;
+        }
     }
 
+private:
     // One step; false where it failed, and then its rows are not valid.
     bool step() {
         const double* row = w + done * static_cast<std::int64_t>(l_w);

@@ -127,7 +127,7 @@ public:
         return finite_state() ? Outcome::diverged : Outcome::plant_not_finite;
     }
 
-    // For whoever makes its steps elsewhere (lane_state.hpp): one failed, after these coefficients.
+    // For whoever makes its steps elsewhere (lanes/state.hpp): one failed, after these coefficients.
     void has_failed(const std::vector<double>& theta_before) { theta_before_ = theta_before; }
 
     Plant& plant() { return plant_; }

@@ -80,7 +80,7 @@ public:
     // Whether it is nothing but one set of matrices; then these are they.
     bool is_constant() const { return segments_.size() == 1 && !past_u_; }
     const PlantMatrices& matrices() const { return m_; }
-    // For whoever makes its steps elsewhere (lane_state.hpp).
+    // For whoever makes its steps elsewhere (lanes/state.hpp).
     void has_stepped(std::int64_t steps, const std::vector<double>& x) {
         k_ += steps;
         x_ = x;
@@ -88,7 +88,7 @@ public:
     }
 
     void visit(Archive& archive) override {
-        archive(k_);
+        archive(k_, 0, Archive::longest);
         auto number = static_cast<std::int64_t>(number_);
         archive(number, 0, static_cast<std::int64_t>(segments_.size()) - 1);
         if (archive.reading()) {

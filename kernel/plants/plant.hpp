@@ -29,7 +29,7 @@ public:
     const Sizes& sizes() const { return sizes_; }
     const std::vector<double>& x() const { return x_; }
     virtual void visit(Archive& archive) {
-        archive(k_);
+        archive(k_, 0, Archive::longest);
         archive(x_);
     }
 

@@ -1,21 +1,22 @@
 // For every processor: vectors of 16 bytes, which x86-64 and arm64 both have.
-#define RCAC_LEVEL plain
+#define RCAC_INSTRUCTION_SET plain
 #define RCAC_WIDTH 2
+#include "simd/dispatch.hpp"
 #include "simd/lanes/loop.inl.hpp"
-#include "simd/symmetric.inl.hpp"
 #include "simd/lanes/ud.inl.hpp"
 #include "simd/ud_rank_one.inl.hpp"
 
 namespace rcac {
 
-extern const Level level_plain;
-const Level level_plain{"plain",
-                        &plain::ud_rank_one,
-                        &plain::ud_measure,
-                        &plain::symmetric_measure,
-                        &plain::lanes_rank_one,
-                        &plain::lanes_measure,
-                        &plain::lane_steps,
-                        &plain::finite};
+extern const InstructionSet set_plain;
+const InstructionSet set_plain{
+    "plain",
+    &plain::ud_rank_one,
+    &plain::ud_measure,
+    &plain::lanes_rank_one,
+    &plain::lanes_measure,
+    &plain::lane_steps,
+    &plain::finite,
+};
 
 }  // namespace rcac

@@ -7,10 +7,10 @@
 // dot products, a few vector operations for 8 scalars at once, and one pass that carries g.
 #pragma once
 
-#include "simd/levels.hpp"
+#include "simd/layout.hpp"
 #include "simd/vectors.hpp"
 
-namespace rcac::RCAC_LEVEL {
+namespace rcac::RCAC_INSTRUCTION_SET {
 
 constexpr double epsilon = 2.220446049250313e-16;
 
@@ -228,4 +228,4 @@ inline bool finite(const double* values, std::size_t count) {
     return rest == 0.0;
 }
 
-}  // namespace rcac::RCAC_LEVEL
+}  // namespace rcac::RCAC_INSTRUCTION_SET

@@ -1,14 +1,15 @@
 // Short vectors of doubles whose width is that of the instruction set a file is compiled for.
 //
-// Included only by the level_*.cpp files. Each defines RCAC_LEVEL, the namespace that keeps its
-// copy of every function apart from the others', and RCAC_WIDTH, the doubles in one vector.
+// Included only by the files that are compiled once per instruction set. Each defines
+// RCAC_INSTRUCTION_SET, the namespace that keeps its copy of every function apart from the others',
+// and RCAC_WIDTH, the doubles in one vector.
 // Nothing here may include a header with inline functions: the linker would be free to keep the
-// copy compiled for the widest level and to call it on every processor.
+// copy compiled for the widest vectors and to call it on every processor.
 #pragma once
 
 #include <cstddef>
 
-namespace rcac::RCAC_LEVEL {
+namespace rcac::RCAC_INSTRUCTION_SET {
 
 constexpr std::size_t width = RCAC_WIDTH;
 constexpr std::size_t tile = 8;                // rows and columns of a tile, for every width
@@ -173,4 +174,4 @@ RCAC_INLINE Vec moved_up(Vec a, Vec before) {
 #endif
 }
 
-}  // namespace rcac::RCAC_LEVEL
+}  // namespace rcac::RCAC_INSTRUCTION_SET

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "simd/levels.hpp"
+#include "simd/dispatch.hpp"
 #include "updates/update.hpp"
 
 namespace rcac {
@@ -75,7 +75,7 @@ public:
             }
         if (data.lambda != 1.0)
             for (double& p : P_) p /= data.lambda;
-        return finite(theta, n_) && level().finite(P_.data(), n_ * n_);
+        return finite(theta, n_) && instruction_set().finite(P_.data(), n_ * n_);
     }
 
     void covariance(double* P) const override { std::copy(P_.begin(), P_.end(), P); }

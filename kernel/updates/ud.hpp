@@ -4,20 +4,21 @@
 #include <stdexcept>
 
 #include "memory/aligned.hpp"
-#include "simd/levels.hpp"
+#include "simd/dispatch.hpp"
 #include "updates/update.hpp"
 #include "updates/whitened_rows.hpp"
 
 namespace rcac {
 
-// U is unit upper triangular, in the tiles of levels.hpp; D > 0. d_j is multiplied by ratios
+// U is unit upper triangular, in the tiles of simd/layout.hpp; D > 0. d_j is multiplied by ratios
 // alpha_{j-1}/alpha_j and never reduced by a subtraction, so P stays positive definite for
 // R_theta = 1e-40 where (2.43) as printed does not.
 class UdUpdate final : public Update {
 public:
-    UdUpdate(const double* P0, std::size_t l_theta, const Level& level = rcac::level())
+    UdUpdate(const double* P0, std::size_t l_theta,
+             const InstructionSet& instructions = rcac::instruction_set())
         : n_(l_theta),
-          level_(&level),
+          instructions_(&instructions),
           P_0_(P0, P0 + l_theta * l_theta),
           U_(tiles_size(n_), 0.0),
           D_(padded_to_tiles(n_), 0.0),
@@ -31,7 +32,7 @@ public:
         if (!measure(data, step, theta)) return false;
         if (data.lambda == 1.0) return true;
         for (double& d : D_) d /= data.lambda;
-        return level_->finite(D_.data(), n_);
+        return instructions_->finite(D_.data(), n_);
     }
 
     // The update without the division of P by lambda: rows of variance lambda.
@@ -39,9 +40,9 @@ public:
         if (!rows_.take(data)) return false;
         for (std::size_t r = 0; r < data.l_z; ++r) {
             bool lost = false;
-            const bool finite = level_->ud_measure({n_, U_.data(), D_.data()}, rows_.phi(data, r),
-                                                   rows_.scale(), rows_.rhs(r), data.lambda,
-                                                   row_.data(), gain_.data(), theta, lost);
+            const bool finite = instructions_->ud_measure(
+                {n_, U_.data(), D_.data()}, rows_.phi(data, r), rows_.scale(), rows_.rhs(r),
+                data.lambda, row_.data(), gain_.data(), theta, lost);
             if (lost) guard_.raise(step);
             if (!finite) return false;
         }
@@ -116,7 +117,7 @@ public:
 
 private:
     std::size_t n_;
-    const Level* level_;
+    const InstructionSet* instructions_;
     std::vector<double> P_0_;
     AlignedVector U_, D_, gain_, row_;
     WhitenedRows rows_;

@@ -46,8 +46,8 @@ public:
     virtual double trace() const { return 0.0; }
     // What the next update depends on, beside the settings.
     virtual void visit(Archive& archive) {
-        archive(guard_.count);
-        archive(guard_.first_step);
+        archive(guard_.count, 0, Archive::longest);
+        archive(guard_.first_step, -1, Archive::longest);
     }
     const Guard& guard() const { return guard_; }
 

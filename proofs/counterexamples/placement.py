@@ -55,7 +55,7 @@ def more_states_than_the_plant() -> Facts:
 
 
 def constant_zero() -> Facts:
-    """Lemma 1 with "deg 0 = 0": a = 1, b = 0, q = s, p = 0 has bq + ap = 0, so p != 0 is needed."""
+    """Lemma 1 with "deg 0 = 0": a = 1, b = 0, q = s, p = 0 has bq + ap = 0 and deg a <= deg b."""
     a, b, q, p = (polynomial(text, "s") for text in ("1", "0", "s", "0"))
     yield "bq + ap = 0", (b * q + a * p).is_zero
     yield "a is not 0", not a.is_zero

@@ -1,21 +1,26 @@
 """Observer-based forms of realisations: as many as divisors, and which ones hidden modes allow."""
 
 from hypothesis import assume
-from sympy import Matrix, Poly
+from hypothesis import strategies as st
+from sympy import BlockMatrix, Matrix, Poly, Symbol
 
 from compensator_theory import (
     closed_loop_matrix,
     count_observer_forms,
+    number_of_real_roots,
     observer_forms,
     youla_forms,
 )
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.observers.counting import count_partitions
 from compensator_theory.observers.form import ObserverForm
-from compensator_theory.roots.real_factors import count_partitions
+from compensator_theory.strategies import matrices
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 from .loops import Loop, hidden_loops, minimal_loops
+
+s = Symbol("s")
 
 
 def is_form(form: ObserverForm) -> bool:
@@ -41,6 +46,30 @@ def subspaces_are_forms(loop: Loop) -> bool:
         and not (found.rejections or found.families or found.undecided)
         and all(is_form(form) for form in found.forms)
     )
+
+
+@st.composite
+def designs(draw: st.DrawFn) -> tuple[Matrix, Matrix, Matrix]:
+    """Draw A, BK and FC of odd order; the plant and the compensator may hide modes."""
+    n = draw(st.sampled_from([1, 3]))
+    A, B, C = (Matrix(draw(matrices(*size))) for size in ((n, n), (n, 1), (1, n)))
+    K, F = (Matrix(draw(matrices(*size))) for size in ((1, n), (n, 1)))
+    if draw(st.booleans()):  # the last modes are out of B's reach, or all of them
+        reached = draw(st.integers(0, n - 1))
+        A[reached:, :reached] = Matrix.zeros(n - reached, reached)
+        B[reached:, :] = Matrix.zeros(n - reached, 1)
+    used_K, used_F = draw(st.sampled_from([(1, 1), (0, 1), (1, 0), (0, 0)]))
+    return A, used_K * B * K, used_F * F * C
+
+
+@for_all(design=designs())
+def only_if_without_minimality(design: tuple[Matrix, Matrix, Matrix]) -> bool:
+    """For odd n the loop of every observer-based compensator has two real eigenvalues, counted with
+    multiplicity, with whatever modes the plant or the compensator hide.
+    """
+    A, BK, FC = design
+    loop = BlockMatrix([[A, BK], [FC, A + BK - FC]]).as_explicit().as_mutable()
+    return number_of_real_roots(characteristic_polynomial(loop, s)) >= 2
 
 
 @for_all(loop=minimal_loops())

@@ -5,7 +5,7 @@ from sympy import Matrix, Rational, eye, ones, zeros
 
 from compensator_theory.strategies import matrices, rationals
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 forgetting_factors = st.sampled_from([Rational(1), Rational(1, 2), Rational(9, 10)])
 Step = tuple[Matrix, Matrix, Rational]  # Phi_f, z - u_f, R_u

@@ -18,7 +18,7 @@ from compensator_theory.strategies import (
     strictly_proper_plants,
 )
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 Case = tuple[TransferFunction, tuple[Expr, ...]]
 

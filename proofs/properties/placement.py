@@ -15,7 +15,7 @@ from compensator_theory import (
 from compensator_theory.matrices.linear_algebra import determinant, solve_affine
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 plants = strictly_proper_plants(max_order=4)
 

@@ -7,7 +7,7 @@ from compensator_theory import sylvester_m1, sylvester_m2
 from compensator_theory.matrices.linear_algebra import determinant, rank
 from compensator_theory.strategies import polynomials, rationals
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 s = Symbol("s")
 with_zero = st.one_of(polynomials(max_degree=3), st.just(Poly(0, s)))
@@ -15,9 +15,9 @@ with_zero = st.one_of(polynomials(max_degree=3), st.just(Poly(0, s)))
 
 @st.composite
 def unequal_degrees(draw: st.DrawFn) -> tuple[Poly, Poly]:
-    """Draw (p, q) with deg p < deg q, p not 0; they may have common roots, q need not be monic."""
+    """Draw (p, q) with deg p < deg q; p may be 0, both may have common roots, q is any."""
     q = draw(polynomials(min_degree=1, max_degree=4))
-    return draw(polynomials(max_degree=int(q.degree()) - 1)), q
+    return draw(st.one_of(polynomials(max_degree=int(q.degree()) - 1), st.just(Poly(0, s)))), q
 
 
 @st.composite
@@ -32,8 +32,8 @@ def pairs(draw: st.DrawFn, degrees: tuple[Poly, Poly]) -> tuple[Poly, Poly]:
 
 @for_all(degrees=unequal_degrees(), data=st.data())
 def lemma_1(degrees: tuple[Poly, Poly], data: st.DataObject) -> bool:
-    """For deg a <= deg b, deg p < deg q and p not 0, bq + ap = 0 only if a = b = 0; half of the
-    pairs (a, b) satisfy the equation.
+    """For deg a <= deg b and deg p < deg q, bq + ap = 0 only if a = b = 0, p = 0 included; half of
+    the pairs (a, b) satisfy the equation.
     """
     p, q = degrees
     a, b = data.draw(pairs(degrees))

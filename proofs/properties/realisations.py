@@ -7,7 +7,7 @@ from compensator_theory import observer_gain, polynomial_from_roots, regulator_g
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
 from compensator_theory.strategies import matrices, minimal_plants, spectra
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 s = Symbol("s")
 

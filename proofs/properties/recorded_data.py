@@ -10,7 +10,7 @@ from compensator_theory import (
 )
 from compensator_theory.strategies import rationals, standard_problems
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 STEPS = 6
 coefficients = st.lists(rationals(3, 2), min_size=2, max_size=2)

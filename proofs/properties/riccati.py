@@ -16,7 +16,7 @@ from compensator_theory.strategies.plants import disguised, unimodular_matrices
 from compensator_theory.systems.state_space import controllable_canonical_form
 from compensator_theory.systems.transfer_functions import TransferFunction
 
-from ..checks import for_all
+from ..ledger.checks import for_all
 
 q = Symbol("q")
 Case = tuple[tuple[Matrix, Matrix, Matrix], list[Rational], Rational, int]

@@ -14,9 +14,9 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.schedules import PlantSchedule
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +168,7 @@ def _solved(pencil: ComplexArray, B: Array) -> ComplexArray:
         return np.full(B.shape, np.nan, dtype=np.complex128)
 
 
-def frozen_loop(plant: Plant | PlantSchedule, compensator: Compensator, k: int) -> ClosedLoop:
+def frozen_loop(plant: AnyPlant, compensator: Compensator, k: int) -> ClosedLoop:
     """The plant of step k in a loop with a fixed compensator that reads y, or [y; r]."""
     fixed = plant_at(plant, k)
     if compensator.l_y > fixed.l_y:

@@ -115,11 +115,13 @@ def split_residual(
     Examples
     --------
     >>> from rcac_numeric import (
-    ...     ControllerSettings, exogenous, fir_target, iir, simulate, split_residual,
-    ...     standard_plant, white_noise)
+    ...     UD, ControllerSettings, WhiteNoise, exogenous, fir_target, iir, simulate,
+    ...     split_residual,
+    ...     standard_plant)
     >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1)
-    >>> run = simulate(plant, settings, exogenous([white_noise()], steps=500))
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1))
+    >>> run = simulate(plant, settings, exogenous([WhiteNoise()], steps=500))
     >>> split = split_residual(
     ...     plant, run.compensator, settings.target, u=run.u, y=run.y, z=run.z, w=run.w)
     >>> split.identity_error < 1e-12

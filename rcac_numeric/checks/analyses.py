@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.analysis.exact_comparison import compare_exactly
-from rcac_numeric.analysis.match import intercalated_match
-from rcac_numeric.analysis.residual_split import split_residual
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.checks.logs import ControllerLog
-from rcac_numeric.checks.replays import require_fit
+from rcac_numeric.checks.regressor import require_fit
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.margins.classical import Margins, stability_margins
 from rcac_numeric.margins.disk import DiskMargin, multivariable_disk_margin
-from rcac_numeric.plants.frozen import measuring_command
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -42,14 +39,22 @@ def fixed_compensator(
 
 
 def _from_polynomials(log: ControllerLog) -> Compensator:
+    assert log.D_c is not None and log.N_c is not None
     D_c, N_c = np.trim_zeros(log.D_c, "f"), np.trim_zeros(log.N_c, "f")
     if not len(D_c) or len(N_c) > len(D_c):
         raise InputError(
             f"{log.source}: D_c has degree {len(D_c) - 1} and N_c degree {len(N_c) - 1}; the "
             "controller would use future values, or is none."
         )
-    N_c = np.concatenate([np.zeros(len(D_c) - len(N_c)), N_c]) / D_c[0]
-    return Compensator((-D_c[1:] / D_c[0])[:, None, None], N_c[:, None, None])
+    with np.errstate(over="ignore"):
+        N_c = np.concatenate([np.zeros(len(D_c) - len(N_c)), N_c]) / D_c[0]
+        D_c = D_c / D_c[0]
+    if not (np.isfinite(D_c).all() and np.isfinite(N_c).all()):
+        raise InputError(
+            f"{log.source}: the leading coefficient of D_c is so small that D_c and N_c divided by "
+            "it leave float64; scale both."
+        )
+    return Compensator((-D_c[1:])[:, None, None], N_c[:, None, None])
 
 
 def with_plant(
@@ -67,49 +72,39 @@ def with_plant(
                 f"{log.source}: {name} has {signal.shape[1]} components; the plant has l_{name} = "
                 f"{width}."
             )
-    y = log.y
-    if fixed.l_y > plant.l_y:
-        plant = measuring_command(plant)
-        y = log.y if log.r is None else np.hstack([log.y, log.r])
-    loop = ClosedLoop(plant, fixed)
-    known: dict[str, Any] = {"loop": loop}
+    analysis = LoopAnalysis(plant, fixed, target)
+    known: dict[str, Any] = {"loop": analysis.loop}
     if target is None:
         for name in ("target", "match", "split"):
             unsaid[name] = "the target model is not known"
     else:
-        known |= _against_target(log, loop, target, y, unsaid)
-    comparison = known.get("comparison")
-    if comparison is not None:
-        known["zeros"] = comparison.zeros
-    elif plant.l_z == 1:
-        known["zeros"] = loop.zeros()
+        known |= _against_target(log, analysis, unsaid)
+    if known.get("comparison") is not None or plant.l_z == 1:
+        known["zeros"] = analysis.zeros
     else:
         unsaid["zeros"] = f"they are for one z, and the plant has l_z = {plant.l_z}"
     return known
 
 
 def _against_target(
-    log: ControllerLog, loop: ClosedLoop, target: TargetModel, y: Array, unsaid: dict[str, str]
+    log: ControllerLog, analysis: LoopAnalysis, unsaid: dict[str, str]
 ) -> dict[str, Any]:
-    plant, fixed = loop.plant, loop.compensator
-    known: dict[str, Any] = {}
-    try:
-        known["comparison"] = compare_exactly(plant, fixed, target)
-    except CompensatorError as error:
-        unsaid["exact poles"] = str(error).rstrip(".")
-    try:
-        known["match"] = intercalated_match(loop, target)
-    except (CompensatorError, ValueError) as error:
-        unsaid["match"] = str(error).rstrip(".")
+    asked: dict[str, Any] = {
+        "comparison": lambda: analysis.comparison,
+        "match": lambda: analysis.match,
+    }
     if log.w is None:
         unsaid["split"] = "the exogenous input w was not logged"
     elif log.z is None:
         unsaid["split"] = "the performance z was not logged"
     else:
-        try:
-            known["split"] = split_residual(plant, fixed, target, u=log.u, y=y, z=log.z, w=log.w)
-        except CompensatorError as error:
-            unsaid["split"] = str(error).rstrip(".")
+        u, y, z, w, r = log.u, log.y, log.z, log.w, log.r
+        asked["split"] = lambda: analysis.split(u=u, y=y, z=z, w=w, r=r)
+    known = {}
+    for name, ask in asked.items():
+        known[name], reason = attempted(ask)
+        if reason:
+            unsaid["exact poles" if name == "comparison" else name] = reason
     return known
 
 
@@ -120,10 +115,13 @@ def channel_margins(
     found = {}
     for i in range(loop.plant.l_u):
         name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"
-        try:
-            found[name] = stability_margins(loop, channel=i, sample_time=sample_time)
-        except CompensatorError as error:
-            unsaid[f"margins at {name}"] = str(error).rstrip(".")
+        margins, reason = attempted(
+            partial(stability_margins, loop, channel=i, sample_time=sample_time)
+        )
+        if margins is None:
+            unsaid[f"margins at {name}"] = reason
+        else:
+            found[name] = margins
     if loop.plant.l_u > 1 and loop.is_stable:
         return found, multivariable_disk_margin(loop)
     return found, None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,10 @@ from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.validation import instance_of, integer, number
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
@@ -27,17 +30,12 @@ from rcac_numeric.margins.disk import DiskMargin
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from rcac_numeric.arrays.array_types import ComplexArray
-
 # Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
 LARGEST = 1e100
 
 
 @dataclass(frozen=True, eq=False)
-class ControllerCheck:
+class ControllerCheck(Value):
     """What a log says of the controller that it ended with, and what it cannot say.
 
     Attributes
@@ -100,17 +98,22 @@ class ControllerCheck:
         """False where the logged u is not the output of the logged coefficients."""
         return self.replay is None or self.replay.agrees
 
-    def __str__(self) -> str:
-        from rcac_numeric.reports.check import as_text
+    def report(self) -> str:
+        """The whole check in words and numbers."""
+        from rcac_numeric.reports.check import check_sheet
+        from rcac_numeric.reports.terminal import as_text
 
-        return as_text(self)
+        return as_text(check_sheet(self))
+
+    def __str__(self) -> str:
+        return self.report()
 
     def __repr__(self) -> str:
         said = "consistent" if self.is_consistent else "u is not the output of theta"
         loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
         return f"ControllerCheck({said}, {loop}, {len(self.unsaid)} unsaid)"
 
-    def plot(self) -> Figure:
+    def plot(self) -> figures.Figure:
         """One sheet: signals and coefficients, poles, the match and the Nyquist curve."""
         from rcac_numeric.plots.check import plot_check
 
@@ -132,6 +135,7 @@ def check_controller(
     noise: NoiseIntensities | None = None,
     k_w: int | None = None,
     sample_time: float | None = None,
+    tolerance: float | None = None,
 ) -> ControllerCheck:
     """Analyse the controller that a log ended with: ours, or anybody's.
 
@@ -155,6 +159,9 @@ def check_controller(
         First step with u = Phi theta.
     sample_time : float, optional
         In seconds.
+    tolerance : float, optional
+        The relative difference between u and Phi theta that counts as none; by default what the
+        digits of the log leave open.
 
     Returns
     -------
@@ -169,10 +176,13 @@ def check_controller(
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, Step, check_controller, exogenous, fir_target, iir, simulate,
+    ...     standard_plant)
     >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1e-4)
-    >>> run = simulate(plant, settings, exogenous([step()], steps=1000))
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1e-4))
+    >>> run = simulate(plant, settings, exogenous([Step()], steps=1000))
     >>> check = check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
     ...     structure=iir(n_c=2), plant=plant, target=settings.target)
     >>> check.replay.agrees, check.drift.is_converged, check.loop.is_stable
@@ -201,15 +211,15 @@ def check_controller(
             "diverged. Cut the log before that."
         )
     if log.theta is not None and structure is not None and compensator is None:
-        known["replay"] = replay(log, structure, k_w=k_w)
-        if log.has_history:
+        known["replay"] = replay(log, structure, k_w=k_w, tolerance=tolerance)
+        if log.theta.ndim == 2:
             known["drift"] = drift_of(log.theta)
         else:
             unsaid["convergence"] = "theta was logged only once"
     else:
         unsaid["convergence"] = "no theta was logged" if log.theta is None else "theta was not used"
         if log.steps > len(fixed.past_u):
-            known["replay"] = replay_compensator(log, fixed)
+            known["replay"] = replay_compensator(log, fixed, tolerance=tolerance)
         else:
             unsaid["replay"] = f"the log of {log.steps} steps does not fill the controller's memory"
     if plant is None:

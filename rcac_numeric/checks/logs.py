@@ -12,16 +12,20 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import Read, real_array
+from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.signals.data_files import read_variables
+from rcac_numeric.signals.wording import shortened
 
 SIGNALS = ("u", "y", "z", "w", "r")
 # What a log may hold, under these names or those that the caller gives.
 ROLES = (*SIGNALS, "theta", "D_c", "N_c")
+# So many names of a file are compared with one that it lacks: a hundred thousand take seconds.
+COMPARED = 1000
 
 
-@dataclass(frozen=True, eq=False)
-class ControllerLog:
+@dataclass(frozen=True, eq=False, init=False)
+class ControllerLog(Value):
     """What was recorded of a controller in its loop; one row for each step k = 0, 1, ....
 
     Parameters
@@ -51,43 +55,46 @@ class ControllerLog:
     3
     """
 
-    u: Read
-    y: Read
-    z: Read = None
-    w: Read = None
-    r: Read = None
-    theta: Read = None
-    D_c: Read = None
-    N_c: Read = None
-    source: str = "the log"
+    u: Array
+    y: Array
+    z: Array | None
+    w: Array | None
+    r: Array | None
+    theta: Array | None
+    D_c: Array | None
+    N_c: Array | None
+    source: str
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self,
+        u: ArrayLike | None,
+        y: ArrayLike | None,
+        *,
+        z: ArrayLike | None = None,
+        w: ArrayLike | None = None,
+        r: ArrayLike | None = None,
+        theta: ArrayLike | None = None,
+        D_c: ArrayLike | None = None,
+        N_c: ArrayLike | None = None,
+        source: str = "the log",
+    ) -> None:
+        keep = object.__setattr__
+        keep(self, "source", source)
         steps = 0
-        for name in SIGNALS:
-            value = getattr(self, name)
-            if value is None:
-                if name in ("u", "y"):
-                    raise InputError(f"{self.source}: the signal {name} is needed.")
-                continue
-            signal = self._signal(name, value)
-            steps = steps or len(signal)
-            if len(signal) != steps:
+        for name, value in zip(SIGNALS, (u, y, z, w, r), strict=True):
+            if value is None and name in ("u", "y"):
+                raise InputError(f"{source}: the signal {name} is needed.")
+            signal = None if value is None else self._signal(name, value)
+            if signal is not None and steps not in (0, len(signal)):
                 raise InputError(
-                    f"{self.source}: {name} has {len(signal)} steps where u has {steps}."
+                    f"{source}: {name} has {len(signal)} steps where u has {steps}."
                     + self._transposed(name, signal, steps)
                 )
-            object.__setattr__(self, name, signal)
-        if self.theta is not None:
-            object.__setattr__(self, "theta", self._coefficients(steps))
-        for name in ("D_c", "N_c"):
-            if getattr(self, name) is not None:
-                values = self._finite(name, getattr(self, name))
-                if values.size != max(values.shape, default=1):
-                    raise InputError(
-                        f"{self.source}: {name} has shape {values.shape}; one polynomial in q is "
-                        "needed, a list of coefficients in descending powers."
-                    )
-                object.__setattr__(self, name, values.reshape(-1))
+            steps = steps or (0 if signal is None else len(signal))
+            keep(self, name, signal)
+        keep(self, "theta", None if theta is None else self._coefficients(theta, steps))
+        for name, value in (("D_c", D_c), ("N_c", N_c)):
+            keep(self, name, None if value is None else self._polynomial(name, value))
 
     @property
     def steps(self) -> int:
@@ -109,6 +116,11 @@ class ControllerLog:
 
     def _finite(self, name: str, value: ArrayLike) -> Array:
         array = np.asarray(value)
+        if array.dtype.kind == "c":
+            raise InputError(
+                f"{self.source}: {name} must be an array of real numbers, and its entries are "
+                "complex."
+            )
         if array.dtype.kind == "f" and not np.all(np.isfinite(array)):
             first = np.argwhere(~np.isfinite(array))[0]
             raise InputError(
@@ -144,8 +156,17 @@ class ControllerLog:
             "transposed."
         )
 
-    def _coefficients(self, steps: int) -> Array:
-        theta = self._finite("theta", self.theta)
+    def _polynomial(self, name: str, value: ArrayLike) -> Array:
+        values = self._finite(name, value)
+        if values.size != max(values.shape, default=1):
+            raise InputError(
+                f"{self.source}: {name} has shape {values.shape}; one polynomial in q is needed, a "
+                "list of coefficients in descending powers."
+            )
+        return values.reshape(-1)
+
+    def _coefficients(self, value: ArrayLike, steps: int) -> Array:
+        theta = self._finite("theta", value)
         if theta.ndim <= 1 or 1 in theta.shape:
             return theta.reshape(-1) if theta.shape != (steps, 1) else theta
         if theta.ndim == 2 and theta.shape[0] == steps:
@@ -193,10 +214,11 @@ def read_log(
         if name in variables:
             found[role] = variables[name].T if transpose else variables[name]
         elif role in wanted or role in ("u", "y"):
-            close = difflib.get_close_matches(name, variables, n=1, cutoff=0.5)
+            close = difflib.get_close_matches(name, [*variables][:COMPARED], n=1, cutoff=0.5)
             hint = f" Did you mean {close[0]!r}?" if close else ""
             raise InputError(
-                f"{path} has no {name!r}, needed as {role}; it has {', '.join(variables)}.{hint} "
-                f"Say which is which, for instance --names {role}={next(iter(variables))}."
+                f"{path} has no {name!r}, needed as {role}; it has "
+                f"{shortened(', '.join(variables))}.{hint} Say which is which, for instance "
+                f"--names {role}={shortened(next(iter(variables)), 40)}."
             )
     return ControllerLog(**found, source=str(path))

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import number
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.logs import ControllerLog
+from rcac_numeric.checks.regressor import regressor, regressor_of, require_fit
+from rcac_numeric.checks.resolution import HALF_SINGLE, Resolution, resolution_of
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
 
-# A log in single precision or in seven printed digits still counts as the same u.
-SAME = 1e-5
+# What is left of the same sum in float64, added up in another order.
+ROUNDING = 1e-9
+# Coefficients that were logged only once may have moved by as much in the last tenth.
+STILL = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class ControlReplay:
+class ControlReplay(Value):
     """u(k) beside Phi(k) theta of the log.
 
     Attributes
@@ -37,6 +43,11 @@ class ControlReplay:
     worst_step : int
     of : {"theta", "the compensator"}
         What u was computed from.
+    tolerance : float
+        The largest `worst` that counts as the same u: what the digits of the log leave open,
+        carried through Phi theta; 1e-9 for a log in float64, 1e-5 where theta was logged once.
+    resolution : str
+        The digits of the log in words; empty where they do not matter.
     """
 
     u: Array
@@ -45,40 +56,32 @@ class ControlReplay:
     worst: float
     worst_step: int
     of: str = "theta"
+    tolerance: float = STILL
+    resolution: str = ""
 
     @property
     def agrees(self) -> bool:
-        """Whether u is the output of the coefficients, to 1e-5."""
-        return self.worst <= SAME
+        """Whether u is the output of the coefficients, as far as the log can tell."""
+        return self.worst <= self.tolerance
 
     def __str__(self) -> str:
         rows = "" if not self.shift else "; row k of theta is what step k left for step k + 1"
         verdict = "is" if self.agrees else "is NOT"
+        why = f", as the log holds {self.resolution}" if self.resolution else ""
+        allowed = f" ({self.tolerance:.1g} is allowed{why})" if why or not self.agrees else ""
         return (
             f"u {verdict} the output of {self.of}: worst relative difference {self.worst:.2g} at "
-            f"step {self.worst_step}, compared from step {self.start} on{rows}"
+            f"step {self.worst_step}{allowed}, compared from step {self.start} on{rows}"
         )
 
 
-def regressor(structure: Structure, log: ControllerLog) -> Array:
-    """phi(k) of (2.29), from the logged signals and zero before; shape (steps, taps)."""
-    steps = log.steps
-    inputs = log.y if log.r is None or not structure.l_r else np.hstack([log.y, log.r])
-    derived = np.zeros((steps, len(structure.derived)))
-    for i, signal in enumerate(structure.derived):
-        drive = inputs @ np.array(signal.now)
-        drive[1:] += inputs[:-1] @ np.array(signal.before)
-        before = 0.0
-        for k in range(steps):
-            before = derived[k, i] = signal.pole * before + drive[k]
-    signals = {"u": log.u, "y": log.y, "r": log.r, "derived": derived}
-    phi = np.zeros((steps, len(structure.taps)))
-    for j, tap in enumerate(structure.taps):
-        phi[tap.delay :, j] = signals[tap.signal][: max(steps - tap.delay, 0), tap.component]
-    return phi
-
-
-def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) -> ControlReplay:
+def replay(
+    log: ControllerLog,
+    structure: Structure,
+    *,
+    k_w: int | None = None,
+    tolerance: float | None = None,
+) -> ControlReplay:
     """Compute what the controller must have answered, and hold the logged u against it.
 
     Parameters
@@ -88,6 +91,8 @@ def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) 
     structure : Structure
     k_w : int, optional
         First step with u = Phi theta; by default where the regressor is filled.
+    tolerance : float, optional
+        The relative difference that counts as none; by default what the log's digits leave open.
 
     Raises
     ------
@@ -103,25 +108,36 @@ def replay(log: ControllerLog, structure: Structure, *, k_w: int | None = None) 
     True
     """
     require_fit(log, structure)
+    assert log.theta is not None
+    taps, first = len(structure.taps), structure.n_c if k_w is None else max(k_w, 0)
+    errors = LogErrors(log, tolerance)
     phi = regressor(structure, log)
-    first = structure.n_c if k_w is None else max(k_w, 0)
-    taps = len(structure.taps)
+    off = regressor_of(structure, errors.signals, np.abs)
     if not log.has_history:
         start = max(first, log.steps - max(log.steps // 10, 1))
-        Theta = log.theta.reshape(taps, structure.l_u)
-        return _held(log, phi @ Theta, np.abs(phi) @ np.abs(Theta), start, 0)
-    Theta = log.theta.reshape(log.steps, taps, structure.l_u)
+        shape: tuple[int, ...] = (taps, structure.l_u)
+        Theta, moved = log.theta.reshape(shape), errors.theta.reshape(shape)
+        terms = np.abs(phi) @ np.abs(Theta)
+        bound = np.abs(phi) @ moved + off @ (np.abs(Theta) + moved)
+        return errors.held(phi @ Theta, terms, bound, start, floor=STILL)
+    shape = (log.steps, taps, structure.l_u)
+    Theta, moved = log.theta.reshape(shape), errors.theta.reshape(shape)
     found = []
     for shift in (0, 1):
-        rows = Theta[: log.steps - shift]
-        u, terms = np.zeros_like(log.u), np.zeros_like(log.u)
-        u[shift:] = np.einsum("kj,kji->ki", phi[shift:], rows)
-        terms[shift:] = np.einsum("kj,kji->ki", np.abs(phi[shift:]), np.abs(rows))
-        found.append(_held(log, u, terms, max(first, shift), shift))
+        rows, rows_off = (v[: log.steps - shift] for v in (Theta, moved))
+        u, terms, bound = (np.zeros_like(log.u) for _ in range(3))
+        past, past_off = phi[shift:], off[shift:]
+        u[shift:] = _row_by_row(past, rows)
+        terms[shift:] = _row_by_row(np.abs(past), np.abs(rows))
+        bound[shift:] = _row_by_row(np.abs(past), rows_off)
+        bound[shift:] += _row_by_row(past_off, np.abs(rows) + rows_off)
+        found.append(errors.held(u, terms, bound, max(first, shift), shift=shift))
     return min(found, key=lambda each: (each.worst, each.shift))
 
 
-def replay_compensator(log: ControllerLog, compensator: Compensator) -> ControlReplay:
+def replay_compensator(
+    log: ControllerLog, compensator: Compensator, *, tolerance: float | None = None
+) -> ControlReplay:
     """The same for a compensator that did not change, over the last tenth of the log.
 
     Examples
@@ -132,52 +148,79 @@ def replay_compensator(log: ControllerLog, compensator: Compensator) -> ControlR
     >>> replay_compensator(log, Compensator(past_u=[[[0.5]]], past_y=[[[0.0]], [[0.5]]])).agrees
     True
     """
-    inputs = (
-        log.y if log.r is None or compensator.l_y == log.y.shape[1] else np.hstack([log.y, log.r])
-    )
-    made, terms = np.zeros_like(log.u), np.zeros_like(log.u)
-    for signal, coefficients, first in (
-        (log.u, compensator.past_u, 1),
-        (inputs, compensator.past_y, 0),
-    ):
+    errors = LogErrors(log, tolerance)
+    reads_r = log.r is not None and compensator.l_y != log.y.shape[1]
+    made, terms, bound = (np.zeros_like(log.u) for _ in range(3))
+    for name, coefficients, first in (("u", compensator.past_u, 1), ("y", compensator.past_y, 0)):
+        names = ("y", "r") if name == "y" and reads_r else (name,)
+        signal = np.hstack([getattr(log, each) for each in names])
+        off = np.hstack([error for each in names if (error := errors.signals[each]) is not None])
         for lag, matrix in enumerate(coefficients, first):
-            past = signal[: max(log.steps - lag, 0)]
-            made[lag:] += past @ matrix.T
-            terms[lag:] += np.abs(past) @ np.abs(matrix).T
+            past = slice(0, max(log.steps - lag, 0))
+            made[lag:] += signal[past] @ matrix.T
+            terms[lag:] += np.abs(signal[past]) @ np.abs(matrix).T
+            bound[lag:] += off[past] @ np.abs(matrix).T
     start = max(len(compensator.past_u), log.steps - max(log.steps // 10, 1))
-    return replace(_held(log, made, terms, start, 0), of="the compensator")
+    return errors.held(made, terms, bound, start, of="the compensator", floor=STILL)
 
 
-def require_fit(log: ControllerLog, structure: Structure) -> None:
-    """Refuse a log whose widths or coefficients are not those of the structure."""
-    words = f"this {structure.name} structure with n_c = {structure.n_c}"
-    for name, width in (("u", structure.l_u), ("y", structure.l_y), ("r", structure.l_r)):
-        signal = getattr(log, name)
-        if width and signal is None:
-            raise InputError(f"{log.source}: {words} reads {name}, which the log does not hold.")
-        if width and signal.shape[1] != width:
+class LogErrors:
+    """What the digits of a log leave open: bounds of the errors of its signals and of theta."""
+
+    def __init__(self, log: ControllerLog, tolerance: float | None) -> None:
+        if tolerance is not None and not number(tolerance, "tolerance") > 0:
+            raise InputError(f"tolerance = {tolerance} must be positive.")
+        self.log, self.given = log, tolerance
+        self.digits: dict[str, Resolution] = {}
+        self.signals: dict[str, Array | None] = {}
+        for name in ("u", "y", "r", "theta"):
+            values = getattr(log, name)
+            if values is not None:
+                self.digits[name] = resolution_of(values)
+            self.signals[name] = None if values is None else self.digits[name].error(values)
+
+    @property
+    def theta(self) -> Array:
+        """The bound for theta."""
+        found = self.signals["theta"]
+        assert found is not None
+        return found
+
+    def held(
+        self,
+        made: Array,
+        terms: Array,
+        bound: Array,
+        start: int,
+        *,
+        shift: int = 0,
+        of: str = "theta",
+        floor: float = ROUNDING,
+    ) -> ControlReplay:
+        """The logged u beside the one that was made, within what the log leaves open."""
+        u, steps = self.log.u, self.log.steps
+        if start >= steps:
             raise InputError(
-                f"{log.source}: {name} has {signal.shape[1]} components; {words} has l_{name} = "
-                f"{width}."
+                f"the log of {steps} steps ends before step {start}, from which u could be "
+                "compared with Phi theta; a longer log is needed."
             )
-    size = log.theta.shape[-1]
-    if size != structure.l_theta:
-        hint = "Check n_c, k_c and the kind of structure."
-        if size == log.steps and structure.l_theta == 1:
-            hint = f"One coefficient over time has the shape ({log.steps}, 1)."
-        raise InputError(
-            f"{log.source}: theta has {size} coefficients; {words}, l_u = {structure.l_u}, l_y = "
-            f"{structure.l_y} has {structure.l_theta}. {hint}"
-        )
+        size = max(float(np.abs(u[start:]).max()), float(terms[start:].max())) or 1.0
+        gaps = np.abs(u - made)[start:].max(axis=1)
+        tolerance, words = self.given, ""
+        if tolerance is None:
+            used = {n: d for n, d in self.digits.items() if n != "theta" or of == "theta"}
+            if any(digits.kind == "single" for digits in used.values()):
+                floor = max(floor, 64 * HALF_SINGLE)  # the sum itself was made in it
+            left_open = float((bound + self.digits["u"].error(u))[start:].max()) / size
+            tolerance = floor + left_open
+            if left_open > floor:
+                words = ", ".join(f"{n} {d}" for n, d in used.items() if d.kind != "exact")
+        return ControlReplay(
+            u=made, start=start, shift=shift, worst=float(gaps.max()) / size,
+            worst_step=start + int(np.argmax(gaps)), of=of, tolerance=tolerance, resolution=words,
+        )  # fmt: skip
 
 
-def _held(log: ControllerLog, made: Array, terms: Array, start: int, shift: int) -> ControlReplay:
-    if start >= log.steps:
-        raise InputError(
-            f"the log of {log.steps} steps ends before step {start}, from which u could be "
-            "compared with Phi theta; a longer log is needed."
-        )
-    size = max(float(np.abs(log.u[start:]).max()), float(terms[start:].max()))
-    gaps = np.abs(log.u - made)[start:].max(axis=1)
-    worst = float(gaps.max()) / size if size else float(gaps.max())
-    return ControlReplay(made, start, shift, worst, start + int(np.argmax(gaps)))
+def _row_by_row(phi: Array, Theta: Array) -> Array:
+    """phi(k) Theta(k) at every step."""
+    return np.asarray(np.einsum("kj,kji->ki", phi, Theta))

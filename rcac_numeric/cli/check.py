@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
-import json
-import sys
-import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
-from compensator_theory.errors import CompensatorError, InputError
-
-if TYPE_CHECKING:
-    from rcac_numeric.checks.check import ControllerCheck
+from compensator_theory.errors import InputError
+from rcac_numeric.checks.check import ControllerCheck, check_controller
+from rcac_numeric.checks.logs import ControllerLog, read_log
+from rcac_numeric.cli.check_inputs import (
+    parse_names,
+    parse_noise,
+    plant_in,
+    read_case,
+    read_structure,
+    read_target,
+)
+from rcac_numeric.cli.exits import DONE, NO
+from rcac_numeric.cli.output import as_json_option, picture_option, show
+from rcac_numeric.reports.check import check_sheet
+from rcac_numeric.signals.data_files import read_variables
 
 KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 
 
-@click.command(
-    "check",
-    epilog="""
-Exit status: 0 done; 1 the logged u is not the output of the logged theta or compensator; 2 bad
-input; 4 a defect of rcac. An unstable loop or a theta that still moves is reported, and is no
-error.
-""",
-)
+@click.command("check")
 @click.argument("log", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "--plant",
@@ -49,35 +50,14 @@ error.
     "--noise", default="", help="Variances for the H2 cost: d=1,v=0.25. Default: 1 for all of w."
 )
 @click.option("--sample-time", type=float, help="In seconds, for the delay margin in time.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a report.")
 @click.option(
-    "--plot", "picture", type=click.Path(dir_okay=False, path_type=Path),
-    help="Draw signals, coefficients, poles, match and Nyquist curve into this file.",
+    "--tolerance", type=float,
+    help="Relative difference between u and Phi theta that counts as none. Default: what the "
+    "digits of LOG leave open.",
 )  # fmt: skip
-def check_command(picture: Path | None, as_json: bool, **options: Any) -> None:
-    """Check the controller that a LOG (.csv, .mat, .npz) ended with.
-
-    LOG holds u and y, and where there are any z, w and r, one row for each step; and theta (its
-    rows over time, or the last one), or the polynomials D_c and N_c.
-    """
-    import numpy as np
-
-    try:
-        with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
-            check = _check(picture, **options)
-            _show(check, as_json, picture)
-    except CompensatorError as error:
-        click.echo(f"rcac: {error}", err=True)
-        sys.exit(2)
-    except Exception:  # never let a defect of ours look like a finding
-        traceback.print_exc()
-        click.echo("rcac: this is a defect of rcac itself; please report it.", err=True)
-        sys.exit(4)
-    sys.exit(0 if check.is_consistent else 1)
-
-
-def _check(
-    picture: Path | None,
+@picture_option("Draw signals, coefficients, poles, match and Nyquist curve into this file.")
+@as_json_option
+def check(
     *,
     log: Path,
     plant: str | None,
@@ -91,61 +71,48 @@ def _check(
     target: str | None,
     noise: str,
     sample_time: float | None,
-) -> ControllerCheck:
-    # Imported here, after the command line is known to be right: they take most of a second.
-    from rcac_numeric.checks.check import check_controller
-    from rcac_numeric.checks.logs import read_log
-    from rcac_numeric.cli.check_inputs import (
-        parse_names,
-        parse_noise,
-        plant_in,
-        read_case,
-        read_structure,
-        read_target,
-    )
-    from rcac_numeric.plots.formats import require_picture_format
-    from rcac_numeric.signals.data_files import read_variables
+    tolerance: float | None,
+    picture: Path | None,
+    as_json: bool,
+) -> int:
+    """Check the controller that a LOG (.csv, .mat, .npz) ended with.
 
-    if picture is not None:
-        require_picture_format(picture)
-    recorded = read_log(log, parse_names(names), transpose=transpose)
-    model, table = read_case(plant, problem)
-    if model is None and log.suffix.lower() != ".csv":
-        model = plant_in(read_variables(log), str(log))
-    widths = (recorded.u.shape[1], recorded.y.shape[1])
-    if k_w is None and isinstance(table.get("controller"), dict):
-        k_w = table["controller"].get("k_w")
-    made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
-    if recorded.theta is not None and made is None and recorded.D_c is None:
-        raise InputError(
-            f"{log}: theta has {recorded.theta.shape[-1]} coefficients; say which structure they "
-            f"belong to. For --structure iir, {sum(widths)} coefficients go with each order: "
-            f"--n-c {max(recorded.theta.shape[-1] // (widths[0] * sum(widths)), 1)}?"
+    LOG holds u and y, and where there are any z, w and r, one row for each step; and theta (its
+    rows over time, or the last one), or the polynomials D_c and N_c. Where the logged u is not the
+    output of the logged theta or compensator, the status is 1. An unstable loop or a theta that
+    still moves is reported, and is no error.
+    """
+    with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
+        recorded = read_log(log, parse_names(names), transpose=transpose)
+        model, table = read_case(plant, problem)
+        if model is None and log.suffix.lower() != ".csv":
+            model = plant_in(read_variables(log), str(log))
+        if k_w is None and isinstance(table.get("controller"), dict):
+            k_w = table["controller"].get("k_w")
+        widths = (recorded.u.shape[1], recorded.y.shape[1])
+        made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
+        if made is None:
+            _require_structure(recorded, widths)
+        found: ControllerCheck = check_controller(
+            recorded,
+            structure=made,
+            plant=model,
+            target=read_target(table, model, target),
+            noise=parse_noise(noise),
+            k_w=k_w,
+            sample_time=sample_time,
+            tolerance=tolerance,
         )
-    return check_controller(
-        recorded,
-        structure=made,
-        plant=model,
-        target=read_target(table, model, target),
-        noise=parse_noise(noise),
-        k_w=k_w,
-        sample_time=sample_time,
-    )
+        show(check_sheet(found), as_json, picture, found.plot)
+    return DONE if found.is_consistent else NO
 
 
-def _show(check: ControllerCheck, as_json: bool, picture: Path | None) -> None:
-    from rcac_numeric.reports.check import print_check
-    from rcac_numeric.reports.check_record import as_dict
-
-    if as_json:
-        click.echo(json.dumps(as_dict(check), indent=2, allow_nan=False))
-    else:
-        print_check(check)
-    if picture is None:
+def _require_structure(log: ControllerLog, widths: tuple[int, int]) -> None:
+    if log.theta is None or log.D_c is not None:
         return
-    try:
-        check.plot().savefig(picture, dpi=130)
-    except OSError as error:
-        raise InputError(f"--plot {picture} cannot be written: {error.strerror}.") from None
-    if not as_json:
-        click.echo(f"\nPicture: {picture}")
+    size = log.theta.shape[-1]
+    raise InputError(
+        f"{log.source}: theta has {size} coefficients; say which structure they belong to. For "
+        f"--structure iir, {sum(widths)} coefficients go with each order: "
+        f"--n-c {max(size // (widths[0] * sum(widths)), 1)}?"
+    )

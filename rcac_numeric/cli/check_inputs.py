@@ -8,13 +8,20 @@ from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.experiments.files.plants import plant_of
-from rcac_numeric.experiments.files.sections import Section, Table, named, read_file
-from rcac_numeric.experiments.files.structures import structure_of
-from rcac_numeric.experiments.files.targets import target_of
-from rcac_numeric.plants.linear import MATRICES, Plant, servo_plant, standard_plant
+from rcac_numeric.experiments.files.builder import FILE
+from rcac_numeric.experiments.files.controllers import CONTROLLER
+from rcac_numeric.experiments.files.documents import Raw, named, read_file
+from rcac_numeric.experiments.files.plants import read_plant
+from rcac_numeric.experiments.files.structures import STRUCTURE, sizes_of
+from rcac_numeric.experiments.files.targets import TARGET
+from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.experiments.format.tables import require_table
+from rcac_numeric.plants.linear import MATRICES, Plant
+from rcac_numeric.plants.problems import servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantSchedule
-from rcac_numeric.signals.data_files import FORMATS, as_number, read_variables
+from rcac_numeric.signals.data_files import FORMATS, read_variables
+from rcac_numeric.signals.text_tables import as_number
+from rcac_numeric.signals.wording import shortened
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.model import TargetModel
 
@@ -62,7 +69,7 @@ def parse_noise(text: str) -> dict[str, float] | None:
     return noise or None
 
 
-def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Table]:
+def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
     """The plant that --plant means, and the tables of its file where it is an experiment file.
 
     Parameters
@@ -79,8 +86,8 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Table]:
     if suffix == ".toml":
         table, file = read_file(plant)
         try:
-            section = Section(Section(table, "", file).require("plant"), "plant", file)
-            found = plant_of(section)
+            FILE.require_known(table, Place(file))
+            found = read_plant(table.get("plant", {}), Place(file, "plant")).build()
         except CompensatorError as error:
             raise named(error, file) from None
         if isinstance(found, PlantSchedule):
@@ -94,7 +101,8 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Table]:
         found_plant = plant_in(variables, plant)
         if found_plant is None:
             raise InputError(
-                f"{plant} has no plant: A, B and C are needed, and it has {', '.join(variables)}."
+                f"{plant} has no plant: A, B and C are needed, and it has "
+                f"{shortened(', '.join(variables))}."
             )
         return found_plant, {}
     return (servo_plant(plant) if problem == "servo" else standard_plant(plant)), {}
@@ -112,19 +120,16 @@ def plant_in(variables: Mapping[str, Any], file: str) -> Plant | None:
 
 
 def read_structure(
-    table: Table, plant: Plant | None, *, kind: str | None, n_c: int | None, k_c: int | None,
+    table: Raw, plant: Plant | None, *, kind: str | None, n_c: int | None, k_c: int | None,
     widths: tuple[int, int],
 ) -> Structure | None:  # fmt: skip
     """The structure of the options, or else of [controller]; None where neither says any."""
-    given: Table = {}
-    own = Section(table.get("controller", {}), "controller", "--plant")
+    given: Raw = {}
+    place = Place("--plant", "controller")
+    own = require_table(table.get("controller", {}), place)
+    CONTROLLER.table.require_known(own, place)
     if kind is None and n_c is None:
-        given = {
-            key: value
-            for key, value in own.table.items()
-            if key in ("structure", "n_c", "k_c", "terms", "free_poles", "F", "feedback",
-                       "first_r", "taps", "derived")
-        }  # fmt: skip
+        given = {key: value for key, value in own.items() if key in STRUCTURE.all_keys()}
         if not given:
             return None
     else:
@@ -133,10 +138,10 @@ def read_structure(
             given["n_c"] = n_c
     if k_c is not None:
         given["k_c"] = k_c
-    section = Section(given, "controller", "the options")
     sizes: Any = plant if plant is not None else _Sizes(*widths)
     try:
-        return structure_of(section, sizes)
+        part = STRUCTURE.read(given, Place("the options", "controller"))
+        return part.build(**sizes_of(sizes))
     except InputError as error:
         hint = " Give --n-c." if "needs the key 'n_c'" in str(error) else ""
         raise InputError(f"{error}{hint}") from None
@@ -150,10 +155,12 @@ class _Sizes:
         self.blocks: dict[str, int] = {}
 
 
-def read_target(table: Table, plant: Plant | None, G_f: str | None) -> TargetModel | None:
+def read_target(table: Raw, plant: Plant | None, G_f: str | None) -> TargetModel | None:
     """The target model of --target, or else of [target]."""
     if G_f is not None:
         return target_model(G_f)
     if plant is None or "target" not in table:
         return None
-    return target_of(Section(table["target"], "target", "the experiment file"), plant)
+    part = TARGET.table.read(table["target"], Place("the experiment file", "target"))
+    made: TargetModel = part.build(plant=plant)
+    return made

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-import json
-import sys
-import warnings
-from typing import TYPE_CHECKING, Any
+import re
 
 import click
 
-from compensator_theory.errors import CompensatorError, InputError, RoundingWarning
+import compensator_theory as exact
+from compensator_theory.errors import InputError
+from rcac_numeric.cli.output import as_json_option, show
+from rcac_numeric.reports.placement import placement_sheet
 
-if TYPE_CHECKING:
-    from compensator_theory import PolePlacement
+# A second number in one entry: the sign stands before it, and not between the two.
+TWO_NUMBERS = re.compile(r"[\w.)]\s+[+-][\w.(]")
 
 
 @click.command("place")
 @click.option("--plant", required=True, help='N/D, for instance "4/((s + 1)*(s + 3))".')
 @click.option(
     "--poles", required=True,
-    help='The roots wanted, for instance "-6, -5, -4, -2" or "-1+2j, -1-2j".',
+    help='The roots wanted, separated by commas: "-6, -5, -4, -2" or "-1+2j, -1-2j".',
 )  # fmt: skip
 @click.option(
     "--order", "n_c", type=int, default=None,
@@ -29,79 +29,25 @@ if TYPE_CHECKING:
     "--feedback", type=click.Choice(["-1", "+1", "1"]), default="-1", show_default=True,
     help="-1 for u = -G_c y as in section 7.3, +1 for u = G_c y.",
 )  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead.")
+@as_json_option
 def place(plant: str, poles: str, n_c: int | None, feedback: str, as_json: bool) -> None:
     """Place closed-loop poles exactly, and say what float64 would have kept.
 
-    Everything is a rational number: 0.1 is 1/10, and j is the imaginary unit.
-
-    Exit status: 0 done; 2 bad input or no solution.
+    Everything is a rational number: 0.1 is 1/10, and j is the imaginary unit. Where there is no
+    solution the status is 2.
     """
-    try:
-        result = _place(plant, poles, n_c, int(feedback))
-    except CompensatorError as error:
-        click.echo(f"rcac: {error}", err=True)
-        sys.exit(2)
-    click.echo(json.dumps(result, indent=2) if as_json else _report(result))
+    placement = exact.place_poles(plant, _roots(poles), n_c, feedback=int(feedback))
+    show(placement_sheet(placement), as_json)
 
 
-def _place(plant: str, poles: str, n_c: int | None, feedback: int) -> dict[str, Any]:
-    # Imported here, after the command line is known to be right: NumPy and SymPy take a while.
-    from compensator_theory import place_poles
-
+def _roots(poles: str) -> list[str]:
     wanted = [pole.strip() for pole in poles.split(",")]
     if not all(wanted):
         raise InputError(f"--poles {poles!r} has an empty entry; write for instance '-1, -2+1j'")
-    placement = place_poles(plant, wanted, n_c, feedback=feedback)
-    return _as_dict(placement) | {"float64": _conditioning(placement)}
-
-
-def _as_dict(placement: PolePlacement) -> dict[str, Any]:
-    from compensator_theory.polynomials.poly import is_rational
-
-    def written(poly: Any) -> list[str]:
-        return [str(c) for c in poly.all_coeffs()]
-
-    is_numeric = all(map(is_rational, (placement.target, placement.numerator)))
-    return {
-        "plant": str(placement.plant),
-        "feedback": placement.feedback,
-        "order": int(placement.denominator.degree()),
-        "compensator": str(placement.compensator),
-        "numerator": written(placement.numerator),
-        "denominator": written(placement.denominator),
-        "closed_loop": written(placement.target),
-        "is_unique": placement.is_unique,
-        "residual_is_zero": bool(placement.residual.is_zero),
-        "summary": str(placement),
-        "is_rational": is_numeric,
-    }
-
-
-def _conditioning(placement: PolePlacement) -> dict[str, Any] | None:
-    """Return what the float64 solve is worth; None where the question makes no sense."""
-    from rcac_numeric.analysis.placement_conditioning import placement_conditioning
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RoundingWarning)  # the report says it itself
-        try:
-            found = placement_conditioning(
-                placement.plant, placement.target, feedback=placement.feedback
+    for pole in wanted:
+        if TWO_NUMBERS.search(pole):
+            raise InputError(
+                f"--poles: {pole!r} is two numbers or a sum; separate numbers by commas, and write "
+                "a sum without spaces, or with one on both sides of its sign."
             )
-        except CompensatorError:
-            return None
-    return {
-        "condition_number": found.condition_number,
-        "relative_error": found.relative_error,
-        "digits": found.digits,
-        "is_stable": found.float64_is_stable,
-        "target_is_stable": found.target_is_stable,
-        "summary": str(found),
-    }
-
-
-def _report(result: dict[str, Any]) -> str:
-    text = str(result["summary"])
-    if result["float64"] is not None:
-        text += f"\nin float64: {result['float64']['summary']}"
-    return text
+    return wanted

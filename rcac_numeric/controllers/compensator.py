@@ -6,18 +6,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import Read, real_array
+from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.values import Value
 
 if TYPE_CHECKING:
     import control
 
 
-@dataclass(frozen=True, eq=False)
-class Compensator:
+@dataclass(frozen=True, eq=False, init=False)
+class Compensator(Value):
     """The difference equation (2.28) with constant coefficients.
 
     u(k) = P_1 u(k-1) + ... + P_nc u(k-n_c) + Q_0 y(k) + Q_1 y(k-1) + ... + Q_nc y(k-n_c)
@@ -37,11 +38,11 @@ class Compensator:
     (array([ 1., -1.]), array([0. , 0.5]))
     """
 
-    past_u: Read
-    past_y: Read
+    past_u: Array
+    past_y: Array
 
-    def __post_init__(self) -> None:
-        P, Q = real_array(self.past_u, "past_u"), real_array(self.past_y, "past_y")
+    def __init__(self, past_u: ArrayLike, past_y: ArrayLike) -> None:
+        P, Q = real_array(past_u, "past_u"), real_array(past_y, "past_y")
         fits = (
             P.ndim == 3
             and Q.ndim == 3

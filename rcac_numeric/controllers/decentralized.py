@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, items, real_array
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
@@ -18,7 +19,7 @@ from rcac_numeric.targets.model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class Decentralized:
+class Decentralized(Value):
     """Controllers whose outputs are added: u = u_1 + u_2 + ....
 
     Parameters
@@ -31,8 +32,8 @@ class Decentralized:
 
     Examples
     --------
-    >>> from rcac_numeric import ControllerSettings, Decentralized, TargetModel, feedforward, fir
-    >>> common = {"target": TargetModel([0, 1]), "R_theta": 1e5}
+    >>> from rcac_numeric import UD, ControllerSettings, Decentralized, TargetModel, feedforward
+    >>> common = {"target": TargetModel([0, 1]), "update": UD(R_theta=1e5)}
     >>> both = Decentralized([
     ...     ControllerSettings(structure=feedforward(10, feedback="fir"), **common),
     ...     ControllerSettings(structure=feedforward(10, feedback="none"), **common)])
@@ -71,7 +72,7 @@ class Decentralized:
         """Number of commands that the controllers read."""
         return max(c.structure.l_r for c in self.controllers)
 
-    def compensator(self, theta: ArrayLike) -> Compensator:
+    def compensator_of(self, theta: ArrayLike) -> Compensator:
         """The fixed compensator from [y; r] to the sum u."""
         values = real_array(theta, "theta").reshape(-1)
         if values.size != self.l_theta:

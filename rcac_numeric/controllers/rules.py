@@ -2,11 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, items, number
+
+
+@dataclass(frozen=True)
+class ScheduledForgetting:
+    """A forgetting factor that changes at given steps.
+
+    Attributes
+    ----------
+    changes : mapping from steps to numbers
+        lambda from that step on, in (0, 1].
+    initial : float
+        lambda before the first change.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ScheduledForgetting
+    >>> ScheduledForgetting({1000: 0.98, 1200: 1})
+    ScheduledForgetting(changes={1000: 0.98, 1200: 1.0}, initial=1.0)
+    """
+
+    changes: Mapping[int, float] = field(hash=False)
+    initial: float = 1.0
+
+    def __post_init__(self) -> None:
+        read = changes_by_step(self.changes, "changes")
+        factors = {k: forgetting_factor(value) for k, value in read.items()}
+        object.__setattr__(self, "changes", factors)
+        object.__setattr__(self, "initial", forgetting_factor(self.initial))
 
 
 @dataclass(frozen=True)
@@ -126,3 +155,25 @@ class SignalWeight:
             object.__setattr__(self, name, number(getattr(self, name), name))
             if getattr(self, name) < 0:
                 raise InputError(f"{name} = {getattr(self, name)} must not be negative.")
+
+
+# A forgetting factor that is not constant.
+Forgetting = ScheduledForgetting | VariableRateForgetting
+
+
+def forgetting_factor(value: object) -> float:
+    """`value` as a number in (0, 1]."""
+    factor = number(value, "lambda_")
+    if not 0 < factor <= 1:
+        raise InputError(f"lambda_ = {factor} is not in (0, 1].")
+    return factor
+
+
+def changes_by_step(changes: object, name: str) -> dict[int, Any]:
+    """A mapping from steps to values, sorted by step."""
+    if changes is None:
+        return {}
+    if not isinstance(changes, Mapping):
+        raise InputError(f"{name} = {changes!r} must map steps to values, such as {{1000: ...}}.")
+    read = {integer(k, f"a step of {name}", at_least=1): v for k, v in changes.items()}
+    return dict(sorted(read.items()))

@@ -73,8 +73,17 @@ class Job:
     def outcome(self) -> int: ...
 
 def run_jobs(
-    jobs: Sequence[Job], threads: int, rows: int, lanes: bool = False, level: str = ""
-) -> bool: ...
+    jobs: Sequence[Job],
+    threads: int,
+    seconds: float,
+    lanes: bool = False,
+    instruction_set: str = "",
+) -> bool:
+    """Go on for about `seconds` and at least one step; whether there is anything left to do.
+
+    The results do not depend on where the work is cut. Releases the interpreter lock.
+    """
+
 def controller(
     *,
     l_u: int,
@@ -116,7 +125,7 @@ def compiled_plant(sizes: Sizes, advance: Any, output: Any, x_0: Array) -> Plant
 
 lanes: int
 
-def levels() -> list[str]:
+def instruction_sets() -> list[str]:
     """The instruction sets compiled in that this processor runs, the chosen one first."""
 
 def replay_updates(
@@ -130,13 +139,13 @@ def replay_updates(
     P_0: Array,
     theta_0: Array,
     repeat: int = 1,
-    level: str = "",
+    instruction_set: str = "",
 ) -> tuple[Array, Array, int, int, bool]:
     """Recorded Phi_f (steps, l_z, l_theta) and z - u_f (steps, l_z) given to an update again.
 
-    `update` is "ud", "covariance" or "symmetric covariance", `level` one of `levels()` or "" for
-    the chosen one; the record is run through `repeat` times. Returns theta, P, the guard's count
-    and first step, and whether all stayed in the range of float64. Releases the interpreter lock.
+    `update` is "ud" or "covariance", `instruction_set` one of `instruction_sets()` or "" for the
+    chosen one; the record is run through `repeat` times. Returns theta, P, the guard's count and
+    first step, and whether all stayed in the range of float64. Releases the interpreter lock.
     """
 
 def replay_ud_lanes(
@@ -147,7 +156,7 @@ def replay_ud_lanes(
     P_0: Array,
     theta_0: Array,
     repeat: int = 1,
-    level: str = "",
+    instruction_set: str = "",
 ) -> tuple[Array, Array, list[int], bool]:
     """`lanes` independent runs in lock step, with R_z = 1 and R_u = 0.
 

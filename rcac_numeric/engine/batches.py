@@ -9,20 +9,18 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import FunctionFailedError, InputError
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, items
-from rcac_numeric.controllers.decentralized import Decentralized
-from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.jobs import AnyPlant, PreparedRun
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.interruption import run_to_end
+from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
-
-# Rows of each run between two looks at the keyboard.
-CHUNK = 1 << 16
+from rcac_numeric.plants.any_plant import AnyPlant
 
 
 @dataclass(frozen=True, eq=False)
-class SimulationCase:
+class SimulationCase(Value):
     """The arguments of one `simulate`.
 
     Attributes
@@ -34,7 +32,7 @@ class SimulationCase:
     """
 
     plant: AnyPlant
-    settings: ControllerSettings | Decentralized
+    settings: AnyController
     w: ArrayLike
     options: Mapping[str, Any] = field(default_factory=dict)
 
@@ -67,9 +65,9 @@ def simulate_many(
         grows without bound or with data that leave theta open (`Run.guard_count`), the digits of
         `simulate` are as uncertain.
 
-        Eligible is: one controller with update = "ud" in the predictor form, without rules that
-        act on it (lambda_changes, forgetting, process_noise, reset, freeze, target_changes,
-        reflect_poles, stop_where_unsupported), k_filter = 0, no derived signals (PID,
+        Eligible is: one controller with update = UD(R_theta, lambda_), lambda_ a number, in the
+        predictor form, without process_noise, reset, stop_where_unsupported, freeze,
+        target_changes and reflect_poles, k_filter = 0, no derived signals (PID,
         integrators), l_z <= 3; R_z and R_u constant or, for l_z = 1, a `SignalWeight`, their sum
         for l_z = 1 between 1e-100 and 1e100; a plant of constant matrices without delay; no
         saturation. All other cases give what `simulate` gives, bit for bit.
@@ -78,15 +76,21 @@ def simulate_many(
     ------
     InputError
         Where a case is not valid; its number is named, and nothing has run.
-    FunctionFailedError
-        Where a function of a case failed; the attribute `run` is what `simulate` would give.
+    RunInterrupted
+        On Ctrl-C, within about 0.1 s; its attribute `runs` holds all runs so far.
+
+    A case whose function failed ends with the outcome "plant failed" or "weight failed" and says
+    why in `Run.failure`; the other cases are not touched.
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, SimulationCase, WhiteNoise, exogenous, fir_target, iir,
+    ...     simulate_many, standard_plant)
     >>> plant = standard_plant("1/(q - 0.9)")
-    >>> settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), R_theta=1)
-    >>> noise = [exogenous([white_noise()], 100, seed) for seed in range(8)]
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1))
+    >>> noise = [exogenous([WhiteNoise()], 100, seed) for seed in range(8)]
     >>> cases = [SimulationCase(plant, settings, w) for w in noise]
     >>> runs, in_lanes = simulate_many(cases), simulate_many(cases, lanes=True)
     >>> [run.outcome for run in runs] == ["completed"] * 8
@@ -108,13 +112,5 @@ def simulate_many(
             raise InputError(f"the options of case {number}: {error}.") from None
         except InputError as error:
             raise InputError(f"case {number}: {error}") from None
-    jobs = [one.job for one in prepared]
-    while _kernel.run_jobs(jobs, workers, CHUNK, lanes):
-        pass
-    runs = []
-    for number, one in enumerate(prepared):
-        try:
-            runs.append(one.result())
-        except FunctionFailedError as error:
-            raise FunctionFailedError(f"case {number}: {error}", error.run) from error
-    return runs
+    run_to_end(prepared, workers, lanes)
+    return [one.result() for one in prepared]

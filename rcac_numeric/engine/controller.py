@@ -15,9 +15,9 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import vector
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.controllers.setting_checks import require_covariance
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine.compiled_controllers import Failures, compiled_controller
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.states import SavedState, saved_state
 
 NOTHING = np.zeros(0)
@@ -42,9 +42,9 @@ class Controller:
 
     Examples
     --------
-    >>> from rcac_numeric import Controller, ControllerSettings, TargetModel, iir
+    >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
     >>> settings = ControllerSettings(
-    ...     structure=iir(n_c=2), target=TargetModel([0, 1]), R_theta=1e-6)
+    ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=1e-6))
     >>> controller, x = Controller(settings), 0.0
     >>> for k in range(100):  # x(k+1) = 0.9 x(k) + u(k) + 1
     ...     (u,) = controller.step(y=x, z=x)
@@ -58,7 +58,7 @@ class Controller:
             raise InputError(f"settings = {settings!r}: ControllerSettings are needed.")
         self.settings = settings
         self._failures = Failures()
-        self._kernel = compiled_controller(settings, self._failures)
+        self._kernel = compiled_controller(settings, settings.target.l_z, self._failures)
         self._broken = ""
         self._at_work = Lock()
 
@@ -120,7 +120,7 @@ class Controller:
             applied = vector(u_applied, "u_applied", structure.l_u)
             if self.k == 0:
                 raise InputError("u_applied belongs to the step before; at step 0 there is none.")
-            if any(t.relative_degree == 0 for t in (target, *self.settings.later_targets.values())):
+            if any(t.relative_degree == 0 for t in self.settings.targets):
                 raise InputError("u_applied needs a strictly proper target model.")
         try:
             u, finite = self._kernel.step(y, z, command, applied)
@@ -160,7 +160,9 @@ class Controller:
         InputError
             Where the update keeps no covariance.
         """
-        require_covariance(self.settings.update)
+        update = self.settings.update
+        if not update.keeps_covariance:
+            raise InputError(f"{update!r} has no covariance that could be reset.")
         with self._alone():
             self._kernel.reset_covariance()
 
@@ -177,7 +179,7 @@ class Controller:
             raise DivergedError(self._broken)
         with self._alone():
             values = self._kernel.save()
-        return SavedState("controller", self.k, values, fingerprint(self.settings))
+        return SavedState.taken("controller", self.k, values, fingerprint(self.settings))
 
     def restore(self, state: SavedState) -> None:
         """Go back, or forward, to a saved state of a controller with the same settings.
@@ -189,7 +191,7 @@ class Controller:
         """
         with self._alone():
             saved_state(state, "state").restore_into(
-                self._kernel, "controller", fingerprint(self.settings)
+                self._kernel, "controller", fingerprint(self.settings), lambda: self._kernel.k
             )
             self._broken, self._failures.error = "", None
 
@@ -219,7 +221,7 @@ class Controller:
     @property
     def compensator(self) -> Compensator:
         """The present controller as a fixed compensator from [y; r] to u."""
-        return self.settings.compensator(self.theta)
+        return self.settings.compensator_of(self.theta)
 
     @contextmanager
     def _alone(self) -> Iterator[None]:

@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import FunctionFailedError, ImproperError, InputError
+from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer, number, real_array, signal_array
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.updates import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.compiled_controllers import Failures, compiled_controller
-from rcac_numeric.engine.runs import OUTCOMES, Run, controllers_of
+from rcac_numeric.engine.compatibility import (
+    AnyController,
+    command_position,
+    controllers_of,
+    require_fit,
+)
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.compiled.plants import compiled_plant
+from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
-from rcac_numeric.plants.functions import FunctionPlant
-from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
-from rcac_numeric.plants.schedules import PlantSchedule
-
-AnyPlant = Plant | PlantSchedule | FunctionPlant
 
 
 class PreparedRun:
@@ -31,33 +34,34 @@ class PreparedRun:
     def __init__(
         self,
         plant: AnyPlant,
-        settings: ControllerSettings | Decentralized,
+        settings: AnyController,
         w: ArrayLike,
         *,
-        x_0: Array | None = None,
+        x_0: ArrayLike | None = None,
         stride: int = 1,
         divergence_limit: float = 1e100,
         saturation: Saturation | None = None,
         start: SavedState | None = None,
     ) -> None:
-        instance_of(plant, "plant", AnyPlant)
-        instance_of(settings, "settings", ControllerSettings | Decentralized)
+        # A copy: a frozen twin starts from it, whatever becomes of the caller's array.
+        self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
+        self._failures = Failures()
+        body = compiled_plant(plant, self.x_0, self._failures)
+        self._controllers = controllers_of(settings)
         if saturation is not None:
             instance_of(saturation, "saturation", Saturation)
         self.plant, self.settings, self.saturation = plant, settings, saturation
-        # A copy: a frozen twin starts from it, whatever becomes of the caller's array.
-        self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
         self.w = signal_array(w, "w", plant.l_w)
-        check_sizes(plant, settings)
+        require_fit(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
         limit = number(divergence_limit, "divergence_limit")
         if limit <= 0:
             raise InputError(f"divergence_limit = {limit} must be positive.")
         self.divergence_limit = limit
-        self._failures = Failures()
-        controllers = controllers_of(settings)
-        self._kernels = [compiled_controller(c, self._failures) for c in controllers]
-        self._loop = self._compiled_loop(limit)
+        self._kernels = [
+            compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
+        ]
+        self._loop = self._compiled_loop(body)
         self._name = fingerprint((plant, settings, saturation))
         self.first_step = 0
         if start is not None:
@@ -65,44 +69,48 @@ class PreparedRun:
         steps = len(self.w)
         self.u, self.y, self.z = (np.empty((steps, n)) for n in (plant.l_u, plant.l_y, plant.l_z))
         self.u_applied = self.u if saturation is None else np.empty_like(self.u)
-        l_theta = sum(c.structure.l_theta for c in controllers)
-        self.theta = np.empty((-(-steps // self.stride), l_theta))
+        # What the kernel calls theta of a fixed controller never changes: it is kept once.
+        self._adapts = any(one.l_theta for one in self._controllers)
+        kept_every = self.stride if self._adapts else max(steps, 1)
+        self._theta = np.empty((-(-steps // kept_every), sum(k.theta.size for k in self._kernels)))
         applied = None if saturation is None else self.u_applied
         self.job = _kernel.Job(
-            self._loop, self.w, self.u, applied, self.y, self.z, self.theta, self.stride
+            self._loop, self.w, self.u, applied, self.y, self.z, self._theta, kept_every
         )
 
     def _continue(self, start: SavedState) -> None:
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
-        saved_state(start, "start").restore_into(self._loop, "loop", self._name)
+        saved_state(start, "start").restore_into(
+            self._loop, "loop", self._name, lambda: self._kernels[0].k
+        )
         self.first_step = start.k
 
-    def result(self) -> Run:
-        """What the job has done so far, as a run; raises where a function of the user failed."""
-        done, outcome = self.job.done, self.job.outcome
-        kernels = self._kernels
-        name = OUTCOMES[outcome]
-        if name == "overflow" and self._failures.error is not None:
-            name = "weight failed"  # the kernel was handed a NaN in its place
+    def result(self, interrupted: bool = False) -> Run:
+        """What the job has done so far, as a run.
+
+        A function of the user that failed is an outcome, "plant failed" or "weight failed", and
+        `Run.failure` says how. Where the job was interrupted in a function of the user, its state
+        is in the middle of a step, and none is handed out.
+        """
+        done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
+        # A function in which the key was pressed looks to the kernel like one that failed.
+        at_work = outcome == 0 or self._failures.error is None
+        stopped = interrupted and done < len(self.w) and at_work
         state = None
-        if outcome == 0:
-            state = SavedState("loop", self.first_step + done, self._loop.save(), self._name)
-        run = Run(
+        if outcome == 0 and not (stopped and self._failures.guards_something):
+            state = SavedState.taken("loop", self.first_step + done, self._loop.save(), self._name)
+        return Run(
             plant=self.plant,
             settings=self.settings,
             w=self.w[:done],
             u=self.u[:done],
             y=self.y[:done],
             z=self.z[:done],
-            theta=self.theta[: -(-done // self.stride)],
-            theta_final=(
-                np.concatenate([kernel.theta for kernel in kernels])
-                if outcome == 0
-                else self._loop.theta_before()
-            ),
+            theta=self._kept(done),
+            theta_final=self._last(outcome),
             stride=self.stride,
-            outcome=name,
+            outcome="interrupted" if stopped else self._name_of(outcome),
             guard_count=sum(kernel.guard_count for kernel in kernels),
             guard_first_step=min(
                 (k.guard_first_step for k in kernels if k.guard_first_step >= 0), default=-1
@@ -115,88 +123,55 @@ class PreparedRun:
             saturation=self.saturation,
             x_0=self.x_0,
             divergence_limit=self.divergence_limit,
+            failure=self._failures.words,
         )
-        if self._failures.error is not None:
-            error = self._failures.error
-            raise FunctionFailedError(
-                f"a function of the plant or of a weight failed at step {self.first_step + done}: "
-                f"{type(error).__name__}: {error} The steps before are in the attribute run of "
-                "this error.",
-                run,
-            ) from error
-        return run
 
-    def _compiled_loop(self, limit: float) -> Any:
-        plant, settings = self.plant, self.settings
-        controllers = controllers_of(settings)
+    def require_no_failure(self, run: Run) -> None:
+        """Raise where a function of the user failed; the run so far goes with the error."""
+        if self._failures.error is not None:
+            raise FunctionFailedError(
+                "a function of the plant or of a weight failed at step "
+                f"{self.first_step + run.steps}: {run.failure} The steps before are in the "
+                "attribute run of this error.",
+                run,
+            ) from self._failures.error
+
+    def _name_of(self, outcome: int) -> str:
+        if OUTCOMES[outcome] == "overflow" and self._failures.error is not None:
+            return "weight failed"  # the kernel was handed a NaN in its place
+        return OUTCOMES[outcome]
+
+    def _kept(self, done: int) -> Array:
+        rows = -(-done // self.stride)
+        return self._theta[:rows] if self._adapts else np.zeros((rows, 0))
+
+    def _last(self, outcome: int) -> Array:
+        if not self._adapts:
+            return np.zeros(0)
+        if outcome == 0:
+            return np.concatenate([kernel.theta for kernel in self._kernels])
+        return self._loop.theta_before()
+
+    def _compiled_loop(self, body: _kernel.Plant) -> _kernel.Loop:
+        plant, settings, saturation = self.plant, self.settings, self.saturation
         no_bounds = (np.zeros(0), np.zeros(0), np.zeros(0))
-        saturation = self.saturation
         low, high, rate = no_bounds if saturation is None else saturation.bounds(plant.l_u)
-        shared = getattr(settings, "shared_u", True)
-        if saturation is not None and not shared and len(controllers) > 1:
+        shared = settings.shared_u if isinstance(settings, Decentralized) else True
+        if saturation is not None and not shared and len(self._controllers) > 1:
             raise InputError(
                 "with saturation, controllers that hold their own u cannot know which part of it "
                 "was applied. Use Decentralized(..., shared_u=True)."
             )
-        body = (
-            plant.compiled(self.x_0, self._failures)
-            if isinstance(plant, FunctionPlant)
-            else plant.compiled(self.x_0)
-        )
+        updates = [o.update for o in self._controllers if isinstance(o, ControllerSettings)]
+        stops = [u.stop_where_unsupported for u in updates if isinstance(u, RecursiveLeastSquares)]
         return _kernel.Loop(
             controllers=self._kernels,
             plant=body,
             low=low,
             high=high,
             rate=rate,
-            limit=limit,
-            stop_where_unsupported=any(c.stop_where_unsupported for c in controllers),
+            limit=self.divergence_limit,
+            stop_where_unsupported=any(stops),
             shared_u=shared,
-            r_in_w=command_position(plant, max(c.structure.l_r for c in controllers)),
+            r_in_w=command_position(plant, max(one.l_r for one in self._controllers)),
         )
-
-
-def command_position(plant: AnyPlant, l_r: int) -> int:
-    """Where the command begins in w; raises where the plant has none of the right width."""
-    if l_r == 0:
-        return 0
-    width = plant.blocks.get("r", 0)
-    if width != l_r:
-        raise InputError(
-            f"the controller reads a command with l_r = {l_r}; the plant's exogenous input has "
-            f"the blocks {dict(plant.blocks)}. Use servo_plant, or name a block 'r' of that width."
-        )
-    position = 0
-    for name, size in plant.blocks.items():
-        if name == "r":
-            break
-        position += size
-    return position
-
-
-def check_sizes(plant: AnyPlant, settings: Any) -> None:
-    """Raise where a plant and a controller do not fit together."""
-    for controller in controllers_of(settings):
-        structure, target = controller.structure, controller.target
-        pairs = {
-            "l_u": (plant.l_u, structure.l_u),
-            "l_y": (plant.l_y, structure.l_y),
-            "l_z": (plant.l_z, target.l_z),
-        }
-        for name, (of_plant, of_controller) in pairs.items():
-            if of_plant != of_controller:
-                raise InputError(
-                    f"the plant has {name} = {of_plant} and the controller {name} = "
-                    f"{of_controller}."
-                )
-        command_position(plant, structure.l_r)
-        if structure.measures_first and plant.y_needs_u:
-            raise ImproperError(
-                "the controller is exactly proper (k_c = 0) and D_0 is not zero, so u(k) and y(k) "
-                "depend on each other. Use k_c = 1."
-            )
-        if controller.form == "filter" and (plant.y_needs_u or plant.z_needs_u):
-            raise ImproperError(
-                'form = "filter" needs y(k) and z(k) before u(k), but D_0 or E_2 is not zero. Use '
-                'form = "predictor".'
-            )

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.states import SavedState
-
-if TYPE_CHECKING:
-    from rcac_numeric.controllers.decentralized import Decentralized
+from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.saturation import Saturation
 
 # How a run may end, in the order of the kernel's numbers.
 OUTCOMES = (
@@ -23,11 +22,11 @@ OUTCOMES = (
     "plant not finite",
     "plant failed",
     "unsupported R_theta",
-)  # and "weight failed", which the kernel does not tell from "overflow"
+)  # and "weight failed", which the kernel does not tell from "overflow", and "interrupted"
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Run(Value):
     """A closed-loop run and its evidence.
 
     Attributes
@@ -47,21 +46,23 @@ class Run:
         directions without excitation, which a `reset` or lambda = 1 prevents); "plant not
         finite"; "plant failed" (a function returned nonzero or raised); "weight failed" (a weight
         that is a function raised or returned no weight); "unsupported R_theta" (an
-        update was decided by rounding and the settings ask to stop there).
+        update was decided by rounding and the settings ask to stop there); "interrupted" (Ctrl-C).
         The arrays end before the failed step.
     guard_count, guard_first_step : int
-        Updates decided by rounding and the first such step (-1: none): for "ud", a direction
+        Updates decided by rounding and the first such step (-1: none): for UD, a direction
         that the data excite by no more than their rounding errors while R_theta is so small that
-        theta follows them; for "covariance", Upsilon not positive. Not zero: the data cannot
+        theta follows them; for Covariance, Upsilon not positive. Not zero: the data cannot
         support this R_theta in this arithmetic.
     reflections, resets : int
         Updates after which poles were reflected (6.2.2), and covariance resets.
     state : SavedState, optional
-        From which `simulate` continues bit for bit; None where the run was not completed.
+        From which `simulate` continues bit for bit; None where the run failed.
+    failure : str
+        What a function of the plant or of a weight raised; empty where none did.
     """
 
-    plant: Any
-    settings: ControllerSettings | Decentralized
+    plant: AnyPlant
+    settings: AnyController
     w: Array
     u: Array
     y: Array
@@ -77,9 +78,10 @@ class Run:
     resets: int = 0
     first_step: int = 0
     state: SavedState | None = None
-    saturation: Any = None
+    saturation: Saturation | None = None
     x_0: Array | None = None
     divergence_limit: float = 1e100
+    failure: str = ""
 
     @property
     def steps(self) -> int:
@@ -89,7 +91,7 @@ class Run:
     @property
     def compensator(self) -> Compensator:
         """The controller after the last completed step."""
-        return self.settings.compensator(self.theta_final)
+        return self.settings.compensator_of(self.theta_final)
 
     def compensator_at(self, k: int) -> Compensator:
         """The controller that made u(k), for a step at which theta was kept."""
@@ -99,14 +101,7 @@ class Run:
                 f"theta({k}) was not kept; it is kept at multiples of {self.stride} below "
                 f"{self.steps}."
             )
-        return self.settings.compensator(self.theta[row])
+        return self.settings.compensator_of(self.theta[row])
 
     def __repr__(self) -> str:
         return f"Run({self.outcome}, steps={self.steps}, {self.plant!r})"
-
-
-def controllers_of(settings: ControllerSettings | Decentralized) -> tuple[ControllerSettings, ...]:
-    """The settings of every controller in the loop."""
-    if isinstance(settings, ControllerSettings):
-        return (settings,)
-    return tuple(settings.controllers)

@@ -3,31 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.jobs import AnyPlant, PreparedRun
+from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.interruption import run_to_end
+from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState
+from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
-
-# Rows that the kernel runs before Python may look at a key that was pressed.
-CHUNK = 1 << 16
 
 
 def simulate(
     plant: AnyPlant,
-    settings: ControllerSettings | Decentralized,
+    settings: AnyController,
     w: ArrayLike,
     *,
-    x_0: Array | None = None,
+    x_0: ArrayLike | None = None,
     stride: int = 1,
     divergence_limit: float = 1e100,
     saturation: Saturation | None = None,
@@ -38,7 +35,7 @@ def simulate(
     Parameters
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
-    settings : ControllerSettings or Decentralized
+    settings : ControllerSettings, Decentralized or FixedController
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
         command, that is the block "r" of w.
@@ -62,13 +59,18 @@ def simulate(
     FunctionFailedError
         Where a function of the plant or of a weight raised or returned the wrong shape; the
         attribute `run` of the error holds what came before.
+    RunInterrupted
+        On Ctrl-C, within about 0.1 s; its attribute `run` holds the run so far, whose `state`
+        goes on from there.
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, Step, exogenous, fir_target, iir, servo_plant, simulate)
     >>> plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
-    >>> settings = ControllerSettings(structure=iir(n_c=3), target=fir_target(plant), R_theta=0.2)
-    >>> w = exogenous([step(), step(0), step(0)], steps=1000)
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=3), target=fir_target(plant), update=UD(R_theta=0.2))
+    >>> w = exogenous([Step(), Step(0), Step(0)], steps=1000)
     >>> run = simulate(plant, settings, w)
     >>> run
     Run(completed, steps=1000, Plant(n=2, l_u=1, l_w=3, l_y=1, l_z=1))
@@ -89,9 +91,10 @@ def simulate(
         saturation=saturation,
         start=start,
     )
-    while _kernel.run_jobs([prepared.job], 1, CHUNK):
-        pass
-    return prepared.result()
+    run_to_end([prepared])
+    run = prepared.result()
+    prepared.require_no_failure(run)
+    return run
 
 
 def frozen_twin(run: Run, k: int) -> Run:
@@ -99,28 +102,30 @@ def frozen_twin(run: Run, k: int) -> Run:
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, PlantChange, PlantSchedule, WhiteNoise, exogenous, fir_target,
+    ...     frozen_twin, iir, simulate, standard_plant)
     >>> slow, fast = standard_plant("1/(q - 0.9)"), standard_plant("4/(q - 0.9)")
     >>> plant = PlantSchedule(
     ...     [PlantChange(start=0, plant=slow), PlantChange(start=500, plant=fast)])
-    >>> settings = ControllerSettings(structure=iir(n_c=1), target=fir_target(slow), R_theta=1e-3)
-    >>> run = simulate(plant, settings, exogenous([white_noise()], 1000))
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=1), target=fir_target(slow), update=UD(R_theta=1e-3))
+    >>> run = simulate(plant, settings, exogenous([WhiteNoise()], 1000))
     >>> run.outcome, frozen_twin(run, 500).outcome
     ('completed', 'completed')
     """
     if instance_of(run, "run", Run).first_step != 0:
         raise InputError("the run is the continuation of another; freeze the whole run instead.")
-    freeze = ((integer(k, "k"), None),)
-    if isinstance(run.settings, Decentralized):
-        frozen: Any = replace(
-            run.settings,
-            controllers=[replace(c, freeze=(*c.freeze, *freeze)) for c in run.settings.controllers],
-        )
-    else:
-        frozen = replace(run.settings, freeze=(*run.settings.freeze, *freeze))
+    from_k = ((integer(k, "k"), None),)
+    settings = run.settings
+    if isinstance(settings, Decentralized):
+        parts = [replace(c, freeze=(*c.freeze, *from_k)) for c in settings.controllers]
+        settings = Decentralized(parts, settings.shared_u)
+    elif isinstance(settings, ControllerSettings):
+        settings = replace(settings, freeze=(*settings.freeze, *from_k))
     return simulate(
         run.plant,
-        frozen,
+        settings,
         run.w,
         x_0=run.x_0,
         stride=run.stride,

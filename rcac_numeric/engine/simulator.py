@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import FunctionFailedError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import vector
-
-if TYPE_CHECKING:
-    from rcac_numeric.engine import _kernel
-    from rcac_numeric.engine.compiled_controllers import Failures
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.plants import compiled_plant
+from rcac_numeric.plants.any_plant import AnyPlant
 
 
 class Simulator:
     """A plant at step `k` in state `x`; the arithmetic is that of `simulate`, bit for bit.
 
-    `Plant.simulator`, `PlantSchedule.simulator` and `FunctionPlant.simulator` make one.
+    Parameters
+    ----------
+    plant : Plant, PlantSchedule or FunctionPlant
+    x_0 : array, shape (n,), optional
+        Initial state; zero by default.
 
     Examples
     --------
-    >>> from rcac_numeric import standard_plant
-    >>> body = standard_plant("1/(q - 0.5)").simulator(x_0=[1.0])
+    >>> from rcac_numeric import Simulator, standard_plant
+    >>> body = Simulator(standard_plant("1/(q - 0.5)"), x_0=[1.0])
     >>> for k in range(3):
     ...     y, z = body.output(u=0, w=0)
     ...     body.advance(u=0, w=0)
@@ -31,11 +32,10 @@ class Simulator:
     (3, array([0.125]))
     """
 
-    def __init__(
-        self, body: _kernel.Plant, l_u: int, l_w: int, failures: Failures | None = None
-    ) -> None:
-        self._body, self._l_u, self._l_w, self._failures = body, l_u, l_w, failures
-        self._k = 0
+    def __init__(self, plant: AnyPlant, x_0: ArrayLike | None = None) -> None:
+        self._failures = Failures()
+        self._body = compiled_plant(plant, x_0, self._failures)
+        self._l_u, self._l_w, self._k = plant.l_u, plant.l_w, 0
 
     @property
     def k(self) -> int:
@@ -76,9 +76,7 @@ class Simulator:
 
     def _require(self, works: bool, function: str) -> None:
         if not works:
-            error = None
-            if self._failures is not None:
-                error, self._failures.error = self._failures.error, None
+            error = self._failures.take()
             why = "it returned a nonzero number."
             if error is not None:
                 why = f"{type(error).__name__}: {error}"

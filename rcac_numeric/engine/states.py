@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import zlib
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.values import Value, fingerprint
+from rcac_numeric.engine import _kernel
+
+Counter = Callable[[], int]
 
 
 @dataclass(frozen=True, eq=False)
-class SavedState:
+class SavedState(Value):
     """The state of a controller, or of controller, actuator and plant together, after k steps.
 
     Attributes
@@ -27,11 +30,14 @@ class SavedState:
         Every number of the state; integers as their bits.
     fingerprint : str
         Of the settings that the state belongs to; it can be restored into no others.
+    checksum : str
+        Of all of this: a state that was changed is refused.
 
     Examples
     --------
-    >>> from rcac_numeric import Controller, ControllerSettings, TargetModel, iir
-    >>> settings = ControllerSettings(structure=iir(n_c=1), target=TargetModel([0, 1]), R_theta=1)
+    >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=1), target=TargetModel([0, 1]), update=UD(R_theta=1))
     >>> first, second = Controller(settings), Controller(settings)
     >>> for k in range(10):
     ...     _ = first.step(y=k % 3, z=k % 2)
@@ -44,57 +50,72 @@ class SavedState:
     k: int
     values: Array = field(repr=False)
     fingerprint: str = field(repr=False)
+    checksum: str = field(repr=False)
+
+    @classmethod
+    def taken(cls, kind: str, k: int, values: Array, of: str) -> SavedState:
+        """The state of a compiled object whose settings have the fingerprint `of`."""
+        return cls(kind, k, values, of, _checksum(kind, k, values, of))
 
     def save(self, path: str | Path) -> None:
-        """Write the state to a .npz file.
+        """Write the state to a .npz file; an older file of that name stays whole until then.
 
         Raises
         ------
         InputError
             Where the file cannot be written.
         """
-        try:
-            with Path(path).open("wb") as file:
-                np.savez(
-                    file,
-                    kind=np.array(self.kind),
-                    k=np.array(self.k),
-                    # As integers, so that no reader can mistake or normalise a bit pattern.
-                    bits=np.asarray(self.values).view(np.int64),
-                    fingerprint=np.array(self.fingerprint),
-                )
-        except OSError as error:
-            raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
+        with replacing(path) as file:
+            np.savez(
+                file,
+                kind=np.array(self.kind),
+                k=np.array(self.k),
+                # As integers, so that no reader can mistake or normalise a bit pattern.
+                bits=np.asarray(self.values).view(np.int64),
+                fingerprint=np.array(self.fingerprint),
+                checksum=np.array(self.checksum),
+            )
 
     @classmethod
     def load(cls, path: str | Path) -> SavedState:
-        """Read a state that `save` wrote."""
+        """Read a state that `save` wrote.
+
+        Raises
+        ------
+        InputError
+            Where the file cannot be read, holds no saved state, or is damaged.
+        """
         try:
             with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
-                bits = data["bits"]
+                bits, k = data["bits"], data["k"]
                 if bits.dtype != np.int64 or bits.ndim != 1:
                     raise ValueError(f"bits are of type {bits.dtype}, shape {bits.shape}")
-                return cls(
-                    str(data["kind"]),
-                    int(data["k"]),
-                    np.ascontiguousarray(bits).view(np.float64),
-                    str(data["fingerprint"]),
-                )
+                if k.dtype.kind != "i" or k.ndim != 0:
+                    raise ValueError(f"k = {k!r} is no integer")
+                values = np.ascontiguousarray(bits).view(np.float64)
+                words = (str(data[name]) for name in ("kind", "fingerprint", "checksum"))
+                kind, of, checksum = words
         except OSError as error:
             raise InputError(f"{path} cannot be read: {error}.") from None
-        # BadZipFile and zlib.error where it was cut or damaged, EOFError where it is empty,
-        # TypeError where it is another kind of NumPy file.
-        except (KeyError, ValueError, TypeError, EOFError, BadZipFile, zlib.error) as error:
+        except Exception as error:  # zipfile, zlib, tokenize and NumPy each have their own
             raise InputError(f"{path} holds no saved state: {error}.") from None
+        if checksum != _checksum(kind, int(k), values, of):
+            raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
+        return cls(kind, int(k), values, of, checksum)
 
-    def restore_into(self, compiled: Any, kind: str, fingerprint: str) -> None:
-        """Put the state into a compiled object; raise where it does not belong there."""
+    def restore_into(
+        self, compiled: _kernel.Controller | _kernel.Loop, kind: str, of: str, steps: Counter
+    ) -> None:
+        """Put the state into a compiled object; raise where it does not belong there.
+
+        `steps` says how many steps the object has taken.
+        """
         if self.kind != kind:
             raise InputError(f"a {kind} cannot be restored from the state of a {self.kind}.")
-        if self.fingerprint != fingerprint:
+        if self.fingerprint != of:
             raise InputError(
                 f"the state belongs to a {kind} with other settings (fingerprint "
-                f"{self.fingerprint}) than this one ({fingerprint}). Restore it with the settings "
+                f"{self.fingerprint}) than this one ({of}). Restore it with the settings "
                 "that it was saved with."
             )
         values = self.values
@@ -103,15 +124,25 @@ class SavedState:
                 f"the values of the state are a {type(values).__name__} instead of a float64 "
                 "array of one dimension; use what `state` or `SavedState.load` gave."
             )
+        if self.checksum != _checksum(kind, self.k, values, of):
+            raise InputError(
+                f"the state of this {kind} is damaged: it was changed after it was saved."
+            )
         before = compiled.save()
         try:
             compiled.restore(values)
+            if steps() != self.k:
+                raise ValueError(f"it is said to be of step {self.k} and holds step {steps()}")
         except (ValueError, IndexError) as error:
             compiled.restore(before)
             raise InputError(f"the state of this {kind} is damaged: {error}.") from None
 
 
-def saved_state(value: Any, name: str) -> SavedState:
+def _checksum(kind: str, k: int, values: Array, of: str) -> str:
+    return fingerprint((kind, k, values, of))
+
+
+def saved_state(value: object, name: str) -> SavedState:
     """`value` if it is a saved state."""
     if not isinstance(value, SavedState):
         raise InputError(f"{name} = {value!r} is not a SavedState.")

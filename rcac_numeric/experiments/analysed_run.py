@@ -5,42 +5,56 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop, frozen_loop
-from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
-from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
-from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
-from rcac_numeric.engine.runs import Run, controllers_of
-from rcac_numeric.plants.frozen import measuring_command, plant_at
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.exact_comparison import ExactComparison
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
+from rcac_numeric.analysis.match import IntercalatedMatch
+from rcac_numeric.analysis.residual_split import ResidualSplit
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class AnalysedRun:
-    """A run with the analyses that claims ask of it, each made once and when it is needed."""
+class AnalysedRun(Value):
+    """A run with the analyses that claims ask of it, each made once and when it is needed.
+
+    Parameters
+    ----------
+    run : Run
+    target : TargetModel, optional
+        What its last controller is compared with; by default the target model that its settings
+        adapt to at the last step.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example, target_model
+    >>> from rcac_numeric.experiments.analysed_run import AnalysedRun
+    >>> run = load_example("4.7").main_run.execute().first.run
+    >>> AnalysedRun(run).match.worst < 1e-5, AnalysedRun(run, target_model("1/q")).match.worst > 0.1
+    (True, True)
+    """
 
     run: Run
+    target: TargetModel | None = None
 
     @property
     def is_scalar(self) -> bool:
         """Whether the exact comparison applies."""
         return not self.obstacle
 
-    @cached_property
+    @property
     def obstacle(self) -> str:
         """Why the exact comparison does not apply; empty where it does."""
-        run, compensator = self.run, self.run.compensator
-        sizes = {"l_u": compensator.l_u, "l_y": run.plant.l_y, "l_z": run.plant.l_z}
-        if set(sizes.values()) != {1}:
-            words = ", ".join(f"{name} = {size}" for name, size in sizes.items())
-            return f"it is for scalar signals, and the plant has {words}"
-        if compensator.l_y > 1:
-            return "it is for a controller that reads y alone, and this one reads the command too"
-        return ""
+        return self._analysis.obstacle
 
     @cached_property
     def plant(self) -> Plant:
@@ -53,42 +67,42 @@ class AnalysedRun:
         return self.run.first_step + max(self.run.steps - 1, 0)
 
     @cached_property
-    def target(self) -> TargetModel:
-        """The target model in force at the last step; the same for all controllers."""
+    def compared_with(self) -> TargetModel:
+        """The target model that was given, or the one in force at the last step for all."""
+        if self.target is not None:
+            return self.target
         targets = []
         for settings in controllers_of(self.run.settings):
-            later = [m for k, m in settings.later_targets.items() if k <= self.last_step]
-            targets.append([settings.target, *later][-1])
-        first = targets[0]
-        if any(
-            not np.array_equal(getattr(first, name), getattr(other, name))
-            for other in targets[1:]
-            for name in ("numerator", "denominator")
-        ):
+            if isinstance(settings, ControllerSettings):
+                changes = settings.target_changes
+                later = [model for k, model in changes.items() if k <= self.last_step]
+                targets.append([settings.target, *later][-1])
+        if not targets:
+            raise InputError("nothing adapts in this run, so it has no target model of its own")
+        if any(other != targets[0] for other in targets[1:]):
             raise InputError("the controllers have different target models")
-        return first
+        return targets[0]
 
-    @cached_property
+    @property
     def loop(self) -> ClosedLoop:
         """The plant of the last step in a loop with the final controller."""
-        return frozen_loop(self.run.plant, self.run.compensator, self.last_step)
+        return self._analysis.loop
 
-    @cached_property
-    def zeros(self) -> dict[str, np.ndarray]:
+    @property
+    def zeros(self) -> dict[str, ComplexArray]:
         """Closed-loop zeros from each channel of w to z with the final controller."""
-        return dict(self.comparison.zeros) if self.is_scalar else dict(self.loop.zeros())
+        return self._analysis.zeros
 
-    @cached_property
+    @property
     def comparison(self) -> ExactComparison:
         """The final controller beside the exact prediction."""
-        if self.obstacle:
-            raise InputError(f"there is no exact comparison here: {self.obstacle}.")
-        return compare_exactly(self.plant, self.run.compensator, self.target)
+        analysis = self._against_target if self.is_scalar else self._analysis
+        return analysis.comparison
 
-    @cached_property
+    @property
     def match(self) -> IntercalatedMatch:
         """The intercalated transfer function of the final controller beside G_f."""
-        return intercalated_match(self.loop, self.target)
+        return self._against_target.match
 
     @cached_property
     def split(self) -> ResidualSplit:
@@ -96,13 +110,24 @@ class AnalysedRun:
 
         Behind a saturation it is that of the applied input, which the controller's own past holds.
         """
-        run, y = self.run, self.run.y
+        run = self.run
         if isinstance(run.plant, PlantSchedule) and len(run.plant.changes) > 1:
             raise InputError("the plant changes during the run")
-        plant = self.plant
-        if run.compensator.l_y > plant.l_y:
-            plant = measuring_command(plant)
-            y = np.hstack([y, run.w @ plant.D_2[run.plant.l_y :].T])
-        return split_residual(
-            plant, run.compensator, self.target, u=run.u_applied, y=y, z=run.z, w=run.w
-        )
+        return self._against_target.split(u=run.u_applied, y=run.y, z=run.z, w=run.w)
+
+    @cached_property
+    def _analysis(self) -> LoopAnalysis:
+        """What there is a target model for, and what needs none."""
+        target, _ = attempted(lambda: self.compared_with)
+        return LoopAnalysis(self.plant, self.run.compensator, target)
+
+    @property
+    def _against_target(self) -> LoopAnalysis:
+        _ = self.compared_with  # where there is none, this says why
+        return self._analysis
+
+    def plot(self, title: str = "") -> figures.Figure:
+        """One sheet: response, coefficients, poles and zeros, and the intercalated match."""
+        from rcac_numeric.plots.run import plot_sheet
+
+        return plot_sheet(self, title)

@@ -13,7 +13,14 @@ from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 
 
 def h2_cost(r: AnalysedRun, noise: NoiseIntensities | None = None) -> float:
-    """Mean square of z with the final controller, for white noise w of these intensities."""
+    """Mean square of z with the final controller, for white noise w of these intensities.
+
+    Parameters
+    ----------
+    noise : mapping, optional
+        Intensities by block or channel of w, `{ d = 1, v = 0.25 }`; 1 for every channel where it
+        is left out.
+    """
     return float(h2_costs.h2_cost(r.loop.plant, r.loop.compensator, noise=noise))
 
 
@@ -30,7 +37,13 @@ def cost_over_high_authority(r: AnalysedRun, noise: NoiseIntensities | None = No
 def high_authority_pole_distance(
     r: AnalysedRun, value: float, noise: NoiseIntensities | None = None
 ) -> float:
-    """Distance from a real number to the nearest pole of the LQG controller."""
+    """Distance from a real number to the nearest pole of the LQG controller.
+
+    Parameters
+    ----------
+    value : float
+        The number.
+    """
     poles = np.linalg.eigvals(lqg(r.plant, noise=noise).state_space[0])
     return float(np.abs(poles - number(value, "value")).min())
 

@@ -7,25 +7,33 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rcac_numeric.controllers.decentralized import Decentralized
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import AnyController, controllers_of
+from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.claims import Claim
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.signals.signal import Signal, exogenous
+from rcac_numeric.targets.model import TargetModel
 
 
 @dataclass(frozen=True, eq=False)
-class RunSpecification:
+class RunSpecification(Value):
     """One run of an experiment; with its seed it determines every number of the run.
 
     Attributes
     ----------
-    arithmetic : str
-        "reference" is ball arithmetic with 250 digits; else the update of the settings.
+    settings : ControllerSettings, Decentralized or FixedController
+    target : TargetModel, optional
+        What the loop is compared with; by default the target model that the controller has at
+        the last step. A controller that adapts nothing has none of its own.
+    reference : bool
+        Whether the run is made in certified ball arithmetic with 250 digits.
     repetitions, perturbation : int, float
         The run is repeated with w multiplied by 1 + perturbation * (standard normal), to see
         whether its outcome hangs on the last bits. The first repetition is unperturbed.
@@ -36,16 +44,25 @@ class RunSpecification:
 
     name: str
     plant: Plant | PlantSchedule
-    settings: ControllerSettings | Decentralized
+    settings: AnyController
     signals: tuple[Signal, ...]
     steps: int
     seed: int = 0
     stride: int = 1
-    arithmetic: str = "ud"
+    reference: bool = False
     repetitions: int = 1
     perturbation: float = 0.0
     saturation: Saturation | None = None
     expected: str = "completed"
+    target: TargetModel | None = None
+
+    @property
+    def arithmetic(self) -> str:
+        """How theta is computed, in a word: the update's name, "reference" or "fixed"."""
+        if self.reference:
+            return "reference"
+        first = controllers_of(self.settings)[0]
+        return first.update.name if isinstance(first, ControllerSettings) else "fixed"
 
     def execute(self) -> RunResult:
         """Run it, as often as it asks for."""
@@ -55,12 +72,10 @@ class RunSpecification:
         for repetition in range(self.repetitions):
             factor = 1 + self.perturbation * rng.standard_normal(w.shape) if repetition else 1.0
             runs.append(self._run(w * factor))
-        return RunResult(self, tuple(AnalysedRun(run) for run in runs))
+        return RunResult(self, tuple(AnalysedRun(run, self.target) for run in runs))
 
     def _run(self, w: np.ndarray) -> Run:
-        if self.arithmetic == "reference":
-            from rcac_numeric.engine.reference.run import require_supported, simulate_reference
-
+        if self.reference:
             plant, settings = require_supported(self.plant, self.settings, self.saturation)
             return simulate_reference(plant, settings, w)
         return simulate(
@@ -69,7 +84,7 @@ class RunSpecification:
 
 
 @dataclass(frozen=True, eq=False)
-class RunResult:
+class RunResult(Value):
     """What a run specification produced."""
 
     specification: RunSpecification
@@ -92,52 +107,7 @@ class RunResult:
 
 
 @dataclass(frozen=True, eq=False)
-class Check:
-    """A measure of one run and the interval in which it must lie.
-
-    Attributes
-    ----------
-    measure, arguments
-        A name of `measures.MEASURES` and its keyword arguments.
-    run, relative_to : names of runs
-        With `relative_to` the measure is divided by that of the other run, repetition by
-        repetition.
-    statistic : {"each", "median"}
-        Whether every repetition must lie in the interval, or the median.
-    """
-
-    measure: str
-    run: str
-    at_least: float = -np.inf
-    at_most: float = np.inf
-    relative_to: str = ""
-    statistic: str = "each"
-    arguments: Mapping[str, object] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, eq=False)
-class Claim:
-    """Something said of an experiment, with the checks that decide whether it holds.
-
-    Attributes
-    ----------
-    text, claimed : str
-        What is said, and the number or behaviour that is claimed.
-    correction : str
-        What had to be read differently from the source for the checks to be the right ones.
-    recorded : str
-        The verdict of record; a run that computes another one has changed.
-    """
-
-    text: str
-    claimed: str
-    checks: tuple[Check, ...]
-    correction: str = ""
-    recorded: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Experiment:
+class Experiment(Value):
     """A numbered example or a user's own case.
 
     Examples
@@ -155,6 +125,11 @@ class Experiment:
     claims: Sequence[Claim]
     notes: str = ""
     description: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for name in ("runs", "description"):
+            object.__setattr__(self, name, dict(getattr(self, name)))
+        object.__setattr__(self, "claims", tuple(self.claims))
 
     @property
     def main_run(self) -> RunSpecification:

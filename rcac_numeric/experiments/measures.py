@@ -8,11 +8,9 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import frozen_loop
-from rcac_numeric.arrays.validation import integer, one_of
-from rcac_numeric.experiments import cost_measures
+from rcac_numeric.arrays.validation import integer
+from rcac_numeric.experiments import cost_measures, signal_measures
 from rcac_numeric.experiments.analysed_run import AnalysedRun
-
-SIGNALS = ("z", "y", "u", "u_applied", "w")
 
 Measure = Callable[..., float]
 MEASURES: dict[str, Measure] = {}
@@ -24,7 +22,7 @@ def measure(function: Measure) -> Measure:
     return function
 
 
-for _function in cost_measures.COST_MEASURES:
+for _function in (*cost_measures.COST_MEASURES, *signal_measures.SIGNAL_MEASURES):
     measure(_function)
 
 
@@ -69,61 +67,17 @@ def controller_spectral_radius(r: AnalysedRun) -> float:
 
 @measure
 def controller_pole_distance(r: AnalysedRun, omega: float = 0.0, k: int | None = None) -> float:
-    """Distance from exp(j omega) to the nearest controller pole, at step k or at the end."""
+    """Distance from exp(j omega) to the nearest controller pole, at step k or at the end.
+
+    Parameters
+    ----------
+    omega : float
+        A frequency in rad/sample.
+    k : int, optional
+        A step; theta(k) must have been kept.
+    """
     compensator = r.run.compensator if k is None else r.run.compensator_at(k)
     return float(np.abs(compensator.poles() - np.exp(1j * omega)).min())
-
-
-@measure
-def settling_step(r: AnalysedRun, band: float = 0.02) -> float:
-    """First step from which the size of z stays within the band to the end of the run."""
-    if r.run.outcome != "completed":
-        return float("inf")
-    outside = np.flatnonzero(np.abs(r.run.z).max(axis=1) > band)
-    return float(outside[-1] + 1) if outside.size else 0.0
-
-
-@measure
-def peak(
-    r: AnalysedRun,
-    start: int = 0,
-    stop: int | None = None,
-    signal: str = "z",
-    channel: int | None = None,
-) -> float:
-    """Largest size of a signal over start <= k < stop; of one channel or of all of them."""
-    return float(np.abs(_window(r, start, stop, signal, channel)).max())
-
-
-@measure
-def rms(
-    r: AnalysedRun,
-    start: int = 0,
-    stop: int | None = None,
-    signal: str = "z",
-    channel: int | None = None,
-) -> float:
-    """Root mean square of a signal over start <= k < stop."""
-    return float(np.sqrt(np.mean(np.sum(_window(r, start, stop, signal, channel) ** 2, axis=1))))
-
-
-@measure
-def mean(
-    r: AnalysedRun,
-    start: int = 0,
-    stop: int | None = None,
-    signal: str = "z",
-    channel: int = 0,
-) -> float:
-    """Mean of one channel of a signal over start <= k < stop."""
-    return float(np.mean(_window(r, start, stop, signal, channel)))
-
-
-@measure
-def saturated_fraction(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
-    """Fraction of the steps start <= k < stop at which the actuator did not apply u as it was."""
-    u, applied = (_window(r, start, stop, name, None) for name in ("u", "u_applied"))
-    return float(np.mean((u != applied).any(axis=1)))
 
 
 @measure
@@ -143,6 +97,11 @@ def coefficient(r: AnalysedRun, index: int, k: int | None = None) -> float:
     """One entry of theta, from 0 on: of theta(k), or of the last theta.
 
     For structure = "pid" the entries are the gains in the order of the terms.
+
+    Parameters
+    ----------
+    index : int
+        Which entry, from 0 on.
     """
     run = r.run
     if k is None:
@@ -188,7 +147,7 @@ def first_unstable_controller(r: AnalysedRun) -> float:
     """First step at which theta(k) describes an unstable controller; -1 if there is none."""
     run = r.run
     for row, theta in enumerate(run.theta):
-        if np.abs(run.settings.compensator(theta).poles()).max() > 1:
+        if np.abs(run.settings.compensator_of(theta).poles()).max() > 1:
             return float(row * run.stride)
     return -1.0
 
@@ -215,25 +174,14 @@ def guard_count(r: AnalysedRun) -> float:
     return float(r.run.guard_count)
 
 
-def _window(
-    r: AnalysedRun, start: int, stop: int | None, signal: str, channel: int | None
-) -> np.ndarray:
-    values: np.ndarray = getattr(r.run, one_of(signal, "signal", SIGNALS))
-    window = values[start:stop]
-    if not len(window):
-        raise InputError(f"the run of {r.run.steps} steps has no step in [{start}, {stop}).")
-    if channel is None:
-        return window
-    last = integer(channel, "channel", at_most=window.shape[1] - 1)
-    return window[:, last : last + 1]
-
-
 def _unstable(r: AnalysedRun, stop: int | None) -> np.ndarray:
     run = r.run
     rows = run.theta if stop is None else run.theta[: -(-stop // run.stride)]
     return np.array(
         [
-            not frozen_loop(run.plant, run.settings.compensator(theta), row * run.stride).is_stable
+            not frozen_loop(
+                run.plant, run.settings.compensator_of(theta), row * run.stride
+            ).is_stable
             for row, theta in enumerate(rows)
         ]
     )

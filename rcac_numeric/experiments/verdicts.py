@@ -2,94 +2,24 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.analysed_run import AnalysedRun
-from rcac_numeric.experiments.experiment import Check, Claim, Experiment, RunResult
+from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
+from rcac_numeric.experiments.experiment import Experiment, RunResult
+from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.measures import MEASURES
 
-REPRODUCED = "reproduced"
-CORRECTED = "reproduced with a correction"
-NOT_REPRODUCED = "not reproduced"
-ILL_POSED = "ill-posed"
-VERDICTS = (REPRODUCED, CORRECTED, NOT_REPRODUCED, ILL_POSED)
-
 
 @dataclass(frozen=True, eq=False)
-class CheckResult:
-    """The values of a check, one for each repetition."""
-
-    check: Check
-    values: tuple[float, ...]
-
-    @property
-    def holds(self) -> bool | None:
-        """Whether the check holds; None where it hangs on the last bits of the input."""
-        judged = (
-            [float(np.median(self.values))] if self.check.statistic == "median" else self.values
-        )
-        inside = [self._inside(value) for value in judged]
-        return True if all(inside) else None if any(inside) else False
-
-    def __str__(self) -> str:
-        name = self.check.measure.replace("_", " ")
-        ratio = f" / that of {self.check.relative_to}" if self.check.relative_to else ""
-        value = self._words(float(np.median(self.values)))
-        if len(self.values) > 1:
-            low, high = self._words(min(self.values)), self._words(max(self.values))
-            value = f"median {value} [{low}, {high}] of {len(self.values)}"
-        return f"{name}{ratio} ({self.check.run}): {value}"
-
-    def _inside(self, value: float) -> bool:
-        return self.check.at_least <= value <= self.check.at_most
-
-    def _words(self, value: float) -> str:
-        """Three digits, or as many more as it takes to stand on its side of the bounds."""
-        for digits in range(3, 17):
-            words = f"{value:.{digits}g}"
-            if self._inside(float(words)) == self._inside(value):
-                break
-        return words
-
-
-@dataclass(frozen=True, eq=False)
-class Verdict:
-    """A claim, what was measured, and whether it holds."""
-
-    claim: Claim
-    results: tuple[CheckResult, ...]
-
-    @property
-    def verdict(self) -> str:
-        """One of `VERDICTS`.
-
-        A claim holds where all its checks do; it is ill-posed where repetitions that differ by
-        rounding only disagree.
-        """
-        outcomes = [result.holds for result in self.results]
-        if any(outcome is False for outcome in outcomes):
-            return NOT_REPRODUCED
-        if any(outcome is None for outcome in outcomes):
-            return ILL_POSED
-        return CORRECTED if self.claim.correction else REPRODUCED
-
-    @property
-    def has_changed(self) -> bool:
-        """Whether the verdict differs from the one of record."""
-        return bool(self.claim.recorded) and self.claim.recorded != self.verdict
-
-    @property
-    def measured(self) -> str:
-        """The measured values in words."""
-        return "; ".join(map(str, self.results))
-
-
-@dataclass(frozen=True, eq=False)
-class Verification:
+class Verification(Value):
     """An experiment after its runs: results and verdicts.
 
     Examples
@@ -106,6 +36,9 @@ class Verification:
     results: Mapping[str, RunResult]
     verdicts: tuple[Verdict, ...]
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "results", dict(self.results))
+
     @property
     def main(self) -> RunResult:
         """The result of the experiment's main run."""
@@ -120,6 +53,22 @@ class Verification:
     def surprising(self) -> list[str]:
         """Names of the runs that did not end as their specification says."""
         return [name for name, result in self.results.items() if not result.as_expected]
+
+    def report(self) -> str:
+        """The whole verification in words and numbers."""
+        from rcac_numeric.reports.terminal import as_text
+        from rcac_numeric.reports.verification import verification_sheet
+
+        return as_text(verification_sheet(self))
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def plot(self) -> figures.Figure:
+        """One sheet on the main run."""
+        from rcac_numeric.plots.run import plot_verification
+
+        return plot_verification(self)
 
     @property
     def exit_status(self) -> int:
@@ -186,19 +135,24 @@ def _values(check: Check, result: RunResult) -> tuple[float, ...]:
             if repetition.run.outcome != "completed":
                 return float("nan")  # nothing to measure at the end; the check fails
             raise
-        except TypeError as error:
-            raise InputError(f"the check {check.measure!r} of a claim: {error}.") from None
 
     return tuple(value(repetition) for repetition in result.repetitions)
 
 
 def _known(check: Check, experiment: Experiment) -> None:
+    """Refuse a check that could not be evaluated, before anything runs."""
     if check.measure not in MEASURES:
         raise InputError(
             f"a claim asks for the measure {check.measure!r}; known are {', '.join(MEASURES)}."
+            f"{did_you_mean(check.measure, MEASURES)}"
         )
+    try:
+        inspect.signature(MEASURES[check.measure]).bind(None, **check.arguments)
+    except TypeError as error:
+        raise InputError(f"the check {check.measure!r} of a claim: {error}.") from None
     for name in (check.run, check.relative_to):
         if name and name not in experiment.runs:
             raise InputError(
                 f"a claim refers to the run {name!r}; the runs are {', '.join(experiment.runs)}."
+                f"{did_you_mean(name, experiment.runs)}"
             )

@@ -207,8 +207,8 @@ def loop_matrices(
     direct = np.eye(plant.l_u) - D_c @ plant.D_0
     if np.linalg.matrix_rank(direct) < plant.l_u:
         raise ImproperError("I - D_c D_0 is singular: u and y depend on each other in a circle.")
-    K_x = np.linalg.solve(direct, np.hstack([D_c @ plant.C, C_c]))
-    K_w = np.linalg.solve(direct, D_c @ inputs.D_2)
+    K_x = np.asarray(np.linalg.solve(direct, np.hstack([D_c @ plant.C, C_c])), dtype=np.float64)
+    K_w = np.asarray(np.linalg.solve(direct, D_c @ inputs.D_2), dtype=np.float64)
     y_x = np.hstack([plant.C, np.zeros((plant.l_y, n_c))]) + plant.D_0 @ K_x
     y_w = inputs.D_2 + plant.D_0 @ K_w
     own = np.vstack(

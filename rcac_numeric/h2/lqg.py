@@ -261,8 +261,8 @@ def _state_space(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> StateSpace
             "I + D_f D_0 is singular, so that the filter form is no proper controller of y; use "
             'form = "predictor".'
         )
-    C = np.linalg.solve(loop, C_c - D_f @ plant.C)
-    D = np.linalg.solve(loop, D_f)
+    C = np.asarray(np.linalg.solve(loop, C_c - D_f @ plant.C), dtype=np.float64)
+    D = np.asarray(np.linalg.solve(loop, D_f), dtype=np.float64)
     through = plant.B - B_c @ plant.D_0
     return plant.A - B_c @ plant.C + through @ C, B_c + through @ D, C, D
 

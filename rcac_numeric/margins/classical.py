@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.arrays.values import Value
@@ -108,7 +109,7 @@ class Margins(Value):
         ]
         return "\n".join(lines)
 
-    def plot(self) -> Any:
+    def plot(self) -> figures.Figure:
         """The Nyquist curve near -1 with the margins marked."""
         from rcac_numeric.plots.margins import plot_margins
 

@@ -217,8 +217,8 @@ def _opened(loop: ClosedLoop, at: str, channel: int) -> OpenedLoop:
         raise ImproperError(
             f"with {at}[{i}] opened, the other channels depend on each other in a circle."
         )
-    s_x = np.linalg.solve(closing, np.hstack([D_2 @ C_1, C_2]))
-    s_v = np.linalg.solve(closing, D_2 @ D_1 @ enters)
+    s_x = np.asarray(np.linalg.solve(closing, np.hstack([D_2 @ C_1, C_2])), dtype=np.float64)
+    s_v = np.asarray(np.linalg.solve(closing, D_2 @ D_1 @ enters), dtype=np.float64)
     in_x, in_v = stays @ s_x, stays @ s_v + enters
     out_x = np.hstack([C_1, np.zeros((len(C_1), len(A_2)))]) + D_1 @ in_x
     out_v = D_1 @ in_v

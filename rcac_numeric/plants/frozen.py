@@ -1,4 +1,4 @@
-"""What a run's plant and controller are at one step, as a fixed linear loop."""
+"""What a plant that changes is at one step: a fixed linear plant."""
 
 from __future__ import annotations
 
@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy as np
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
-from rcac_numeric.plants.linear import MATRICES, Plant, from_problem
+from rcac_numeric.plants.any_plant import AnyPlant, block_start
+from rcac_numeric.plants.linear import MATRICES, Plant
+from rcac_numeric.plants.problems import from_problem
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 
-def plant_at(plant: Plant | PlantSchedule, k: int) -> Plant:
+def plant_at(plant: AnyPlant, k: int) -> Plant:
     """The plant at step k; a delay of its input is written out as states.
 
     Examples
@@ -35,11 +38,8 @@ def plant_at(plant: Plant | PlantSchedule, k: int) -> Plant:
 
 def measuring_command(plant: Plant) -> Plant:
     """The plant with y and the command r as its measurement, for a controller that reads both."""
-    l_r, start = plant.blocks.get("r", 0), 0
-    for name, width in plant.blocks.items():
-        if name == "r":
-            break
-        start += width
+    l_r = plant.blocks.get("r", 0)
+    start = block_start(plant, "r") if l_r else 0
     reads = np.zeros((l_r, plant.l_w))
     reads[:, start : start + l_r] = np.eye(l_r)
     return Plant(
@@ -72,9 +72,7 @@ def _delayed(plant: Plant, delay: int) -> Plant:
         return plant
     from sympy import ImmutableMatrix, eye, zeros
 
-    from compensator_theory import StandardProblem
-
-    p: Any = plant.problem
+    p = plant.problem
     n, l_u, chain = plant.n, plant.l_u, delay * plant.l_u
     last = zeros(l_u, chain)
     last[:, chain - l_u :] = eye(l_u)
@@ -86,7 +84,7 @@ def _delayed(plant: Plant, delay: int) -> Plant:
         ImmutableMatrix.hstack(p.A, p.B * last),
         ImmutableMatrix.hstack(zeros(chain, n), ImmutableMatrix(shift)),
     )
-    problem = StandardProblem(
+    problem = exact.StandardProblem(
         A=A,
         B=ImmutableMatrix.vstack(zeros(n, l_u), ImmutableMatrix(first)),
         D_1=ImmutableMatrix.vstack(p.D_1, zeros(chain, plant.l_w)),

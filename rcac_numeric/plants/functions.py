@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from numpy.typing import ArrayLike
+from scipy import LowLevelCallable
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import float_array, integer
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.compiled_controllers import Failures
-from rcac_numeric.engine.simulator import Simulator
-from rcac_numeric.plants.linear import blocks_of_w, initial_state
+from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.plants.any_plant import blocks_of_w
 
+AdvanceFunction = Callable[[int, Array, Array, Array], ArrayLike]
+OutputFunction = Callable[[int, Array, Array], tuple[ArrayLike, ArrayLike]]
 ADVANCE = "int (int64_t, double *, double *, double *, double *, void *)"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FunctionPlant:
+class FunctionPlant(Value):
     """A plant x(k+1) = f(k, x, u, w), y(k) and z(k) = h(k, x, w), given by two functions.
 
     u(k) acts on y and z through the state only.
@@ -58,8 +58,8 @@ class FunctionPlant:
     FunctionPlant(n=2, l_u=1, l_w=1, l_y=1, l_z=1, Python functions)
     """
 
-    advance: Any
-    output: Any
+    advance: AdvanceFunction | LowLevelCallable
+    output: OutputFunction | LowLevelCallable
     n: int
     l_u: int
     l_w: int
@@ -96,38 +96,6 @@ class FunctionPlant:
         """False: u(k) acts through the state."""
         return False
 
-    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
-        """The plant for a loop in Python."""
-        failures = Failures()
-        return Simulator(self.compiled(x_0, failures), self.l_u, self.l_w, failures)
-
-    def compiled(self, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
-        """The plant for the kernel; exceptions of Python functions are kept in `failures`."""
-        sizes = (self.n, self.l_u, self.l_w, self.l_y, self.l_z)
-        start = initial_state(x_0, self.n)
-        if self.is_compiled:
-            # A LowLevelCallable is a tuple of a capsule and what it was made from, but refuses [0].
-            advance, output = (tuple.__getitem__(f, 0) for f in (self.advance, self.output))
-            return _kernel.compiled_plant(sizes, advance, output, start)
-        return _kernel.python_plant(
-            sizes,
-            failures.guard(self._checked_advance),
-            failures.guard(self._checked_output),
-            start,
-        )
-
-    def _checked_advance(self, k: int, x: Array, u: Array, w: Array) -> Array:
-        return _sized(self.advance(k, x, u, w), "advance", "x(k+1)", self.n)
-
-    def _checked_output(self, k: int, x: Array, w: Array) -> tuple[Array, Array]:
-        try:
-            y, z = self.output(k, x, w)
-        except (TypeError, ValueError) as error:
-            if error.__traceback__ and error.__traceback__.tb_next:  # raised inside the function
-                raise
-            raise InputError("output must return the pair (y, z).") from None
-        return _sized(y, "output", "y", self.l_y), _sized(z, "output", "z", self.l_z)
-
     def __repr__(self) -> str:
         kind = "compiled" if self.is_compiled else "Python functions"
         return (
@@ -136,21 +104,11 @@ class FunctionPlant:
         )
 
 
-def _sized(value: ArrayLike, function: str, name: str, size: int) -> Array:
-    # Not a number is for the kernel to name; a complex number, a text or None is no state at all.
-    array = float_array(value, f"what {function} returned as {name}").reshape(-1)
-    if array.size != size:
-        raise InputError(f"{function} returned {array.size} numbers as {name}; {size} are needed.")
-    return array
-
-
-def _is_compiled(function: Any) -> bool:
-    from scipy import LowLevelCallable
-
+def _is_compiled(function: object) -> bool:
     return isinstance(function, LowLevelCallable)
 
 
-def _require_signature(function: Any, name: str) -> None:
+def _require_signature(function: LowLevelCallable, name: str) -> None:
     """Both functions take a step, four arrays and the user's data, and return an int."""
     given = function.signature.replace(" ", "")
     steps = ("int64_t", "long", "longlong", "int64")

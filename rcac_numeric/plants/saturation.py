@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import Read, real_array
+from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.values import Value
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Saturation:
+@dataclass(frozen=True, eq=False, init=False)
+class Saturation(Value):
     """Bounds on the control input and on its change in one step.
 
     u_a(k) is u(k) moved to within `rate` of u_a(k-1), then into [low, high]; u_a(-1) = 0. The
@@ -25,6 +27,11 @@ class Saturation:
     rate : float or array, shape (l_u,), optional
         Largest change in one step.
 
+    Raises
+    ------
+    InputError
+        Where no bound is given, sizes differ, low exceeds high, or a rate is not positive.
+
     Examples
     --------
     >>> from rcac_numeric import Saturation
@@ -32,17 +39,24 @@ class Saturation:
     (array([-0.2]), array([0.2]), array([inf]))
     """
 
-    low: Read = None
-    high: Read = None
-    rate: Read = None
+    low: Array | None
+    high: Array | None
+    rate: Array | None
 
-    def __post_init__(self) -> None:
-        if self.low is None and self.high is None and self.rate is None:
+    def __init__(
+        self,
+        *,
+        low: ArrayLike | None = None,
+        high: ArrayLike | None = None,
+        rate: ArrayLike | None = None,
+    ) -> None:
+        for name, value in (("low", low), ("high", high), ("rate", rate)):
+            bound = None if value is None else real_array(value, name).reshape(-1)
+            object.__setattr__(self, name, bound)
+        given = [b for b in (self.low, self.high, self.rate) if b is not None]
+        if not given:
             raise InputError("a saturation needs low, high or rate.")
-        for name in ("low", "high", "rate"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, real_array(getattr(self, name), name).reshape(-1))
-        widths = {b.size for b in (self.low, self.high, self.rate) if b is not None} - {1}
+        widths = {b.size for b in given} - {1}
         if len(widths) > 1:
             raise InputError(f"low, high and rate have different sizes: {sorted(widths)}.")
         if self.low is not None and self.high is not None and np.any(self.low > self.high):
@@ -53,15 +67,15 @@ class Saturation:
     def bounds(self, l_u: int) -> tuple[Array, Array, Array]:
         """(low, high, rate) for every input, infinite where there is no bound."""
         return (
-            self._sized("low", -np.inf, l_u),
-            self._sized("high", np.inf, l_u),
-            self._sized("rate", np.inf, l_u),
+            _sized(self.low, "low", -np.inf, l_u),
+            _sized(self.high, "high", np.inf, l_u),
+            _sized(self.rate, "rate", np.inf, l_u),
         )
 
-    def _sized(self, name: str, default: float, l_u: int) -> Array:
-        value = getattr(self, name)
-        if value is None:
-            return np.full(l_u, default)
-        if value.size not in (1, l_u):
-            raise InputError(f"{name} has {value.size} entries; l_u = {l_u}.")
-        return np.broadcast_to(value, l_u).copy()
+
+def _sized(value: Array | None, name: str, default: float, l_u: int) -> Array:
+    if value is None:
+        return np.full(l_u, default)
+    if value.size not in (1, l_u):
+        raise InputError(f"{name} has {value.size} entries; l_u = {l_u}.")
+    return np.broadcast_to(value, l_u).copy()

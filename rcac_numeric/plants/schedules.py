@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
-from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import Read, instance_of, integer, items, matrix
-from rcac_numeric.engine import _kernel
-from rcac_numeric.engine.simulator import Simulator
-from rcac_numeric.plants.linear import MATRICES, Plant, initial_state
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of, integer, items, matrix, real_array
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.plants.linear import Plant
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PlantChange:
+@dataclass(frozen=True, eq=False, init=False)
+class PlantChange(Value):
     """What the plant is from step `start` on.
 
-    Attributes
+    Parameters
     ----------
     start : int
     plant : Plant
@@ -33,17 +32,39 @@ class PlantChange:
         equal orders.
     delay : int
         u acts this many steps late; what was sent before the change is kept.
+
+    Examples
+    --------
+    >>> from rcac_numeric import PlantChange, standard_plant
+    >>> PlantChange(start=100, plant=standard_plant("3/(q - 0.5)")).ramp
+    False
     """
 
     start: int
     plant: Plant
     ramp: bool = False
-    state_map: Read = None
+    state_map: Array | None = None
     delay: int = 0
+
+    def __init__(
+        self,
+        *,
+        start: int,
+        plant: Plant,
+        ramp: bool = False,
+        state_map: ArrayLike | None = None,
+        delay: int = 0,
+    ) -> None:
+        set_ = partial(object.__setattr__, self)
+        set_("start", integer(start, "start"))
+        set_("plant", instance_of(plant, "the plant of a change", Plant))
+        set_("ramp", instance_of(ramp, "ramp", bool))
+        set_("state_map", None if state_map is None else real_array(state_map, "state_map"))
+        set_("delay", integer(delay, "delay", at_most=100_000))
 
 
 @dataclass(frozen=True, eq=False)
-class PlantSchedule:
+class PlantSchedule(Value):
     """A linear plant that switches, drifts, or receives its input later.
 
     A change of gain is a change of B (or of C and E_1); a moved zero is a change of C and E_1
@@ -74,11 +95,6 @@ class PlantSchedule:
         changes = items(self.changes, "changes", PlantChange)
         if not changes:
             raise InputError("a plant schedule needs a list of PlantChange(start=..., plant=...).")
-        for change in changes:
-            integer(change.start, "start")
-            integer(change.delay, "delay", at_most=100_000)
-            instance_of(change.plant, "the plant of a change", Plant)
-            instance_of(change.ramp, "ramp", bool)
         object.__setattr__(self, "changes", changes)
         if changes[0].start != 0 or changes[0].state_map is not None:
             raise InputError("the first change must begin at step 0, without a state map.")
@@ -94,8 +110,7 @@ class PlantSchedule:
                 raise InputError(f"the plant at {now.start} has other inputs or outputs.")
             n_before, n = before.plant.n, now.plant.n
             if now.state_map is not None:
-                mapped = matrix(now.state_map, "state_map", (n, n_before))
-                object.__setattr__(now, "state_map", mapped)
+                matrix(now.state_map, "state_map", (n, n_before))
             elif n != n_before:
                 raise InputError(
                     f"the plant at {now.start} has {n} states after {n_before}; say by state_map "
@@ -113,11 +128,35 @@ class PlantSchedule:
         """The change that is in force at step k; a ramp counts as where it began."""
         return [change for change in self.changes if change.start <= k][-1]
 
-    def __getattr__(self, name: str) -> Any:
-        """Sizes and blocks are those of the plant at step 0."""
-        if name in ("n", "l_u", "l_w", "l_y", "l_z", "blocks"):
-            return getattr(self.first, name)
-        raise AttributeError(name)
+    @property
+    def n(self) -> int:
+        """Number of states at step 0."""
+        return self.first.n
+
+    @property
+    def l_u(self) -> int:
+        """Number of control inputs."""
+        return self.first.l_u
+
+    @property
+    def l_w(self) -> int:
+        """Number of exogenous inputs."""
+        return self.first.l_w
+
+    @property
+    def l_y(self) -> int:
+        """Number of measurements."""
+        return self.first.l_y
+
+    @property
+    def l_z(self) -> int:
+        """Number of performance variables."""
+        return self.first.l_z
+
+    @property
+    def blocks(self) -> Mapping[str, int]:
+        """How w is divided."""
+        return self.first.blocks
 
     @property
     def y_needs_u(self) -> bool:
@@ -128,24 +167,6 @@ class PlantSchedule:
     def z_needs_u(self) -> bool:
         """Whether z(k) depends on u(k) at some step."""
         return any(change.plant.z_needs_u for change in self.changes)
-
-    def simulator(self, x_0: ArrayLike | None = None) -> Simulator:
-        """A compiled copy of the plant for a loop in Python."""
-        return Simulator(self.compiled(x_0), self.first.l_u, self.first.l_w)
-
-    def compiled(self, x_0: ArrayLike | None = None) -> _kernel.Plant:
-        """The plant for the kernel."""
-        segments = [
-            (
-                change.start,
-                [getattr(change.plant, name) for name in MATRICES],
-                change.ramp,
-                np.zeros(0) if change.state_map is None else change.state_map,
-                change.delay,
-            )
-            for change in self.changes
-        ]
-        return _kernel.linear_plant(_sizes(self.first), segments, initial_state(x_0, self.first.n))
 
     def __repr__(self) -> str:
         sizes = repr(self.first)[len("Plant(") : -1]

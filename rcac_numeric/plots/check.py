@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.plots.margins import draw_nyquist
 from rcac_numeric.plots.style import (
     INK,
@@ -15,13 +16,8 @@ from rcac_numeric.plots.style import (
     draw_history,
     draw_magnitude,
     draw_phase,
+    draw_title,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from rcac_numeric.checks.check import ControllerCheck
 
 
 def plot_check(check: ControllerCheck) -> Figure:
@@ -29,11 +25,9 @@ def plot_check(check: ControllerCheck) -> Figure:
 
     What cannot be said is left out, and the sheet is as wide as what is left.
     """
-    from matplotlib.figure import Figure
-
     knows = check.loop is not None
     figure = Figure(figsize=(15 if knows else 9, 9), layout="constrained")
-    figure.suptitle(check.log.source.rsplit("/", 1)[-1], fontsize=12, fontweight="bold")
+    draw_title(figure, check.log.source.rsplit("/", 1)[-1])
     grid = figure.add_gridspec(6, 3 if knows else 1)
     left = [figure.add_subplot(grid[2 * i : 2 * i + 2, 0]) for i in range(3)]
     _signals(left[0], left[1], check)
@@ -70,7 +64,7 @@ def _signals(upper: Axes, lower: Axes, check: ControllerCheck) -> None:
 
 def _coefficients(axis: Axes, check: ControllerCheck) -> None:
     log, drift = check.log, check.drift
-    if log.has_history:
+    if log.theta is not None and log.theta.ndim == 2:
         axis.plot(log.theta, linewidth=1.0)
         axis.set(xlabel="step $k$", ylabel=r"coefficients $\theta$")
         if drift is not None:

@@ -1,10 +1,13 @@
-"""What the name of a picture's file must be like."""
+"""The files that pictures are saved in."""
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.files import replacing
 
 FORMATS = (".pdf", ".png", ".svg")
 
@@ -15,3 +18,22 @@ def require_picture_format(picture: Path) -> None:
         raise InputError(f"--plot {picture}: the name must end in one of {', '.join(FORMATS)}.")
     if not picture.parent.is_dir():
         raise InputError(f"--plot {picture}: there is no folder {picture.parent}.")
+
+
+def save(figure: figures.Figure, picture: Path) -> None:
+    """Save a figure; what was in the file stays whole until the new one is.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from matplotlib.figure import Figure
+    >>> from rcac_numeric.plots.formats import save
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "empty.svg"
+    >>> save(Figure(), file)
+    >>> file.read_text().startswith("<?xml")
+    True
+    """
+    drawn = io.BytesIO()  # matplotlib's writers do not say in their own words that a disk is full
+    figure.savefig(drawn, format=picture.suffix[1:].lower(), dpi=130)
+    with replacing(picture) as new:
+        new.write_bytes(drawn.getbuffer())

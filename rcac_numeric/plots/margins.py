@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from rcac_numeric.margins.classical import Margins
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from rcac_numeric.margins.classical import Margins
 
 
 def plot_margins(margins: Margins) -> Figure:
@@ -26,8 +21,6 @@ def plot_margins(margins: Margins) -> Figure:
     >>> len(stability_margins(L, feedback=-1).plot().axes)
     3
     """
-    from matplotlib.figure import Figure
-
     figure = Figure(figsize=(11, 5), layout="constrained")
     grid = figure.add_gridspec(2, 2)
     draw_nyquist(figure.add_subplot(grid[:, 0]), margins)

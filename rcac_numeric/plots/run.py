@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.style import (
     INK,
     REACHED,
@@ -17,11 +18,9 @@ from rcac_numeric.plots.style import (
     draw_history,
     draw_magnitude,
     draw_phase,
+    draw_title,
 )
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+from rcac_numeric.signals.wording import shortened
 
 
 def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
@@ -50,12 +49,10 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
     >>> len(figure.axes)
     6
     """
-    from matplotlib.figure import Figure  # half a second, paid only here
-
     figure = Figure(figsize=(11, 8.5), layout="constrained")
     axes = figure.subplots(3, 2, width_ratios=[1.25, 1], height_ratios=[1.25, 1, 1])
     if title:
-        figure.suptitle(title, fontsize=12, fontweight="bold")
+        draw_title(figure, title)
     run = repetition.run
     draw_history(axes[0, 0], run.z, "performance $z$", "z")
     _control(axes[1, 0], run)
@@ -68,13 +65,20 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
     try:
         match = repetition.match
     except CompensatorError as error:
-        axes[1, 1].set_title(f"no intercalated match: {error}", fontsize=10)
+        axes[1, 1].set_title(f"no intercalated match: {shortened(str(error), 60)}", fontsize=10)
     else:
         draw_magnitude(axes[1, 1], match)
         draw_phase(axes[2, 1], match)
     for axis in axes.ravel():
         axis.grid(alpha=0.25)
     return figure
+
+
+def plot_verification(verification: Verification) -> Figure:
+    """The sheet of the main run, under the name of the experiment."""
+    experiment = verification.experiment
+    title = f"{experiment.id}: {experiment.title}".strip(": ")
+    return plot_sheet(verification.main.first, title)
 
 
 def _control(axis: Axes, run: Run) -> None:

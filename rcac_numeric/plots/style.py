@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from rcac_numeric.analysis.match import IntercalatedMatch
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.signals.wording import printable, shortened
 
 INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
+# An axis spans at least this factor in gain and these radians: rounding is to look like rounding.
+LEAST_FACTOR, LEAST_PHASE = 2.0, 0.5
 
 
-def draw_history(axis: Axes, values: np.ndarray, label: str, symbol: str) -> None:
+def draw_title(figure: Figure, title: str) -> None:
+    """Words of a user above a picture: as they are, dollars and backslashes too."""
+    words = shortened(printable(title), 120)
+    figure.suptitle(words, fontsize=12, fontweight="bold", parse_math=False)
+
+
+def draw_history(axis: Axes, values: Array, label: str, symbol: str) -> None:
     """A signal over the step k, one line for each component."""
     for i, column in enumerate(values.T):
         axis.step(np.arange(len(column)), column, where="post", linewidth=1.1,
@@ -31,6 +38,7 @@ def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
                       alpha=0.45, label="$G_f$" if i == j == 0 else None)  # fmt: skip
         axis.semilogy(match.omega, np.abs(match.reached[:, i, j]), color=REACHED, linewidth=1.2,
                       label=r"$\tilde G_{z\tilde u}$" if i == j == 0 else None)  # fmt: skip
+    _widen(axis, LEAST_FACTOR)
     axis.set_ylabel("magnitude")
     axis.set_title(
         f"intercalated match: worst {match.worst:.2g}, median {match.median:.2g}", fontsize=10
@@ -39,12 +47,40 @@ def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
 
 
 def draw_phase(axis: Axes, match: IntercalatedMatch) -> None:
-    """Their phase, in radians."""
+    """Their phase, in radians: equal responses are drawn on each other."""
     for i, j in np.ndindex(match.wanted.shape[1:]):
-        for values, color, width, alpha in (
-            (match.wanted[:, i, j], WANTED, 3.5, 0.45),
-            (match.reached[:, i, j], REACHED, 1.2, 1.0),
-        ):
-            axis.plot(match.omega, np.unwrap(np.angle(values)), color=color, linewidth=width,
-                      alpha=alpha)  # fmt: skip
+        wanted, reached = phases(match.wanted[:, i, j], match.reached[:, i, j])
+        axis.plot(match.omega, wanted, color=WANTED, linewidth=3.5, alpha=0.45)
+        axis.plot(match.omega, reached, color=REACHED, linewidth=1.2)
+    low, high = axis.get_ylim()
+    if high - low < LEAST_PHASE:
+        middle = (low + high) / 2
+        axis.set_ylim(middle - LEAST_PHASE / 2, middle + LEAST_PHASE / 2)
     axis.set(xlabel=r"frequency $\omega$, rad/sample", ylabel="phase, rad")
+
+
+def phases(wanted: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
+    """Two continuous phases over frequency, in radians, less than a turn apart.
+
+    A phase is known up to whole turns: the first one begins in (-pi, pi], and the second one where
+    their difference does.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.plots.style import phases
+    >>> a, b = phases(np.array([-1 + 1e-9j, 1j]), np.array([-1 - 1e-9j, 1j]))
+    >>> bool(np.abs(a - b).max() < 1e-8)
+    True
+    """
+    with np.errstate(all="ignore"):
+        first = np.unwrap(np.angle(wanted))
+        difference = np.unwrap(np.angle(reached * np.conj(wanted)))
+    return np.asarray(first), np.asarray(first + difference)
+
+
+def _widen(axis: Axes, factor: float) -> None:
+    low, high = axis.get_ylim()
+    if 0 < low < high < factor * low:
+        middle = (low * high) ** 0.5
+        axis.set_ylim(middle / factor**0.5, middle * factor**0.5)

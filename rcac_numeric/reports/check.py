@@ -1,151 +1,161 @@
-"""The check of a controller in words and numbers, for the terminal."""
+"""The check of a controller as a report."""
 
 from __future__ import annotations
 
-import io
-from math import isnan
-from typing import TYPE_CHECKING
+from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
-
-from rcac_numeric.reports.check_record import margin_rows
-from rcac_numeric.reports.tables import complex_list, table_of
-
-if TYPE_CHECKING:
-    from rcac_numeric.checks.check import ControllerCheck
-    from rcac_numeric.margins.classical import Margins
+from rcac_numeric.analysis.exact_comparison import ExactComparison
+from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.reports.loop import health, joined, match_section, split_section, zeros_facts
+from rcac_numeric.reports.margins import disk_record, margins_section
+from rcac_numeric.reports.numbers import complex_list
+from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 
 
-def as_text(check: ControllerCheck) -> str:
-    """The report without colours."""
-    stream = io.StringIO()
-    print_check(check, Console(file=stream, width=100, highlight=False, color_system=None))
-    return stream.getvalue().strip("\n")
+def check_sheet(check: ControllerCheck) -> Sheet:
+    """What the log says, what the loop is, and what cannot be said.
 
-
-def print_check(check: ControllerCheck, console: Console | None = None) -> None:
-    """Print what the log says, what the loop is, and what cannot be said."""
-    out = console or Console(highlight=False)
-    out.print(f"\n[bold]{escape(check.log.source)}[/bold]: {check.log.steps} steps")
-    for finding, fine in (
-        (check.replay, check.is_consistent),
-        (check.drift, check.drift is None or check.drift.is_converged),
-    ):
-        if finding is not None:
-            out.print(f"  {escape(str(finding))}", style=None if fine else "red")
-    if not check.is_consistent:
-        out.print("  What follows is about theta; the logged u came from something else.")
-    _print_controller(out, check)
+    Examples
+    --------
+    >>> from rcac_numeric import Compensator, check_controller
+    >>> from rcac_numeric.reports.check import check_sheet
+    >>> gain = Compensator(past_u=[[[0.0]]], past_y=[[[0.5]], [[0.0]]])
+    >>> sheet = check_sheet(check_controller([0.5, 1.0], [1.0, 2.0], compensator=gain))
+    >>> sheet.record["replay"]["agrees"], sheet.health
+    (True, ())
+    """
+    sections = [_log(check), _controller(check)]
     if check.loop is not None:
-        _print_loop(out, check)
-        for name, margins in check.margins.items():
-            _print_margins(out, name, margins)
-        if check.disk is not None:
-            out.print(f"  all of u at once: disk {check.disk}")
-        _print_costs(out, check)
-    if check.target is not None and check.loop is not None:
-        _print_target(out, check)
-    if check.unsaid:
-        out.print("\n[bold]What cannot be said[/bold]")
-        for name, reason in check.unsaid.items():
-            out.print(f"  {escape(name)}: {escape(reason)}.", style="yellow")
+        sections += [_loop(check), *(margins_section(n, m) for n, m in check.margins.items())]
+        sections += [_disk(check), _costs(check)]
+        if check.target is not None:
+            sections.append(_target(check))
+    return Sheet(
+        title=check.log.source,
+        remark=f": {check.log.steps} steps",
+        health=() if check.loop is None else (health(check.loop),),
+        sections=(*sections, _unsaid(check)),
+    )
 
 
-def _print_controller(out: Console, check: ControllerCheck) -> None:
-    out.print("\n[bold]The controller[/bold] at the end of the log")
+def _log(check: ControllerCheck) -> Section:
+    replay, drift = check.replay, check.drift
+    blocks: list[Block] = []
+    record: dict[str, Any] = {
+        "source": check.log.source, "steps": check.log.steps, "replay": None, "drift": None,
+    }  # fmt: skip
+    if replay is not None:
+        blocks.append(Text(str(replay), "plain" if replay.agrees else "bad"))
+        record["replay"] = {
+            name: getattr(replay, name)
+            for name in ("of", "agrees", "worst", "worst_step", "start", "shift", "tolerance")
+        }
+    if drift is not None:
+        blocks.append(Text(str(drift), "plain" if drift.is_converged else "bad"))
+        record["drift"] = {n: getattr(drift, n) for n in ("is_converged", "relative", "start")}
+    if not check.is_consistent:
+        words = "What follows is about theta; the logged u came from something else."
+        blocks.append(Text(words))
+    return Section(blocks=tuple(blocks), record=record)
+
+
+def _controller(check: ControllerCheck) -> Section:
     poles = check.compensator.poles()
-    out.print(f"  poles: {complex_list(poles)}")
+    blocks: list[Block] = [Fact("poles", complex_list(poles))]
     if (largest := float(abs(poles).max(initial=0.0))) > 1 + 1e-9:
-        out.print(f"  it is unstable by itself: spectral radius {largest:.6g}", style="yellow")
+        words = f"it is unstable by itself: spectral radius {largest:.6g}"
+        blocks.append(Text(words, "warning"))
     for model in check.internal_models:
         left = ", ".join(f"{gain:.2g} from {name}" for name, gain in model.gains.items())
         left = f"; of these z keeps {left}" if left else ""
-        out.print(
-            f"  internal model: pole {complex_list([model.pole])} rejects {model.rejects}{left}"
-        )
-
-
-def _print_loop(out: Console, check: ControllerCheck) -> None:
-    assert check.loop is not None
-    radius = check.loop.spectral_radius
-    stable = check.loop.is_stable
-    out.print("\n[bold]The closed loop[/bold]")
-    out.print(
-        f"  {'stable' if stable else 'UNSTABLE'}, spectral radius {radius:.9g}",
-        style=None if stable else "red",
-    )
-    assert check.poles is not None
-    out.print(f"  poles: {complex_list(check.poles)}")
-    for channel, zeros in check.zeros.items():
-        out.print(f"  zeros from {escape(channel)} to z: {complex_list(zeros)}")
-
-
-def _print_margins(out: Console, name: str, margins: Margins) -> None:
-    out.print(f"\n[bold]Margins[/bold], the loop opened at {name}")
-    if not margins.is_stable:
-        out.print(f"  {margins}", style="red")
-        return
-    table = table_of("", "margin", "at rad/sample", "pole radius there")
-    for label, found, unit in margin_rows(margins):
-        value = f"{found.value:.6g}{unit}"
-        omega = f"{found.omega:.6g}" if found.is_reached else ""
-        there = f"{found.radius_at:.12f}" if found.is_reached else ""
-        table.add_row(label, value, omega, there)
-    disk = margins.disk
-    assert disk is not None
-    low, high = disk.gain
-    table.add_row(
-        "disk, S - T",
-        f"{disk.alpha:.6g}: {low:.4g} to {high:.4g}, {disk.phase:.4g} deg",
-        f"{disk.omega:.6g}",
-        "" if isnan(disk.radius_at) else f"{disk.radius_at:.12f}",
-    )
-    out.print(table)
-    out.print(
-        f"  peaks: |S| {disk.S_peak:.4g} at {disk.S_omega:.4g}, |T| {disk.T_peak:.4g} at "
-        f"{disk.T_omega:.4g} rad/sample"
+        pole = complex_list([model.pole])
+        blocks.append(Text(f"internal model: pole {pole} rejects {model.rejects}{left}"))
+    record = {
+        "P": check.compensator.past_u,
+        "Q": check.compensator.past_y,
+        "poles": poles,
+        "internal_models": [
+            {name: getattr(model, name) for name in ("pole", "omega", "rejects", "gains")}
+            for model in check.internal_models
+        ],
+    }
+    return Section(
+        "The controller", tuple(blocks), {"controller": record}, remark=" at the end of the log"
     )
 
 
-def _print_costs(out: Console, check: ControllerCheck) -> None:
+def _loop(check: ControllerCheck) -> Section:
+    loop, poles = check.loop, check.poles
+    assert loop is not None and poles is not None
+    record = {
+        "is_stable": loop.is_stable,
+        "spectral_radius": loop.spectral_radius,
+        "poles": poles,
+        "zeros": check.zeros,
+    }
+    zeros = {channel: complex_list(found) for channel, found in check.zeros.items()}
+    facts = (Fact("poles", complex_list(poles)), *zeros_facts(zeros))
+    return Section("The closed loop", facts, {"loop": record, "margins": {}})
+
+
+def _disk(check: ControllerCheck) -> Section:
+    blocks = () if check.disk is None else (Text(f"all of u at once: disk {check.disk}"),)
+    return Section(blocks=blocks, record={"disk_margin": disk_record(check.disk)})
+
+
+def _costs(check: ControllerCheck) -> Section:
     costs = check.costs
     assert costs is not None
-    out.print("\n[bold]H2 cost[/bold] for white noise, with the share of each")
     shares = ", ".join(f"{name} {value:.6g}" for name, value in costs.reached.shares.items())
-    out.print(f"  {costs.reached.value:.6g} ({escape(shares)})")
+    blocks: list[Block] = [Text(f"{costs.reached.value:.6g} ({shares})")]
     if costs.least is None:
-        out.print(f"  no LQG cost: {escape(costs.obstacle)}.", style="yellow")
+        blocks.append(Text(f"no LQG cost: {costs.obstacle}.", "warning"))
     else:
         ratio = "" if costs.ratio is None else f"; ratio {costs.ratio:.6g}"
-        out.print(f"  LQG: {costs.least.value:.6g}{ratio}")
+        blocks.append(Text(f"LQG: {costs.least.value:.6g}{ratio}"))
+    record = {
+        "cost": costs.reached.value,
+        "by_noise": costs.reached.shares,
+        "lqg": None if costs.least is None else costs.least.value,
+        "obstacle": costs.obstacle or None,
+    }
+    remark = " for white noise, with the share of each"
+    return Section("H2 cost", tuple(blocks), {"h2": record}, remark)
 
 
-def _print_target(out: Console, check: ControllerCheck) -> None:
-    out.print("\n[bold]Against the target model[/bold]")
-    if (comparison := check.comparison) is not None:
-        table = table_of("pole of G_f", "closed-loop pole", "distance")
-        for wanted, pole in comparison.assigned:
-            table.add_row(
-                complex_list([wanted]),
-                complex_list([pole]),
-                f"{abs(wanted - pole):.2e}",
-            )
-        out.print(table)
-        if comparison.asked is None:
-            out.print(f"  no exact prediction: {escape(comparison.obstacle)}", style="yellow")
-        else:
-            out.print(
-                f"  distance of all poles from those the target asks for: "
-                f"{comparison.spectrum_distance:.3g}"
-            )
+def _target(check: ControllerCheck) -> Section:
+    parts = []
+    if check.comparison is not None:
+        parts.append(_comparison(check.comparison))
     if check.match is not None:
-        out.print(
-            f"  intercalated transfer function against G_f: worst relative error "
-            f"{check.match.worst:.3g}, median {check.match.median:.3g}"
-        )
+        parts.append(match_section(check.match, ""))
     if check.split is not None:
-        power = ", ".join(f"{name} {value:.3g}" for name, value in check.split.power().items())
-        out.print(f"  mean squares of the split residual: {power}")
-        if check.loop is not None and check.loop.is_stable:
-            out.print(f"  the split holds to {check.split.identity_error:.1e} (4.14)")
+        stable = check.loop is not None and check.loop.is_stable
+        parts.append(split_section(check.split, "", stable))
+    return joined("Against the target model", *parts)
+
+
+def _comparison(comparison: ExactComparison) -> Section:
+    rows = tuple(
+        cells(complex_list([wanted]), complex_list([pole]), f"{abs(wanted - pole):.2e}")
+        for wanted, pole in comparison.assigned
+    )
+    blocks: list[Block] = [Table(("pole of G_f", "closed-loop pole", "distance"), rows)]
+    if comparison.asked is None:
+        blocks.append(Text(f"no exact prediction: {comparison.obstacle}", "warning"))
+    else:
+        far = f"{comparison.spectrum_distance:.3g}"
+        words = f"distance of all poles from those the target asks for: {far}"
+        blocks.append(Text(words))
+    record = {
+        "poles": comparison.target_poles,
+        "worst_pole_distance": comparison.worst_distance,
+        "spectrum_distance": comparison.spectrum_distance,
+        "obstacle": comparison.obstacle or None,
+    }
+    return Section(blocks=tuple(blocks), record={"target": record})
+
+
+def _unsaid(check: ControllerCheck) -> Section:
+    lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in check.unsaid.items())
+    return Section("What cannot be said" if lines else "", lines, {"unsaid": check.unsaid})

@@ -1,233 +1,174 @@
-"""A verification in words and numbers: for the terminal and as JSON."""
+"""A verification as a report: the problem, the claims with their verdicts, the final controller."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from rich.console import Console
-from rich.markup import escape
+from rcac_numeric.analysis.loop_analysis import attempted
+from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.claims import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verdict
+from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.verdicts import Verification
+from rcac_numeric.reports.comparison import comparison_section, poles_section
+from rcac_numeric.reports.loop import health, joined, match_section, split_section
+from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
-from compensator_theory.errors import CompensatorError
-from rcac_numeric.experiments.verdicts import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verification
-from rcac_numeric.reports.tables import complex_list, complex_text, finite_or_none, table_of
-
-if TYPE_CHECKING:
-    from rcac_numeric.analysis.exact_comparison import ExactComparison
-    from rcac_numeric.experiments.analysed_run import AnalysedRun
-
-COLOURS = {REPRODUCED: "green", CORRECTED: "yellow", NOT_REPRODUCED: "red"}
+LEVELS: dict[str, Level] = {REPRODUCED: "good", CORRECTED: "warning", NOT_REPRODUCED: "bad"}
 
 
-def print_report(verification: Verification, console: Console | None = None) -> None:
-    """Print the problem, the claims with their verdicts, and the exact comparison."""
-    out = console or Console(highlight=False, soft_wrap=False)
+def verification_sheet(verification: Verification) -> Sheet:
+    """What was run, what was claimed and measured, and what the final controller does.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric.reports.verification import verification_sheet
+    >>> sheet = verification_sheet(verify(load_example("4.7")))
+    >>> sheet.title, sheet.record["claims"][0]["verdict"]
+    ('4.7  Pole placement, y = z and w matched with u', 'reproduced')
+    """
     experiment = verification.experiment
-    out.print(f"\n[bold]{escape(experiment.id)}  {escape(experiment.title)}[/bold]")
-    if experiment.source:
-        out.print(escape(experiment.source), style="dim")
-    for name, words in experiment.description.items():
-        if words:
-            out.print(f"  [dim]{name:<12}[/dim]{escape(words)}")
-    if verification.verdicts:
-        _print_claims(out, verification)
-    if len(verification.results) > 1:
-        _print_runs(out, verification)
+    return Sheet(
+        title=f"{experiment.id}  {experiment.title}",
+        health=_health(verification),
+        sections=(
+            _problem(verification),
+            _claims(verification),
+            _runs(verification),
+            _controller(verification.main),
+        ),
+        notes=experiment.notes,
+    )
+
+
+def _health(verification: Verification) -> tuple[Text, ...]:
     main = verification.main
-    repetition = main.first
+    said = []
     if main.diverged:
         words = ", as it is known to" if main.as_expected else ""
-        out.print(
-            f"\n[red]The loop diverged after step {repetition.run.steps - 1}{words}; "
-            "what follows is the controller of that step.[/red]"
+        last = main.first.run.steps - 1
+        said.append(
+            Text(
+                f"The loop diverged after step {last}{words}; the controller below is that of "
+                "that step.",
+                "bad",
+            )
         )
-    out.print(f"\n[bold]The controller of run {escape(repr(main.specification.name))}[/bold]")
-    if repetition.run.saturation is not None:
-        out.print("  What follows is the linear loop, without the saturation.", style="yellow")
-    if repetition.is_scalar:
-        _print_comparison(out, repetition.comparison)
-    else:
-        _print_poles(out, repetition)
-    _print_match(out, repetition)
-    if experiment.notes:
-        out.print(f"\n{escape(experiment.notes)}")
+    said.append(health(main.first.loop))
+    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
+        said.append(Text(f"{changed} of the verdicts of record changed.", "bad"))
+    said += [
+        Text(f"Run {name!r} did not end as it is known to.", "bad")
+        for name in verification.surprising
+    ]
+    return tuple(said)
 
 
-def as_dict(verification: Verification) -> dict[str, Any]:
-    """The same as one JSON-ready dictionary."""
-    repetition = verification.main.first
-    result: dict[str, Any] = {
-        "id": verification.experiment.id,
-        "title": verification.experiment.title,
-        "claims": [
-            {
-                "text": v.claim.text,
-                "claimed": v.claim.claimed,
-                "measured": v.measured,
-                "verdict": v.verdict,
-                "correction": v.claim.correction or None,
-                "recorded": v.claim.recorded or None,
-            }
-            for v in verification.verdicts
-        ],
-        "runs": [
-            {
-                "name": name,
-                "arithmetic": r.specification.arithmetic,
-                "outcome": r.first.run.outcome,
-                "expected": r.specification.expected,
-                "steps": r.first.run.steps,
-                "updates_decided_by_rounding": r.first.run.guard_count,
-                "theta": r.first.run.theta_final.tolist(),
-            }
-            for name, r in verification.results.items()
-        ],
-    }
-    match, _ = _analysed(repetition, "match")
-    split, _ = _analysed(repetition, "split")
-    result["match"] = match and {
-        "worst": finite_or_none(match.worst),
-        "median": finite_or_none(match.median),
-    }
-    result["residual"] = split and {name: finite_or_none(v) for name, v in split.power().items()}
-    if repetition.is_scalar:
-        c = repetition.comparison
-        result |= {
-            "poles": [[p.real, p.imag] for p in c.poles],
-            "asked_poles": [[p.real, p.imag] for p in c.asked_poles],
-            "zeros": {name: [[v.real, v.imag] for v in zeros] for name, zeros in c.zeros.items()},
-            "characteristic_polynomial": {
-                "asked": None if c.asked is None else [str(v) for v in c.asked.all_coeffs()],
-                "reached": [float(v) for v in c.reached.all_coeffs()],
-                "obstacle": c.obstacle or None,
-            },
-            "worst_pole_distance": c.worst_distance,
-            "controller_distance": finite_or_none(c.controller_distance),
-        }
-    else:
-        result["obstacle"] = repetition.obstacle
-        result["poles"] = [[p.real, p.imag] for p in repetition.loop.poles()]
-    return result
+def _problem(verification: Verification) -> Section:
+    experiment = verification.experiment
+    blocks: list[Block] = [Text(experiment.source, "quiet")] if experiment.source else []
+    blocks += [Fact(name, words) for name, words in experiment.description.items() if words]
+    return Section(blocks=tuple(blocks), record={"id": experiment.id, "title": experiment.title})
 
 
-def _print_claims(out: Console, verification: Verification) -> None:
-    table = table_of("claim", "claimed", "measured", "verdict")
-    for v in verification.verdicts:
-        verdict = f"[{COLOURS.get(v.verdict, 'magenta')}]{v.verdict}[/]"
-        if v.claim.correction:
-            verdict += f"\n[dim]{escape(v.claim.correction)}[/dim]"
-        if v.has_changed:
-            verdict += f"\n[red bold]was: {v.claim.recorded}[/red bold]"
-        measured = "\n".join(map(str, v.results))
-        table.add_row(escape(v.claim.text), escape(v.claim.claimed), escape(measured), verdict)
-    out.print()
-    out.print(table)
-
-
-def _print_runs(out: Console, verification: Verification) -> None:
-    """Every run side by side: what each arithmetic makes of the same data."""
-    table = table_of("run", "arithmetic", "worst pole distance", "decided by rounding", "outcome")
-    for name, result in verification.results.items():
-        runs = result.repetitions
-        distance = ""
-        if result.first.is_scalar:
-            values = sorted(r.comparison.worst_distance for r in runs)
-            middle = values[len(values) // 2]
-            distance = f"{middle:.3g}"
-            if len(values) > 1:
-                distance += f"  [dim]({values[0]:.2g} to {values[-1]:.2g} of {len(values)})[/dim]"
-        first = result.first.run
-        arithmetic = result.specification.arithmetic
-        digits = getattr(first, "digits", None)
-        if digits is not None:
-            arithmetic += f", {digits:.0f} digits certified"
-        guard = f"{first.guard_count} updates" if first.guard_count else "none"
-        outcome = first.outcome
-        if result.diverged:
-            known = ", as expected" if result.as_expected else ""
-            outcome = f"[{'dim' if known else 'red'}]diverged at {first.steps}{known}[/]"
-        elif not result.as_expected:
-            outcome += " [red]though expected to diverge[/red]"
-        table.add_row(escape(name), arithmetic, distance, guard, outcome)
-    out.print()
-    out.print(table)
-
-
-def _print_comparison(out: Console, c: ExactComparison) -> None:
-    degree = c.reached.degree()
-    table = table_of("power of q", "asked for, exact", "reached", "difference")
-    for power in range(degree, -1, -1):
-        reached = float(c.reached.nth(power))
-        if c.asked is None:
-            table.add_row(str(power), "", f"{reached:.12g}", "")
-        else:
-            asked = c.asked.nth(power)
-            gap = float(c.reached.nth(power) - asked)
-            table.add_row(str(power), _short(asked), f"{reached:.12g}", f"{gap:.1e}")
-    out.print("Characteristic polynomial D D_c - N_yu N_c:")
-    out.print(table)
-    if c.asked is None:
-        out.print(f"  No exact prediction: {escape(c.obstacle)}", style="yellow")
-    table = table_of("pole of G_f", "closed-loop pole", "distance")
-    for wanted, pole in c.assigned:
-        table.add_row(complex_text(wanted), complex_text(pole), f"{abs(wanted - pole):.2e}")
-    out.print(table)
-    out.print(f"  other closed-loop poles:  {complex_list(c.unassigned)}")
-    for channel, zeros in c.zeros.items():
-        out.print(f"  zeros from {channel} to z:       {complex_list(zeros)}")
-    out.print(f"  worst pole distance:      {c.worst_distance:.3g}")
-    if c.compensators is not None:
-        free = len(c.compensators.homogeneous)
-        family = "the one compensator" if not free else f"the {free}-parameter family"
-        out.print(f"  distance of (D_c, N_c) to {family} that places it: "
-                  f"{c.controller_distance:.3g}")  # fmt: skip
-
-
-def _print_poles(out: Console, repetition: AnalysedRun) -> None:
-    """What float64 can say where the exact comparison does not apply."""
-    out.print(f"  No exact comparison: {escape(repetition.obstacle)}.", style="yellow")
-    out.print(f"  closed-loop poles:        {complex_list(repetition.loop.poles())}")
-    out.print(f"  controller poles:         {complex_list(repetition.run.compensator.poles())}")
-    if repetition.run.plant.l_z == 1:
-        for channel, zeros in repetition.zeros.items():
-            out.print(f"  zeros from {channel} to z:       {complex_list(zeros)}")
-
-
-def _print_match(out: Console, repetition: AnalysedRun) -> None:
-    match, obstacle = _analysed(repetition, "match")
-    if match is None:
-        out.print(f"  No match of the intercalated transfer function: {escape(obstacle)}.")
-        return
-    out.print(
-        f"  intercalated transfer function against G_f: worst relative error {match.worst:.3g}, "
-        f"median {match.median:.3g}"
+def _claims(verification: Verification) -> Section:
+    rows = tuple(
+        cells(v.claim.text, v.claim.claimed, [Text(str(r)) for r in v.results], _verdict(v))
+        for v in verification.verdicts
     )
-    split, obstacle = _analysed(repetition, "split")
-    if split is None:
-        out.print(f"  No split of the residual: {escape(obstacle)}.")
+    record = [
+        {
+            "text": v.claim.text,
+            "claimed": v.claim.claimed,
+            "measured": v.measured,
+            "verdict": v.verdict,
+            "correction": v.claim.correction or None,
+            "recorded": v.claim.recorded or None,
+        }
+        for v in verification.verdicts
+    ]
+    table = (Table(("claim", "claimed", "measured", "verdict"), rows),)
+    return Section("Claims" if rows else "", table if rows else (), {"claims": record})
+
+
+def _verdict(verdict: Verdict) -> list[Text]:
+    lines = [Text(verdict.verdict, LEVELS.get(verdict.verdict, "warning"))]
+    if verdict.claim.correction:
+        lines.append(Text(verdict.claim.correction, "quiet"))
+    if verdict.has_changed:
+        lines.append(Text(f"was: {verdict.claim.recorded}", "bad"))
+    return lines
+
+
+def _runs(verification: Verification) -> Section:
+    """Every run side by side: what each arithmetic makes of the same data."""
+    results = verification.results
+    record = [
+        {
+            "name": name,
+            "arithmetic": r.specification.arithmetic,
+            "outcome": r.first.run.outcome,
+            "expected": r.specification.expected,
+            "steps": r.first.run.steps,
+            "updates_decided_by_rounding": r.first.run.guard_count,
+            "theta": r.first.run.theta_final,
+        }
+        for name, r in results.items()
+    ]
+    heads = ("run", "arithmetic", "worst pole distance", "decided by rounding", "outcome")
+    rows = tuple(_run(name, result) for name, result in results.items())
+    if len(rows) == 1:
+        return Section(record={"runs": record})
+    return Section("Runs", (Table(heads, rows),), {"runs": record})
+
+
+def _run(name: str, result: RunResult) -> Any:
+    first = result.first.run
+    distance = ""
+    if result.first.is_scalar:
+        values = sorted(r.comparison.worst_distance for r in result.repetitions)
+        distance = f"{values[len(values) // 2]:.3g}"
+        if len(values) > 1:
+            distance += f"  ({values[0]:.2g} to {values[-1]:.2g} of {len(values)})"
+    arithmetic = result.specification.arithmetic
+    digits = getattr(first, "digits", None)
+    if digits is not None:
+        arithmetic += f", {digits:.0f} digits certified"
+    guard = f"{first.guard_count} updates" if first.guard_count else "none"
+    outcome = [Text(first.outcome)]
+    if result.diverged:
+        known = ", as expected" if result.as_expected else ""
+        level: Level = "quiet" if known else "bad"
+        outcome = [Text(f"diverged at {first.steps}{known}", level)]
+    elif not result.as_expected:
+        outcome.append(Text("though expected to diverge", "bad"))
+    return cells(name, arithmetic, distance, guard, outcome)
+
+
+def _controller(main: RunResult) -> Section:
+    found = main.first
+    parts = []
+    if found.run.saturation is not None:
+        words = "What follows is the linear loop, without the saturation."
+        parts.append(Section(blocks=(Text(words, "warning"),)))
+    if found.is_scalar:
+        parts.append(comparison_section(found.comparison))
     else:
-        power = ", ".join(
-            f"{name} {value:.3g}" if value < float("inf") else f"{name} beyond float64"
-            for name, value in split.power().items()
-        )
-        out.print(f"  mean squares of the split residual: {power}")
-        if repetition.loop.is_stable:
-            out.print(f"  the split holds to {split.identity_error:.1e} (4.14)")
-    if repetition.run.guard_count:
-        out.print(
-            f"  [yellow]{repetition.run.guard_count} updates, the first at step "
-            f"{repetition.run.guard_first_step}, were decided by rounding: the data cannot "
-            "support this R_theta. Use a larger R_theta.[/yellow]"
-        )
+        parts.append(poles_section(found))
+    match, reason = attempted(lambda: found.match)
+    parts.append(match_section(match, reason))
+    split, reason = attempted(lambda: found.split)
+    parts.append(split_section(split, reason, found.loop.is_stable))
+    parts.append(_guard(found))
+    return joined("The controller", *parts, remark=f" of run {main.specification.name!r}")
 
 
-def _analysed(repetition: AnalysedRun, name: str) -> tuple[Any, str]:
-    """An analysis of a run, or why there is none."""
-    try:
-        return getattr(repetition, name), ""
-    except CompensatorError as error:
-        return None, str(error).rstrip(".")
-
-
-def _short(value: Any) -> str:
-    text = str(value)
-    return text if len(text) <= 28 else f"{float(value):.12g}"
+def _guard(found: AnalysedRun) -> Section:
+    run = found.run
+    if not run.guard_count:
+        return Section()
+    words = (
+        f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided by "
+        "rounding: the data cannot support this R_theta. Use a larger R_theta."
+    )
+    return Section(blocks=(Text(words, "warning"),))

@@ -2,46 +2,65 @@
 
 from __future__ import annotations
 
-import csv
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import instance_of, integer, real_array
+from rcac_numeric.signals.budget import require_readable
+from rcac_numeric.signals.numpy_files import read_npy
 from rcac_numeric.signals.signal import Signal
+from rcac_numeric.signals.text_tables import read_table
+from rcac_numeric.signals.wording import shortened
 
 
-def recorded(values: ArrayLike, name: str = "record") -> Signal:
+@dataclass(frozen=True, eq=False, init=False)
+class Recorded(Signal):
     """A record, one value for each step from step 0 on; nothing is known beyond its end.
+
+    More steps than were recorded are refused, also of a sum.
 
     Parameters
     ----------
-    values : array, shape (steps,)
+    record : array, shape (steps,)
         For a record of several channels see `recorded_channels`.
     name : str
         What errors call it.
 
-    Raises
-    ------
-    InputError
-        When more steps are asked for than were recorded, also of a sum.
-
     Examples
     --------
-    >>> from rcac_numeric import recorded
-    >>> recorded([0.5, -0.5, 1.0]).samples(2)
+    >>> from rcac_numeric import Recorded
+    >>> Recorded([0.5, -0.5, 1.0]).samples(2)
     array([ 0.5, -0.5])
     """
-    record = real_array(values, name)
-    if record.ndim != 1 or record.size == 0:
-        raise InputError(f"{name} has shape {record.shape}; a record needs shape (steps,).")
-    return Signal(
-        f"{name} of {record.size} steps", lambda steps, _: record[:steps].copy(), record.size
-    )
+
+    record: Array
+    name: str = "record"
+
+    def __init__(self, record: ArrayLike, name: str = "record") -> None:
+        array = real_array(record, instance_of(name, "name", str))
+        if array.ndim != 1 or array.size == 0:
+            raise InputError(f"{name} has shape {array.shape}; a record needs shape (steps,).")
+        object.__setattr__(self, "record", array)
+        object.__setattr__(self, "name", name)
+
+    @property
+    def description(self) -> str:
+        """For instance record of 3 steps."""
+        return f"{self.name} of {self.record.size} steps"
+
+    @property
+    def steps_known(self) -> int:
+        """How long the record is."""
+        return int(self.record.size)
+
+    def values(self, steps: int, rng: np.random.Generator) -> Array:
+        """The first entries of the record."""
+        return self.record[:steps].copy()
 
 
 def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, ...]:
@@ -57,7 +76,7 @@ def recorded_channels(values: ArrayLike, name: str = "record") -> tuple[Signal, 
     record = real_array(values, name)
     if record.ndim != 2 or record.size == 0:
         raise InputError(f"{name} has shape {record.shape}; shape (steps, channels) is needed.")
-    return tuple(recorded(column, f"{name}[:, {i}]") for i, column in enumerate(record.T))
+    return tuple(Recorded(column, f"{name}[:, {i}]") for i, column in enumerate(record.T))
 
 
 def read_recording(path: str | Path, column: int | str = 0) -> Array:
@@ -87,65 +106,37 @@ def read_recording(path: str | Path, column: int | str = 0) -> Array:
     array([0. , 0.5])
     """
     file = Path(path)
-    readers = {".csv": _from_text, ".npy": _from_numpy}
-    if file.suffix.lower() not in readers:
+    if file.suffix.lower() not in (".csv", ".npy"):
         raise InputError(f"{file} is not a recording that can be read; use .csv or .npy.")
     try:
-        names, table = readers[file.suffix.lower()](file)
+        require_readable(file)
+        if file.suffix.lower() == ".csv":
+            names, table = read_table(file, named=False)
+        else:
+            names, table = [], _columns(file)
     except OSError as error:
         raise InputError(f"{file} cannot be read: {error.strerror or error}.") from None
     return real_array(table[:, _index(column, names, table.shape[1], file)], str(file))
 
 
+def _columns(file: Path) -> np.ndarray:
+    table = read_npy(file)
+    if table.ndim not in (1, 2) or table.size == 0:
+        raise InputError(
+            f"{file} holds an array of shape {table.shape}; (steps,) or (steps, columns) is needed."
+        )
+    return table.reshape(len(table), -1)
+
+
 def _index(column: int | str, names: list[str], width: int, file: Path) -> int:
     if isinstance(column, str):
         if column not in names:
-            known = f"it has {', '.join(names)}" if names else "its columns have no names"
+            known = (
+                f"it has {shortened(', '.join(names))}" if names else "its columns have no names"
+            )
             raise InputError(f"{file} has no column {column!r}; {known}.")
         return names.index(column)
     index = integer(column, "column")
     if index >= width:
         raise InputError(f"{file} has no column {index}; it has {width}, counted from 0.")
     return index
-
-
-def _from_text(file: Path) -> tuple[list[str], Array]:
-    try:
-        with file.open(newline="", encoding="utf-8-sig") as stream:
-            rows = [(i, row) for i, row in enumerate(csv.reader(stream), 1) if any(row)]
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{file} is not a text file of numbers: {error}.") from None
-    names: list[str] = []
-    if rows and all(_number(entry) is None for entry in rows[0][1]):
-        names = [entry.strip() for entry in rows.pop(0)[1]]
-    if not rows:
-        raise InputError(f"{file} has no row of numbers.")
-    width = len(names) or len(rows[0][1])
-    table = np.empty((len(rows), width))
-    for i, (line, row) in enumerate(rows):
-        if len(row) != width:
-            raise InputError(f"{file}, line {line}: {len(row)} entries where {width} are needed.")
-        for j, entry in enumerate(row):
-            if (value := _number(entry)) is None:
-                raise InputError(f"{file}, line {line}: {entry.strip()!r} is not a number.")
-            table[i, j] = value
-    return names, table
-
-
-def _from_numpy(file: Path) -> tuple[list[str], Array]:
-    try:
-        table: Any = np.load(file, allow_pickle=False)
-    except (ValueError, EOFError) as error:
-        raise InputError(f"{file} is not an array of numbers: {error}.") from None
-    if table.ndim not in (1, 2) or table.size == 0:
-        raise InputError(
-            f"{file} holds an array of shape {table.shape}; (steps,) or (steps, columns) is needed."
-        )
-    return [], table.reshape(len(table), -1)
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None

@@ -6,9 +6,9 @@ import re
 import pytest
 from click.testing import CliRunner
 
-from proofs import rocq_build
 from proofs.__main__ import main
-from proofs.rocq_sources import SOURCES
+from proofs.formal import rocq_build
+from proofs.formal.rocq_sources import SOURCES
 from proofs.symbolic import separation
 
 
@@ -59,7 +59,7 @@ def test_what_fails_is_named_and_the_exit_status_says_so(monkeypatch):
 def test_names_are_whole_on_a_narrow_terminal(monkeypatch):
     monkeypatch.setenv("COLUMNS", "50")
     printed = "".join(run("hidden-mode-rule", "--quick").stdout.split())
-    assert "CounterexamplesToRealisations.hidden_mode_is_double_pole" in printed
+    assert "counterexamples.Realisations.hidden_mode_is_double_pole" in printed
 
 
 def test_unknown_names_are_refused():
@@ -106,7 +106,7 @@ def test_without_hypothesis_it_says_what_to_install(monkeypatch):
 
 @pytest.mark.parametrize("formal", [True, False])
 def test_a_theorem_counts_as_machine_checked_only_where_coq_said_so(monkeypatch, formal):
-    answers = {"Diophantine.lemma_1": ""}
+    answers = {"theorems.Diophantine.lemma_1": ""}
     compiled = rocq_build.Compilation("compiled", "the formal part compiles", answers)
     monkeypatch.setattr("proofs.__main__.compile_formal_part", lambda theorems: compiled)
     record = json.loads(run("lemma-1", "--quick", "--json", *["--formal"] * formal).stdout)
@@ -115,7 +115,7 @@ def test_a_theorem_counts_as_machine_checked_only_where_coq_said_so(monkeypatch,
 
 
 def test_an_axiom_fails(monkeypatch):
-    answers = {"Diophantine.lemma_1": "rests on axioms: classic"}
+    answers = {"theorems.Diophantine.lemma_1": "rests on axioms: classic"}
     compiled = rocq_build.Compilation("compiled", "the formal part compiles", answers)
     monkeypatch.setattr("proofs.__main__.compile_formal_part", lambda theorems: compiled)
     found = run("lemma-1", "--quick", "--formal")
@@ -124,11 +124,11 @@ def test_an_axiom_fails(monkeypatch):
 
 def test_the_formal_part_has_its_makefile():
     text = (SOURCES / "Makefile").read_text()
-    assert "check: all" in text and "proofs.assumptions" in text
+    assert "check: all" in text and "proofs.ledger.formal_check" in text
 
 
 def test_a_theorem_about_a_part_is_no_proof_of_the_whole(monkeypatch):
-    answers = {"InvariantSubspaces.invariant_subspace_is_a_graph": ""}
+    answers = {"theorems.InvariantSubspaces.invariant_subspace_is_a_graph": ""}
     compiled = rocq_build.Compilation("compiled", "the formal part compiles", answers)
     monkeypatch.setattr("proofs.__main__.compile_formal_part", lambda theorems: compiled)
     record = json.loads(run("youla-chains", "--quick", "--json", "--formal").stdout)

@@ -9,9 +9,9 @@ from hypothesis import find, settings
 from hypothesis import strategies as st
 
 from compensator_theory import sylvester_m, sylvester_m1, sylvester_m2
-from proofs.checks import for_all, run_counterexample, run_property, run_symbolic
 from proofs.counterexamples import placement, theorem_1
-from proofs.entries import Counterexample, Property, Symbolic
+from proofs.ledger.checks import for_all, run_counterexample, run_property, run_symbolic
+from proofs.ledger.entries import Counterexample, Property, Symbolic
 from proofs.properties import forms, observer_based, polynomials
 from proofs.properties import least_squares as recursions
 from proofs.symbolic import (

@@ -11,11 +11,11 @@ import proofs.counterexamples
 import proofs.properties
 import proofs.symbolic
 from compensator_theory.errors import InputError
-from proofs import ledger as ledger_module
-from proofs.checks import ForAll, resolve, statement_of
-from proofs.ledger import STATEMENTS, ledger, select, theorems
-from proofs.page import page
-from proofs.rocq_sources import missing
+from proofs.formal.rocq_sources import missing
+from proofs.ledger import ledger as ledger_module
+from proofs.ledger.checks import ForAll, resolve, statement_of
+from proofs.ledger.ledger import STATEMENTS, LedgerError, ledger, select, theorems
+from proofs.output.page import page
 
 ENTRIES = ledger()
 NAMED = {
@@ -101,7 +101,8 @@ def test_the_software_that_relies_on_an_entry_exists(entry):
 
 def test_theorems_have_the_form_of_a_file_and_a_name():
     for theorem in theorems(ENTRIES):
-        file, _, name = theorem.partition(".")
+        folder, file, name = theorem.split(".")
+        assert folder in ("theorems", "counterexamples"), theorem
         assert file.isidentifier() and name.isidentifier(), theorem
         assert (
             missing(theorem) == "" or "proofs/rocq" in missing(theorem) or name in missing(theorem)
@@ -112,13 +113,13 @@ def test_selection_by_chapter_and_name():
     assert {entry.chapter for entry in select(["a", "B"])} == {"A", "B"}
     assert [entry.name for entry in select(["lemma-1"])] == ["lemma-1"]
     assert select([]) == ENTRIES
-    with pytest.raises(InputError, match="no entry or chapter lemma-7"):
+    with pytest.raises(LedgerError, match="no entry or chapter lemma-7"):
         select(["lemma-7"])
 
 
 def test_a_misspelt_key_is_named():
     table = {"name": "x", "hypotheses": [], "conclusoin": ""}
-    with pytest.raises(InputError, match="conclusoin"):
+    with pytest.raises(LedgerError, match="conclusoin"):
         ledger_module._entry("7", table, "chapter_7.toml")
 
 
@@ -138,7 +139,7 @@ def test_a_broken_file_is_named(monkeypatch, tmp_path, text, words):
     whole += 'text = ""\nhypotheses = []\nrelied_on_by = []'
     (tmp_path / "wrong.toml").write_text(text.replace("WHOLE", whole))
     monkeypatch.setattr(ledger_module, "STATEMENTS", tmp_path)
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(LedgerError, match=words):
         ledger_module.ledger.__wrapped__()
 
 

@@ -4,9 +4,20 @@ import shutil
 
 import pytest
 
-from proofs.assumptions import check_file, read_answers, report
-from proofs.rocq_build import compile_formal_part
-from proofs.rocq_sources import SOURCES, assumed, missing, stated, without_comments
+from proofs.formal.assumptions import axioms
+from proofs.formal.questions import question_file, read_answers
+from proofs.formal.rocq_build import compile_formal_part
+from proofs.formal.rocq_sources import (
+    SOURCES,
+    assumed,
+    defined,
+    missing,
+    stated,
+    without_comments,
+)
+from proofs.formal.types import changed, commit, committed, said
+from proofs.ledger.formal_check import report
+from proofs.ledger.ledger import ledger, theorems
 
 PROVED = """
 (* Theorem in_a_comment : False. (* nested *) *)
@@ -35,13 +46,29 @@ Proof. split. exact two_is_one. exact one_is_one. Qed.
 """
 
 
+needs_coq = pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
+
+
+def formal_part(folder, **files):
+    """A formal part with these files, built as the project's is."""
+    for name in ("Makefile", "_CoqProject"):
+        shutil.copy(SOURCES / name, folder)
+    for name, text in files.items():
+        (folder / f"{name}.v").write_text(text)
+    return folder
+
+
+def build(names, folder):
+    """Compile, and commit what the theorems and definitions say."""
+    compile_formal_part(names, folder)
+    statements, complaint = said(names, defined(folder), folder)
+    assert complaint == ""
+    commit({name: text for name, text in statements.items() if text}, folder)
+
+
 @pytest.fixture
 def folder(tmp_path):
-    (tmp_path / "Proved.v").write_text(PROVED)
-    (tmp_path / "Assumed.v").write_text(ADMITTED)
-    for name in ("Makefile", "_CoqProject"):
-        shutil.copy(SOURCES / name, tmp_path)
-    return tmp_path
+    return formal_part(tmp_path, Proved=PROVED, Assumed=ADMITTED)
 
 
 def test_theorems_are_found_in_the_files(folder):
@@ -61,8 +88,9 @@ def test_theorems_are_found_in_the_files(folder):
 
 
 def test_the_question_requires_each_file_once():
-    lines = check_file(["A.x", "A.y", "B.z"]).splitlines()
-    assert lines[:2] == ["From Compensators Require A.", "From Compensators Require B."]
+    questions = dict.fromkeys(["A.x", "A.y", "b.B.z"], "Print Assumptions {}.")
+    lines = question_file(questions).splitlines()
+    assert lines[:2] == ["From Compensators Require A.", "From Compensators.b Require B."]
     assert sum(line.startswith("Print Assumptions") for line in lines) == 3
 
 
@@ -76,7 +104,7 @@ classic : forall P : Prop,
           P
 ==> A.z
 """
-    assert read_answers(output) == {
+    assert {name: axioms(answer) for name, answer in read_answers(output).items()} == {
         "A.x": "",
         "A.y": "two_is_one : 2 = 1 classic : forall P : Prop, P",
         "A.z": "?",
@@ -85,7 +113,7 @@ classic : forall P : Prop,
 
 def test_the_report_fails_for_anything_assumed():
     assert report({"A.x": ""}, [])[1] is True
-    assert report({"A.x": ""}, ["A.v: Admitted"])[1] is False
+    assert report({"A.x": ""}, ["A.v: Admitted assumes instead of proving"])[1] is False
     assert report({"A.x": "rests on axioms: y"}, [])[1] is False
 
 
@@ -105,16 +133,17 @@ def test_every_way_to_assume_is_found(tmp_path, line, word):
     assert assumed(tmp_path) == (f"A.v: {word}",)
 
 
-@pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
+@needs_coq
 def test_an_older_compilation_answers_for_nothing(tmp_path):
-    for name in ("Makefile", "_CoqProject"):
-        shutil.copy(SOURCES / name, tmp_path)
-    (tmp_path / "Base.v").write_text("Theorem base : 1 = 1. Proof. reflexivity. Qed.")
-    (tmp_path / "User.v").write_text(
-        "From Compensators Require Import Base.\nTheorem user : 1 = 1. Proof. exact base. Qed."
+    formal_part(
+        tmp_path,
+        Base="Theorem base : 1 = 1. Proof. reflexivity. Qed.",
+        User="From Compensators Require Import Base.\n"
+        "Theorem user : 1 = 1. Proof. exact base. Qed.",
+        Alone="Theorem alone : 2 = 2. Proof. reflexivity. Qed.",
     )
-    (tmp_path / "Alone.v").write_text("Theorem alone : 2 = 2. Proof. reflexivity. Qed.")
     names = ["Base.base", "User.user", "Alone.alone"]
+    build(names, tmp_path)
     assert compile_formal_part(names, tmp_path).holds
     (tmp_path / "Base.v").write_text("Theorem base : 1 = 2. Proof. reflexivity. Qed.")
     found = compile_formal_part(names, tmp_path)
@@ -126,9 +155,10 @@ def test_an_older_compilation_answers_for_nothing(tmp_path):
     }
 
 
-@pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
+@needs_coq
 def test_coq_is_asked(folder):
     names = ["Proved.one_is_one", "Assumed.rests_on_it", "Assumed.nothing", "Absent.x"]
+    build(names[:2], folder)
     found = compile_formal_part(names, folder)
     assert found.status == "compiled" and not found.holds
     assert found.answers["Proved.one_is_one"] == ""
@@ -137,9 +167,82 @@ def test_coq_is_asked(folder):
     assert found.answers["Absent.x"] == "proofs/rocq has no file Absent.v"
 
 
-@pytest.mark.skipif(shutil.which("coqc") is None, reason="Coq is not installed")
+@needs_coq
 def test_a_file_that_does_not_compile_fails_and_the_others_are_asked(folder):
+    build(["Proved.one_is_one"], folder)
     (folder / "Wrong.v").write_text("Theorem wrong : 1 = 2. Proof. reflexivity. Qed.")
     found = compile_formal_part(["Wrong.wrong", "Proved.one_is_one"], folder)
     assert found.status == "failed" and "Wrong.v" in found.detail
     assert found.answers == {"Wrong.wrong": "Wrong.v does not compile", "Proved.one_is_one": ""}
+
+
+SUMS = """
+Require Import Lia.
+Definition twice (n : nat) := n + n.
+Notation two := 2.
+Section Sums.
+Variable n : nat.
+Theorem twice_a_sum (m : nat) : twice (n + m) = twice m + twice n.
+Proof. discriminate || (intros; unfold twice; lia). Qed.
+Theorem small : 1 < two.
+Proof. discriminate || lia. Qed.
+Theorem nothing : @nil nat = nil.
+Proof. reflexivity. Qed.
+End Sums.
+"""
+
+
+@needs_coq
+@pytest.mark.parametrize(
+    ("before", "after", "names"),
+    [
+        ("Variable n : nat.", "Variable n : nat. Hypothesis absurd : 1 = 0.", "twice_a_sum small"),
+        ("Variable n : nat.", "Variables (n : nat) (absurd : 1 = 0).", "twice_a_sum small"),
+        ("twice (n + m) =", "n < m -> twice (n + m) =", "twice_a_sum"),
+        ("twice m + twice n", "twice n + twice m", "twice_a_sum"),
+        ("n + n", "2 * n", "twice"),
+        ("two := 2", "two := (1 + 1)", "small"),  # a notation is no hiding place
+        ("@nil nat", "@nil bool", "nothing"),  # nor is an implicit argument
+        ("Theorem small", "(* more *) Theorem small", ""),
+    ],
+)  # fmt: skip
+def test_a_changed_statement_fails(tmp_path, before, after, names):
+    """Each of these compiles and rests on no axiom."""
+    theorems = ["Sums.twice_a_sum", "Sums.small", "Sums.nothing"]
+    build(theorems, formal_part(tmp_path, Sums=SUMS))
+    assert compile_formal_part(theorems, tmp_path).holds
+    assert before in SUMS
+    (tmp_path / "Sums.v").write_text(SUMS.replace(before, after))
+    assert defined(tmp_path) == ("Sums.twice",)
+    found = compile_formal_part(theorems, tmp_path)
+    assert "does not compile" not in found.detail, found.detail
+    changed_now = {name for name, reason in found.answers.items() if reason}
+    if found.status == "failed":
+        changed_now.add(found.detail.split()[0])
+    assert changed_now == {f"Sums.{name}" for name in names.split()}
+    assert found.holds == (not names)
+    for reason in filter(None, found.answers.values()):
+        assert reason == "says something else than proofs/rocq/types/Sums.txt"
+
+
+def test_what_is_committed_is_read_back(tmp_path):
+    statements = {
+        "b.B.x": "[0123abcd]\n  x\n       : 1 = 1",
+        "A.y": "[4567cdef]\n  y =\n\n  Arguments y",
+        "A.z": "[89abcdef]\n  z\n       : 2 = 2",
+    }
+    commit(statements, tmp_path)
+    assert committed(tmp_path) == statements
+    assert not any(changed(statements, tmp_path).values())
+    reasons = changed({"A.y": "[00000000]\n  y", "A.new": "[1]\n  1", "A.z": ""}, tmp_path)
+    assert reasons == {
+        "A.y": "says something else than proofs/rocq/types/A.txt",
+        "A.new": "what it says is not committed in proofs/rocq/types/A.txt",
+        "A.z": "Coq does not print what it says",
+    }
+    commit({"A.z": statements["A.z"]}, tmp_path)  # what is gone does not stay behind
+    assert committed(tmp_path) == {"A.z": statements["A.z"]}
+
+
+def test_every_theorem_of_the_ledger_and_every_definition_is_committed():
+    assert committed().keys() == {*theorems(ledger()), *defined()}

@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import strategies as st
 
-from rcac_numeric import ControllerSettings, Plant, TargetModel, fir, iir
+from rcac_numeric import UD, ControllerSettings, Plant, TargetModel, fir, iir
 
 sizes = st.integers(1, 3)
 seeds = st.integers(0, 2**32 - 1)
@@ -55,10 +55,12 @@ def controllers(draw, l_u, l_y, l_z, k_c=st.integers(0, 1)):
     return ControllerSettings(
         structure=structure,
         target=target,
-        R_theta=draw(st.floats(0.5, 5)) * np.eye(structure.l_theta),
+        update=UD(
+            R_theta=draw(st.floats(0.5, 5)) * np.eye(structure.l_theta),
+            lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
+        ),
         R_z=np.eye(l_z) + root @ root.T / 4,
         R_u=draw(st.sampled_from([0.0, 0.5])),
-        lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
         k_w=k_w,
         k_update=draw(st.integers(0, k_w + 2)),
         k_filter=draw(st.sampled_from([0, 0, 1, k_w])),

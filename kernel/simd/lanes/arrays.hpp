@@ -1,16 +1,16 @@
-// The state of eight closed loops in lock step, as the compiled levels see it.
+// The state of eight closed loops in lock step, as every instruction set sees it.
 #pragma once
 
 #include <cstddef>
 
-#include "simd/levels.hpp"
+#include "simd/layout.hpp"
 
 namespace rcac {
 
 // Everything below holds entry i of lane k at [i * lanes + k] and starts at a cache line.
 
 // The past of several signals, newest first; it slides down through its memory as that of
-// history.hpp does, by a shorter stretch, because eight of them must share the first cache.
+// memory/history.hpp does, by a shorter stretch, because eight of them must share the first cache.
 struct LaneHistory {
     double* values;
     std::size_t signals, depth, stretch, now;
@@ -32,7 +32,7 @@ struct LaneArrays {
 
     const double* plant;                   // rows of [A B D_1; C D_0 D_2; E_1 E_2 E_0]
     double *x, *x_next;
-    const double *numerator, *denominator;  // powers of q^{-1} innermost, as in target_filter.hpp
+    const double *numerator, *denominator;  // powers of q^{-1} innermost
 
     double *theta, *theta_next;
     const double* theta_before;  // theta(k) of the last step; one of the two above

@@ -1,14 +1,14 @@
-// The closed loop of closed_loop.hpp for eight runs at once, one to a lane of the vectors.
+// The closed loop of loop/closed_loop.hpp for eight runs at once, one to a lane of the vectors.
 //
 // Nothing is summed across lanes, so every lane does what its run does alone, up to the order of
 // sums. Nothing is decided for a single lane either: a failed run goes on computing in its lane,
 // and one sum of squares over everything that must stay within the limit tells whether a lane
-// needs a closer look; lane_loop.hpp takes it.
+// needs a closer look; lanes/loop.hpp takes it.
 #pragma once
 
 #include "simd/lanes/update.inl.hpp"
 
-namespace rcac::RCAC_LEVEL {
+namespace rcac::RCAC_INSTRUCTION_SET {
 
 RCAC_INLINE void lane_advance_history(LaneHistory& h) {
     if (h.now == 0) {
@@ -164,4 +164,4 @@ inline std::size_t lane_steps(LaneArrays& a, std::size_t count) {
     return count;
 }
 
-}  // namespace rcac::RCAC_LEVEL
+}  // namespace rcac::RCAC_INSTRUCTION_SET

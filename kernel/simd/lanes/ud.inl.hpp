@@ -2,18 +2,18 @@
 //
 // A vector holds the same entry of several runs, so nothing is ever summed across a vector and
 // nothing is padded: short regressors run at full width. The recursion is that of
-// ud_rank_one_body.hpp; four columns share one pass over the rows, which reads and writes the gain
+// ud_rank_one.inl.hpp; four columns share one pass over the rows, which reads and writes the gain
 // once for all of them.
 #pragma once
 
-#include "simd/levels.hpp"
+#include "simd/layout.hpp"
 #include "simd/vectors.hpp"
 
-namespace rcac::RCAC_LEVEL {
+namespace rcac::RCAC_INSTRUCTION_SET {
 
 constexpr double lanes_epsilon = 2.220446049250313e-16;
 
-// The guard of ud_rank_one_body.hpp on one lane; U and row point at it.
+// The guard of ud_rank_one.inl.hpp on one lane; U and row point at it.
 inline bool lane_lost(const double* row, const double* U, std::size_t n, std::size_t j, double f,
                       double d, double alpha) {
     double size = magnitude(row[j * lanes]);
@@ -191,4 +191,4 @@ inline unsigned lanes_measure(const UdLaneFactors& factors, const double* row, c
     return lanes_update<true>(factors, row, rhs, r, gain, theta, alpha);
 }
 
-}  // namespace rcac::RCAC_LEVEL
+}  // namespace rcac::RCAC_INSTRUCTION_SET

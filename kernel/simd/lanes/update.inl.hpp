@@ -1,11 +1,12 @@
-// The update of eight loops in lock step, with what whitened_rows.hpp and ud_update.hpp do for one.
+// The update of eight loops in lock step, with what updates/whitened_rows.hpp and updates/ud.hpp do
+// for one.
 #pragma once
 
 #include "simd/lanes/arrays.hpp"
 #include "simd/lanes/vectors.hpp"
 #include "simd/lanes/ud.inl.hpp"
 
-namespace rcac::RCAC_LEVEL {
+namespace rcac::RCAC_INSTRUCTION_SET {
 
 RCAC_INLINE double* newest(const LaneHistory& h) { return h.values + h.now * lanes; }
 
@@ -100,4 +101,4 @@ RCAC_INLINE void lane_update(LaneArrays& a, const double* z, Lanes& screen) {
     a.theta_next = before;
 }
 
-}  // namespace rcac::RCAC_LEVEL
+}  // namespace rcac::RCAC_INSTRUCTION_SET

@@ -1,10 +1,10 @@
 // Arithmetic on one number of each lane, whatever the width of a vector.
 #pragma once
 
-#include "simd/levels.hpp"
+#include "simd/layout.hpp"
 #include "simd/vectors.hpp"
 
-namespace rcac::RCAC_LEVEL {
+namespace rcac::RCAC_INSTRUCTION_SET {
 
 // One number of each lane.
 struct Lanes {
@@ -48,4 +48,4 @@ RCAC_INLINE Lanes larger_of(const Lanes& a, Lanes b) {
 }
 #undef RCAC_LANES
 
-}  // namespace rcac::RCAC_LEVEL
+}  // namespace rcac::RCAC_INSTRUCTION_SET

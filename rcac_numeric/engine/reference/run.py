@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, ctx
@@ -11,12 +10,18 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, signal_array
+from rcac_numeric.arrays.validation import integer, real_array, signal_array
+from rcac_numeric.controllers.rules import SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.engine.jobs import check_sizes, command_position
-from rcac_numeric.engine.reference.balls import BallController, BallPlant, balls
+from rcac_numeric.engine.compatibility import AnyController, command_position, require_fit
+from rcac_numeric.engine.reference.ball_controller import BallController
+from rcac_numeric.engine.reference.ball_plants import BallPlant
+from rcac_numeric.engine.reference.ball_updates import ball_update
+from rcac_numeric.engine.reference.balls import balls
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
 
 
@@ -39,7 +44,7 @@ def simulate_reference(
     settings: ControllerSettings,
     w: ArrayLike,
     *,
-    x_0: Array | None = None,
+    x_0: ArrayLike | None = None,
     digits: int = 250,
 ) -> ReferenceRun:
     """The run that `simulate` approximates, with `digits` decimal digits.
@@ -48,8 +53,8 @@ def simulate_reference(
     ----------
     plant : Plant or PlantSchedule
     settings, w, x_0
-        As for `simulate`; the float64 data are taken as exact. The updates "ud" and "covariance"
-        are the same here.
+        As for `simulate`; the float64 data are taken as exact. The updates `UD` and
+        `Covariance` are the same here.
     digits : int
         Working precision. Balls grow by about one digit every few steps, so a few hundred digits
         serve a few hundred steps.
@@ -65,17 +70,19 @@ def simulate_reference(
 
     Examples
     --------
-    >>> from rcac_numeric import *
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, Step, exogenous, fir_target, iir, simulate_reference,
+    ...     standard_plant)
     >>> plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     >>> settings = ControllerSettings(
-    ...     structure=iir(n_c=2), target=fir_target(plant), R_theta=1e-20)
-    >>> w = exogenous([step()], steps=20)
+    ...     structure=iir(n_c=2), target=fir_target(plant), update=UD(R_theta=1e-20))
+    >>> w = exogenous([Step()], steps=20)
     >>> reference = simulate_reference(plant, settings, w)
     >>> reference.digits > 100
     True
     """
     require_supported(plant, settings)
-    check_sizes(plant, settings)
+    require_fit(plant, settings)
     w = signal_array(w, "w", plant.l_w)
     precision, ctx.prec = ctx.prec, int(integer(digits, "digits", at_least=16) * 3.33) + 8
     try:
@@ -85,30 +92,31 @@ def simulate_reference(
 
 
 def require_supported(
-    plant: Any, settings: Any, saturation: Any = None
+    plant: AnyPlant, controller: AnyController, saturation: Saturation | None = None
 ) -> tuple[Plant | PlantSchedule, ControllerSettings]:
     """Refuse by name what the reference does not do."""
     if not isinstance(plant, Plant | PlantSchedule):
         raise InputError(f"the reference needs a linear plant, not {plant!r}.")
-    if not isinstance(settings, ControllerSettings):
-        raise InputError("the reference runs one controller, not a decentralised one.")
+    if not isinstance(controller, ControllerSettings):
+        raise InputError(
+            f"the reference runs one adaptive controller, not a {type(controller).__name__}."
+        )
     if saturation is not None:
         raise InputError("the reference runs without saturation.")
-    rule = settings.reset
-    refused = {
-        "a weight that is a function": callable(settings.R_z) or callable(settings.R_u),
-        'update = "sliding window"': settings.update == "sliding window",
-        "variable-rate forgetting": settings.forgetting is not None,
-        "a covariance reset by trace_below or growth": rule and (rule.trace_below or rule.growth),
-        "reflect_poles": settings.reflect_poles,
-    }
-    for name, is_asked in refused.items():
-        if is_asked:
-            raise InputError(f"the reference does not know {name}; leave it out.")
-    return plant, settings
+    for name in ("R_z", "R_u"):
+        if not isinstance(getattr(controller, name), np.ndarray | SignalWeight):
+            raise InputError(
+                f"the reference does not know {name} as a weight that is a function; leave it out."
+            )
+    if controller.reflect_poles:
+        raise InputError("the reference does not know reflect_poles; leave it out.")
+    ball_update(controller.update, controller.l_theta)
+    return plant, controller
 
 
-def _run(plant: Any, settings: ControllerSettings, w: Array, x_0: Array | None) -> ReferenceRun:
+def _run(
+    plant: Plant | PlantSchedule, settings: ControllerSettings, w: Array, x_0: ArrayLike | None
+) -> ReferenceRun:
     controller, body = BallController(settings), BallPlant(plant, x_0)
     position, l_r = command_position(plant, settings.structure.l_r), settings.structure.l_r
     filter_form = settings.form == "filter"
@@ -160,6 +168,6 @@ def _run(plant: Any, settings: ControllerSettings, w: Array, x_0: Array | None) 
         guard_count=0,
         guard_first_step=-1,
         u_applied=rounded["u"],
-        x_0=x_0,
+        x_0=None if x_0 is None else real_array(x_0, "x_0").reshape(-1),
         digits=float("inf") if worst == 0 else -float((worst / size).log() / arb(10).log()),
     )

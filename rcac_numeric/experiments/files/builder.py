@@ -3,35 +3,70 @@
 from __future__ import annotations
 
 from pathlib import Path
-
-import numpy as np
+from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.arrays.validation import integer, number, one_of
-from rcac_numeric.engine.runs import controllers_of
-from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.experiments.experiment import Experiment, RunSpecification
-from rcac_numeric.experiments.files.claims import claim
-from rcac_numeric.experiments.files.controllers import ARITHMETICS, controller_of
-from rcac_numeric.experiments.files.plants import plant_of
-from rcac_numeric.experiments.files.sections import (
-    Section,
-    Table,
-    merged,
-    named,
-    read_example,
-    read_file,
+from rcac_numeric.experiments.budgets import Budget
+from rcac_numeric.experiments.experiment import Experiment
+from rcac_numeric.experiments.files.claims import CLAIM, claim_of
+from rcac_numeric.experiments.files.documents import named, read_example, read_file, require_plain
+from rcac_numeric.experiments.files.runs import FORMS, OVERRIDE, read_run, words_of
+from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.places import Place, brief
+from rcac_numeric.experiments.format.tables import Raw, Table
+
+# How much of a table's own words a report repeats.
+LONGEST_WORDS = 400
+
+
+def _file(
+    plant: Any, title: str = "", id: str = "", source: str = "", notes: str = "",
+    signals: Any = None, target: Any = None, controller: Any = None, controllers: Any = None,
+    saturation: Any = None, run: Any = None, runs: Any = None, claims: Any = None,
+) -> str:  # fmt: skip
+    """An experiment.
+
+    Parameters
+    ----------
+    plant : table
+        What is controlled.
+    title : str
+        What it is about, in a line.
+    id, source : str
+        Its number, the name of the file where it is left out; and where it comes from.
+    notes : str
+        What a reader of the report should know.
+    signals : table
+        The exogenous input w.
+    target : table
+        The target model G_f.
+    controller : table
+        The controller.
+    controllers : tables
+        Several controllers whose outputs are added.
+    saturation : table
+        Bounds of the control.
+    run : table
+        How long it runs, and how.
+    runs : tables
+        Several runs, the first being the main one.
+    claims : tables
+        What is said of it, and what decides whether it holds.
+    """
+    return title
+
+
+FILE = Table(
+    _file,
+    forms={
+        **FORMS,
+        "runs": ListOf(OVERRIDE, needed="an array of tables, [[runs]]"),
+        "claims": ListOf(CLAIM, needed="an array of tables, [[claims]]"),
+    },
 )
-from rcac_numeric.experiments.files.signals import signals
-from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.saturation import Saturation
-from rcac_numeric.plants.schedules import PlantSchedule
-
-# What a run may keep in memory before it is refused.
-MAX_BYTES = 8 * 2**30
 
 
-def load_example(number: str) -> Experiment:
+def load_example(number: str, budget: Budget | None = None) -> Experiment:
     """A numbered example of the dissertation.
 
     Examples
@@ -40,17 +75,25 @@ def load_example(number: str) -> Experiment:
     >>> load_example("4.7").main_run.settings.k_w
     50
     """
-    return build(*read_example(number))
+    return _built(*read_example(number), budget or Budget())
 
 
-def load_experiment(path: str | Path) -> Experiment:
+def load_experiment(path: str | Path, budget: Budget | None = None) -> Experiment:
     """A user's own case from its TOML file; docs/experiment-files.md describes the format.
+
+    Parameters
+    ----------
+    path : path
+        Of a file of at most 10 MiB.
+    budget : Budget, optional
+        What the case may take; `Budget()` by default.
 
     Raises
     ------
     InputError
-        Where the file cannot be read, a key is unknown or missing, or a value is out of range;
-        other errors of the tree where the plant or the target model does not allow the case.
+        Where the file cannot be read, a key is unknown or missing, a value is out of range, or
+        the runs would take more than the budget; other errors of the tree where the plant or the
+        target model does not allow the case.
 
     Examples
     --------
@@ -58,102 +101,67 @@ def load_experiment(path: str | Path) -> Experiment:
     >>> verify(load_experiment("examples/boost_converter.toml")).exit_status
     0
     """
-    return build(*read_file(path))
+    return _built(*read_file(path), budget or Budget())
 
 
-def build(table: Table, file: str) -> Experiment:
-    """The experiment that a parsed file describes; `file` is named in errors."""
+def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
+    """The experiment that tables describe as a file would; `file` is named in errors.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.files.builder import build
+    >>> build({"plant": {"problem": "standrad"}}, "case.toml")
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: case.toml: [plant] problem = 'standrad' is not known;
+    choose one of standard, servo. Did you mean 'standard'?
+    """
+    require_plain(dict(table), file)
+    return _built(table, file, budget or Budget())
+
+
+def _built(table: Raw, file: str, budget: Budget) -> Experiment:
     try:
-        return _experiment(table, file)
+        return _experiment(table, file, budget)
     except CompensatorError as error:
         raise named(error, file) from None
+    except MemoryError:
+        raise InputError(f"{file}: the case needs more memory than there is.") from None
 
 
-def _experiment(table: Table, file: str) -> Experiment:
-    top = Section(table, "", file)
-    common = plant_of(Section(top.require("plant"), "plant", file))
-    overrides = [Section(t, "runs", file) for t in top.tables("runs") or [{"name": "main"}]]
-    runs = {}
-    for override in overrides:
-        name = override.text("name")
-        if name in runs:
-            raise InputError(f"two runs are named {name!r}; give each its own name.")
-        own = merged(table, override.table)
-        plant = common
-        if "plant" in override.table:
-            plant = plant_of(Section(own["plant"], "plant", file))
-        runs[name] = _run(name, own, plant, file)
+def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
+    read = FILE.read(table, Place(file))
+    overrides = table.get("runs") or [{"name": "main"}]
+    runs = [read_run(table, override, file) for override in overrides]
+    names = [run.name for run in runs]
+    if twice := next((name for name in names if names.count(name) > 1), None):
+        raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
+    claims = tuple(claim_of(part, names[0]) for part in read.arguments.get("claims", ()))
+    common = runs[0].plant.build()
+    plants = [
+        run.plant.build() if "plant" in override else common
+        for run, override in zip(runs, overrides, strict=True)
+    ]
+    pairs = list(zip(runs, plants, strict=True))
+    budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
+    made = {run.name: run.build(plant) for run, plant in pairs}
+    text = {key: read.arguments.get(key, "") for key in ("title", "id", "source", "notes")}
     return Experiment(
-        id=top.text("id", Path(file).stem),
-        title=top.text("title", ""),
-        source=top.text("source", ""),
-        notes=top.text("notes", "").strip(),
-        runs=runs,
-        claims=[claim(Section(t, "claims", file), next(iter(runs))) for t in top.tables("claims")],
+        id=text["id"] or Path(file).stem,
+        title=text["title"],
+        source=text["source"],
+        notes=text["notes"].strip(),
+        runs=made,
+        claims=claims,
         description=_description(table),
     )
 
 
-def _run(name: str, table: Table, plant: Plant | PlantSchedule, file: str) -> RunSpecification:
-    run = Section(table.get("run", {}), "run", file)
-    arithmetic = run.get("arithmetic", None)
-    if arithmetic is not None:
-        one_of(run.text("arithmetic"), "arithmetic", ARITHMETICS)
-    settings = controller_of(table, plant, file, arithmetic)
-    bounds = Section(table.get("saturation", {}), "saturation", file)
-    specification = RunSpecification(
-        name=name,
-        plant=plant,
-        settings=settings,
-        signals=signals(Section(table.get("signals", {}), "signals", file), plant),
-        steps=integer(run.require("steps"), "steps", at_least=1),
-        seed=integer(run.get("seed", 0), "seed"),
-        stride=integer(run.get("stride", 1), "stride", at_least=1),
-        arithmetic=arithmetic or controllers_of(settings)[0].update,
-        repetitions=integer(run.get("repetitions", 1), "repetitions", at_least=1),
-        perturbation=number(run.get("perturbation", 0.0), "perturbation"),
-        saturation=Saturation(**bounds.table) if "saturation" in table else None,
-        expected=one_of(run.text("expected", "completed"), "expected", ("completed", "diverged")),
-    )
-    _require_sense(specification)
-    return specification
-
-
-def _require_sense(run: RunSpecification) -> None:
-    """Refuse a run that does not fit together, could not adapt or would not fit into memory."""
-    nothing = np.zeros((0, run.plant.l_w))
-    simulate(run.plant, run.settings, nothing, saturation=run.saturation)
-    if run.arithmetic == "reference":
-        from rcac_numeric.engine.reference.run import require_supported
-
-        require_supported(run.plant, run.settings, run.saturation)
-    for controller in controllers_of(run.settings):
-        for name in ("k_w", "k_update"):
-            if (start := getattr(controller, name)) >= run.steps:
-                raise InputError(
-                    f"{name} = {start} is not before the end of the run of {run.steps} steps, so "
-                    "nothing would be adapted. Use more steps."
-                )
-    for signal in run.signals:
-        signal.require_length(run.steps)
-    plant = run.plant
-    kept = sum(c.structure.l_theta for c in controllers_of(run.settings)) / run.stride
-    size = 8 * run.steps * (2 * plant.l_w + plant.l_u + plant.l_y + plant.l_z + kept)
-    if size > MAX_BYTES:
-        raise InputError(
-            f"the run of {run.steps} steps would keep {size / 2**30:.3g} GiB; at most "
-            f"{MAX_BYTES / 2**30:.0f} are allowed. Use fewer steps or a larger stride."
-        )
-
-
-def _description(table: Table) -> dict[str, str]:
+def _description(table: Raw) -> dict[str, str]:
     """The file's own words for plant, signals, target and controllers, for the report."""
-    names = ("plant", "signals", "target", "controller", "controllers", "saturation", "run")
     words = {}
-    for name in names:
+    for name in ("plant", "signals", "target", "controller", "controllers", "saturation", "run"):
         parts = table.get(name, {})
-        words[name] = "; ".join(
-            ", ".join(f"{key} = {value}" for key, value in part.items())
-            for part in (parts if isinstance(parts, list) else [parts])
-        )
+        text = "; ".join(map(words_of, parts if isinstance(parts, list) else [parts]))
+        words[name] = text if len(text) <= LONGEST_WORDS else f"{text[:LONGEST_WORDS]} ..."
     return words

@@ -4,48 +4,91 @@ from __future__ import annotations
 
 from typing import Any
 
-from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import number, one_of
-from rcac_numeric.experiments.experiment import Check, Claim
-from rcac_numeric.experiments.files.sections import Section
-from rcac_numeric.experiments.files.signals import real
-from rcac_numeric.experiments.verdicts import VERDICTS
+from rcac_numeric.experiments.claims import VERDICTS, Check, Claim
+from rcac_numeric.experiments.format.lists import ListOf, MapOf
+from rcac_numeric.experiments.format.parts import Part
+from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.values import Choice, Numbers, Real
+from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.signal_measures import SIGNALS
 
-CHECK_KEYS = ("measure", "run", "relative_to", "statistic", "at_least", "at_most")
-
-
-def claim(section: Section, main_run: str) -> Claim:
-    """One table of [[claims]]."""
-    recorded = section.text("verdict", "")
-    if recorded:
-        one_of(recorded, "verdict", VERDICTS)
-    checks = section.require("checks")
-    if not isinstance(checks, list) or not checks:
-        raise InputError("a claim needs a list of at least one check.")
-    return Claim(
-        text=section.text("text"),
-        claimed=section.text("claimed", ""),
-        checks=tuple(_check(entry, main_run) for entry in checks),
-        correction=section.text("correction", ""),
-        recorded=recorded,
-    )
+FORMS = {"noise": MapOf(Numbers()), "signal": Choice(SIGNALS)}
 
 
-def _check(entry: Any, main_run: str) -> Check:
-    if not isinstance(entry, dict) or "measure" not in entry:
-        raise InputError(f"the check {entry!r} of a claim must be a table with the key 'measure'.")
-    if not {"at_least", "at_most"} & entry.keys():
-        raise InputError(
-            f"the check of {entry['measure']!r} needs at_least, at_most or both: a check without "
-            "a bound cannot fail."
-        )
-    for bound in {"at_least", "at_most"} & entry.keys():
-        number(entry[bound], bound)
-    own = {key: value for key, value in entry.items() if key in CHECK_KEYS}
-    one_of(str(own.get("statistic", "each")), "statistic", ("each", "median"))
-    arguments = {
-        key: real(value, "omega") if key == "omega" else value
-        for key, value in entry.items()
-        if key not in CHECK_KEYS
+def _check(
+    measure: Any,
+    run: str = "",
+    relative_to: str = "",
+    statistic: str = "each",
+    at_least: float | None = None,
+    at_most: float | None = None,
+) -> Any:
+    """A measure of one run and the interval in which it must lie.
+
+    Parameters
+    ----------
+    measure : str
+        What is measured.
+    run : str
+        Of which run; the main one where it is left out.
+    relative_to : str
+        Another run, whose measure it is divided by, repetition by repetition.
+    statistic : {"each", "median"}
+        Whether every repetition must lie in the interval, or the median.
+    at_least, at_most : number
+        The interval; one of them is needed.
+    """
+    return measure
+
+
+def _claim(
+    text: str, checks: list[Any], claimed: str = "", correction: str = "", verdict: str = ""
+) -> Any:
+    """Something said of the case.
+
+    Parameters
+    ----------
+    text, claimed : str
+        What is said, and the number or behaviour that is claimed.
+    checks : tables
+        What decides it: it holds where all of them do.
+    correction : str
+        What had to be read differently from the source for the checks to be the right ones.
+    verdict : str
+        The verdict of record; exit status 1 says that a run gave another.
+    """
+    return text
+
+
+def _kinds() -> Kinds[Any]:
+    """Every measure with its arguments; the run itself is given."""
+    tables = {
+        name: Table(function, given=["r"], forms=FORMS) for name, function in MEASURES.items()
     }
-    return Check(**{"run": main_run, **own}, arguments=arguments)
+    return Kinds(tables)
+
+
+CHECK = Table(
+    _check,
+    forms={
+        "measure": _kinds(),
+        "statistic": Choice(("each", "median")),
+        "at_least": Real(),
+        "at_most": Real(),
+    },
+)
+CLAIM = Table(_claim, forms={"checks": ListOf(CHECK, 1), "verdict": Choice(VERDICTS)})
+
+
+def claim_of(part: Part[Any], main_run: str) -> Claim:
+    """The claim that a table of [[claims]] makes; checks without a run are of the main one."""
+    arguments = dict(part.arguments)
+    checks = tuple(_check_of(check, main_run) for check in arguments.pop("checks"))
+    recorded = arguments.pop("verdict", "")
+    return Claim(checks=checks, recorded=recorded, **{"claimed": "", **arguments})
+
+
+def _check_of(part: Part[Any], main_run: str) -> Check:
+    arguments = {"run": main_run, **part.arguments}
+    measure = arguments.pop("measure")
+    return Check(measure=measure.make.__name__, arguments=measure.arguments, **arguments)

@@ -1,148 +1,186 @@
-"""The controller of an experiment file: one, or several with an update each."""
+"""The controller of an experiment file: one that adapts, several of them, or LQG's."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.decentralized import Decentralized
-from rcac_numeric.controllers.rules import CovarianceReset, SignalWeight, VariableRateForgetting
-from rcac_numeric.controllers.settings import UPDATES, ControllerSettings
-from rcac_numeric.experiments.files.lqg import lqg_settings
-from rcac_numeric.experiments.files.sections import Section, Table, merged
-from rcac_numeric.experiments.files.structures import structure_of
-from rcac_numeric.experiments.files.targets import target_of
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.rules import SignalWeight
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.experiments.files.structures import STRUCTURES, sizes_of
+from rcac_numeric.experiments.files.targets import TARGET
+from rcac_numeric.experiments.files.updates import UPDATES
+from rcac_numeric.experiments.format.deferred import Deferred
+from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf, Row
+from rcac_numeric.experiments.format.parts import Later, Part
+from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.experiments.format.tables import Kind, Kinds, Raw, Table, Variant
+from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schema
+from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel
 
-# How the recursive update (2.42)-(2.45) may be computed.
-ARITHMETICS = ("ud", "covariance", "reference")
+
+class _Interval(Form):
+    """Steps without update."""
+
+    words = "[start, stop] or [start]"
+
+    def read(self, value: object, place: Place) -> tuple[int, int | None]:
+        """As (start, stop), without an end where there is none."""
+        start, *stop = Row((Integer(), Integer()), self.words, at_least=1).read(value, place)
+        return start, stop[0] if stop else None
+
+    def schema(self) -> Schema:
+        """One number or two."""
+        return Row((Integer(), Integer()), self.words, at_least=1).schema()
 
 
-def controller_of(
-    table: Table, plant: Plant | PlantSchedule, file: str, arithmetic: str | None
-) -> ControllerSettings | Decentralized:
-    """What [controller], [[controllers]] and [target] describe together.
+NOISE = MapOf(Numbers())
 
-    `arithmetic` is that of [run], or None where the file leaves it open.
+
+def _lqg(
+    form: str = "predictor",
+    noise: dict[str, Any] | None = None,
+    k_w: int = 0,
+    *,
+    whole_plant: Plant | PlantSchedule,
+) -> FixedController:
+    """The [LQG](lqg.md) controller of the plant, which adapts nothing.
+
+    Parameters
+    ----------
+    form : {"predictor", "filter"}
+        Whether u(k) uses y(k-1) at the latest, or y(k) too.
+    noise : table
+        Intensities by block or channel of w, `{ d = 1, v = 0.25 }`; 1 for every channel where it
+        is left out.
+    k_w : int
+        First step at which it is in the loop.
     """
-    common = Section(table.get("controller", {}), "controller", file)
-    parts = table.get("controllers", [])
-    if not isinstance(parts, list):
-        raise InputError("controllers must be an array of tables, [[controllers]].")
-    shared_u = common.flag("shared_u")
-    if not parts:
-        if "shared_u" in common.table:
-            raise InputError("[controller] sets 'shared_u', which only [[controllers]] read.")
-        target = _target(table.get("target", {}), plant, file)
-        return _settings(common, target, plant, arithmetic)
-    own = {key: value for key, value in common.table.items() if key != "shared_u"}
-    settings = []
-    for part in parts:
-        given = dict(Section(part, "controllers", file).table)
-        own_target = {"target": given.pop("target", {})}
-        joined = merged({"target": table.get("target", {})}, own_target)
-        target = _target(joined["target"], plant, file)
-        section = Section(merged(own, given), "controllers", file)
-        settings.append(_settings(section, target, plant, arithmetic))
-    return Decentralized(settings, shared_u=shared_u)
+    if isinstance(whole_plant, PlantSchedule):
+        raise InputError('structure = "lqg" is designed for one plant; this one changes.')
+    compensator = lqg(whole_plant, noise=noise, form=form).compensator
+    return FixedController(compensator, k_w=k_w)
 
 
-def _settings(
-    section: Section,
-    target: TargetModel,
-    plant: Plant | PlantSchedule,
-    arithmetic: str | None,
-) -> ControllerSettings:
-    if section.get("structure", "iir") == "lqg":
-        return lqg_settings(section, target, plant)
-    structure = structure_of(section, plant)
-    options = section.given(
-        "R_z", "R_u", "k_w", "k_update", "k_filter", "theta_0", "process_noise", "form", "window",
-        "step_size",
-    )  # fmt: skip
-    for key in ("R_z", "R_u"):
-        if isinstance(options.get(key), dict):
-            options[key] = _signal_weight(options[key], key)
-    if "lambda" in section.table:
-        options["lambda_"] = section.table["lambda"]
-    for key in ("reflect_poles", "stop_where_unsupported"):
-        options[key] = section.flag(key)
-    if "forgetting" in section.table:
-        options["forgetting"] = VariableRateForgetting(
-            **_rule(section, "forgetting", "short", "long", "gain").table
-        )
-    if "reset" in section.table:
-        rule = _rule(section, "reset")
-        rule.items("at")
-        options["reset"] = CovarianceReset(**rule.table)
-    options["freeze"] = [_interval(entry) for entry in section.items("freeze")]
-    options["lambda_changes"] = _changes(section, "lambda_changes")
-    options["target_changes"] = {
-        step: _target(model, plant, section.file)
-        for step, model in _changes(section, "target_changes").items()
-    }
-    return ControllerSettings(
-        structure=structure,
-        target=target,
-        R_theta=section.require("R_theta"),
-        update=_update(section, arithmetic),
-        **options,
+# In place of a structure: the whole table is then of a controller that adapts nothing.
+FIXED: dict[str, Kind[Any]] = {
+    "lqg": Kind(Variant(Table(_lqg, given=["whole_plant"], forms={"noise": NOISE})), is_whole=True)
+}
+STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
+WEIGHT = Either(Table(SignalWeight), Numbers())
+FORMS: Mapping[str, Form] = {
+    "structure": STRUCTURES_AND_FIXED,
+    "update": UPDATES,
+    "R_z": WEIGHT,
+    "R_u": WEIGHT,
+    "theta_0": Numbers(),
+    "k_w": Integer(),
+    "k_update": Integer(),
+    "target_changes": ByStep(TARGET.table),
+    "freeze": ListOf(_Interval()),
+}
+DOCS = {
+    "structure": "What the regressor is made of.",
+    "update": "How theta is adapted; as `arithmetic` in [run] where it is left out.",
+    "R_z": "Weights of (2.41): numbers, matrices, or `{ z_squared = c, constant = b }` for "
+    "(b + c z'z) I.",
+    "R_u": "Likewise.",
+    "target_changes": "`[[step, { model = ... }], ...]`: G_f from that step on.",
+    "freeze": "`[[start, stop], ...]` without update; `[start]` alone: to the end.",
+}
+
+
+def _several(shared_u: bool = False) -> bool:
+    """What several controllers have in common.
+
+    Parameters
+    ----------
+    shared_u : bool
+        Of [[controllers]]: every regressor holds the sum of all outputs in place of its own;
+        with saturation that is needed.
+    """
+    return shared_u
+
+
+SEVERAL = Table(_several)
+CONTROLLER = Deferred(
+    Table(
+        ControllerSettings,
+        given=["target"],
+        forms=FORMS,
+        docs=DOCS,
+        elsewhere=(SEVERAL, "only [[controllers]] read"),
     )
+)
+ONE_OF_SEVERAL = Deferred(
+    Table(
+        ControllerSettings,
+        forms={**FORMS, "target": TARGET.table},
+        docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
+    )
+)
 
 
-def _target(table: Any, plant: Plant | PlantSchedule, file: str) -> TargetModel:
-    """The target model; what it takes from the plant is taken from the plant at step 0."""
-    return target_of(Section(table, "target", file), plant_at(plant, 0))
+@dataclass(frozen=True, eq=False)
+class ControllerSpecification(Value):
+    """The controllers of a run.
+
+    Attributes
+    ----------
+    parts : tuple of Part
+        One for each controller.
+    target : Part, optional
+        The target model of the only controller; several have their own.
+    shared_u : bool
+    """
+
+    parts: tuple[Part[Any], ...]
+    target: Part[TargetModel] | None
+    shared_u: bool = False
+
+    def build(self, plant: Plant | PlantSchedule) -> tuple[AnyController, TargetModel | None]:
+        """The controller, and the target model that it does not hold itself.
+
+        What a target model takes from the plant is taken from the plant at step 0.
+        """
+        first = Later(lambda: plant_at(plant, 0))
+        context = {"plant": first, "whole_plant": plant, **sizes_of(plant)}
+        if self.target is None:
+            settings = [part.build(**context) for part in self.parts]
+            return Decentralized(settings, shared_u=self.shared_u), None
+        target = self.target.build(**context)
+        controller = self.parts[0].build(target=target, **context)
+        return controller, target if isinstance(controller, FixedController) else None
 
 
-def _update(section: Section, arithmetic: str | None) -> str:
-    """The name of the update, on which [run] and the controller must agree."""
-    update = section.text("update", arithmetic if arithmetic in UPDATES else "ud")
-    if arithmetic is not None and arithmetic != update and (arithmetic, update) != (
-        "reference", "ud",
-    ):  # fmt: skip
-        raise InputError(
-            f"[run] arithmetic = {arithmetic!r} and {section.where} update = {update!r} contradict "
-            "each other; arithmetic is how the recursive update is computed."
-        )
-    return update
+def read_controllers(
+    common: Raw, target: Raw, several: list[Raw], note: tuple[str, ...], file: str
+) -> ControllerSpecification:
+    """What [controller], [target] and [[controllers]] ask for.
 
-
-def _signal_weight(table: Table, name: str) -> SignalWeight:
-    """{ z_squared = c, constant = b } for (b + c z(k)'z(k)) I."""
-    if "z_squared" not in table or set(table) - {"z_squared", "constant"}:
-        raise InputError(
-            f"{name} = {table} is not known; use a number, a matrix, or z_squared = c with an "
-            "optional constant."
-        )
-    return SignalWeight(**table)
-
-
-def _rule(section: Section, key: str, *needed: str) -> Section:
-    rule = Section(section.table[key], f"controller.{key}", section.file)
-    for name in needed:
-        rule.require(name)
-    return rule
-
-
-def _changes(section: Section, key: str) -> dict[int, Any]:
-    """[[step, value], ...] as a mapping."""
-    changes: dict[int, Any] = {}
-    for entry in section.items(key):
-        if not (isinstance(entry, list) and len(entry) == 2):
-            raise InputError(f"{key} has the entry {entry!r}; pairs [step, value] are needed.")
-        step, value = entry
-        if not isinstance(step, int) or step in changes:
-            raise InputError(f"{key} names the step {step!r}; each must be an integer, once.")
-        changes[step] = value
-    return changes
-
-
-def _interval(entry: Any) -> tuple[Any, Any]:
-    """[start, stop], or [start] for an interval without an end."""
-    if not (isinstance(entry, list) and len(entry) in (1, 2)):
-        raise InputError(f"freeze has the entry {entry!r}; [start, stop] or [start] is needed.")
-    return entry[0], entry[1] if len(entry) == 2 else None
+    Each of several takes from [controller] and [target] what it does not say itself.
+    """
+    here = Place(file, "controller", notes=note)
+    if not several:
+        of_target = TARGET.table.read(target, Place(file, "target", notes=note))
+        return ControllerSpecification((CONTROLLER.table.read(common, here),), of_target)
+    shared = {key.name for key in SEVERAL.keys}
+    beside = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
+    base = {key: value for key, value in common.items() if key not in shared}
+    parts = []
+    for number, own in enumerate(several, 1):
+        joined = ONE_OF_SEVERAL.joined(base, own)
+        joined["target"] = TARGET.joined(target, own.get("target", {}))
+        place = Place(file, "controllers", notes=(f"no. {number}", *note))
+        parts.append(ONE_OF_SEVERAL.table.read(joined, place))
+    return ControllerSpecification(tuple(parts), None, beside.build())

@@ -2,72 +2,226 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
-from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import one_of
-from rcac_numeric.experiments.files.sections import Section, Table
-from rcac_numeric.plants.linear import MATRICES, Plant, from_problem, servo_plant, standard_plant
+import compensator_theory as exact
+from compensator_theory.errors import InputError, NotCoprimeError
+from rcac_numeric.experiments.format.deferred import Deferred
+from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.parts import Part
+from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant, require_table
+from rcac_numeric.experiments.format.values import Exact, Flag, Integer, Numbers
+from rcac_numeric.plants.linear import MATRICES, Plant
+from rcac_numeric.plants.problems import from_problem, servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
+# A delay is written out as states where the loop is analysed.
+LONGEST_DELAY = 200
+ENTRIES = {name: Exact() for name in ("G", *MATRICES)}
 
-def plant_of(section: Section) -> Plant | PlantSchedule:
-    """The plant; with [[plant.changes]] a schedule, each of them going on from the one before."""
-    own = {key: value for key, value in section.table.items() if key != "changes"}
-    changes = [PlantChange(start=0, plant=_plant(own, section.file))]
-    gain, delay = 1, 0
-    for index, table in enumerate(section.tables("changes")):
-        entry = Section(table, "plant.changes", section.file)
-        given = entry.given("G", *MATRICES)
+
+def _standard_of_G(G: Any) -> Plant:
+    """The standard problem of a transfer function: y = z and w matched with u, (2.15).
+
+    Parameters
+    ----------
+    G : transfer function
+        In q.
+    """
+    _require_coprime(G)
+    return standard_plant(G)
+
+
+def _standard(
+    A: Any, B: Any, D_1: Any, C: Any, D_0: Any = None, D_2: Any = None, E_1: Any = None,
+    E_2: Any = None, E_0: Any = None,
+) -> Plant:  # fmt: skip
+    """The standard problem (2.1)-(2.3).
+
+    Parameters
+    ----------
+    A, B, D_1 : matrices
+        Of x(k+1) = A x + B u + D_1 w.
+    C, D_0, D_2 : matrices
+        Of y = C x + D_0 u + D_2 w; D_0 and D_2 are zero where they are left out.
+    E_1, E_2, E_0 : matrices
+        Of z = E_1 x + E_2 u + E_0 w; E_1 is C, E_2 and E_0 are zero where they are left out.
+    """
+    matrices = {"D_0": D_0, "D_2": D_2, "E_1": C if E_1 is None else E_1, "E_2": E_2, "E_0": E_0}
+    return from_problem(exact.StandardProblem(A=A, B=B, D_1=D_1, C=C, **matrices))
+
+
+def _servo_of_G(G: Any, performance: str = "measured") -> Plant:
+    """The servo problem (2.16)-(2.20) of a transfer function, d and u colocated.
+
+    Parameters
+    ----------
+    G : transfer function
+        In q.
+    performance : {"measured", "true"}
+        Whether z is e_n, which is measured, or e_0, without the noise v.
+    """
+    _require_coprime(G)
+    return servo_plant(G, performance=performance)
+
+
+def _servo(
+    A: Any, B: Any, C: Any, D_1: Any = None, D_0: Any = None, performance: str = "measured"
+) -> Plant:
+    """The servo problem (2.16)-(2.20), with w = [r; d; v] and y = z = e_n.
+
+    Parameters
+    ----------
+    A, B, D_1 : matrices
+        Of (2.16); D_1 is B where it is left out.
+    C, D_0 : matrices
+        Of (2.17); D_0 is zero where it is left out.
+    performance : {"measured", "true"}
+        As with G.
+    """
+    matrices = {k: v for k, v in (("D_1", D_1), ("D_0", D_0)) if v is not None}
+    return servo_plant(A=A, B=B, C=C, performance=performance, **matrices)
+
+
+PROBLEMS: Kinds[Plant] = Kinds(
+    {
+        "standard": Kind(
+            Variant(Table(_standard_of_G, forms=ENTRIES), "G"),
+            Variant(Table(_standard, forms=ENTRIES)),
+        ),
+        "servo": Kind(
+            Variant(Table(_servo_of_G, forms=ENTRIES), "G"),
+            Variant(Table(_servo, forms=ENTRIES)),
+        ),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Change:
+    """What the plant is from a step on; what is not named stays as it was.
+
+    Parameters
+    ----------
+    start : int
+        The step; a change at step 0 says what holds from the beginning, such as a delay.
+    gain : number
+        u acts this many times as strongly as B and the direct terms of [plant] say.
+    delay : int
+        u acts this many steps late; what was sent before the change is kept.
+    ramp : bool
+        The matrices move linearly and reach those of the next change at its start.
+    state_map : matrix
+        x <- state_map x at `start`; needed where the order changes.
+    G : transfer function
+        The new plant.
+    A, B, C, D_0, D_1, D_2, E_0, E_1, E_2 : matrices
+        The new ones. The state is kept, so that C and E_1 alone move the zeros.
+    """
+
+    start: int
+    gain: Any = None
+    delay: int | None = None
+    ramp: bool = False
+    state_map: Any = None
+    G: Any = None
+    A: Any = None
+    B: Any = None
+    C: Any = None
+    D_0: Any = None
+    D_1: Any = None
+    D_2: Any = None
+    E_0: Any = None
+    E_1: Any = None
+    E_2: Any = None
+
+
+CHANGE = Table(
+    Change,
+    forms={
+        **ENTRIES,
+        "gain": Exact(),
+        "delay": Integer(at_most=LONGEST_DELAY),
+        "ramp": Flag(),
+        "state_map": Numbers(),
+    },
+)
+
+
+def _plant(problem: Plant, changes: Any = None) -> Plant:
+    """A plant.
+
+    Parameters
+    ----------
+    problem : str
+        Which problem the transfer function or the matrices are of.
+    changes : tables
+        How the plant changes while it runs.
+    """
+    return problem
+
+
+PLANT = Deferred(
+    Table(_plant, forms={"problem": PROBLEMS, "changes": ListOf(CHANGE)}), is_replaced=True
+)
+
+
+@dataclass(frozen=True, eq=False)
+class PlantSpecification:
+    """A plant and what becomes of it, each change with the plant that it leads to."""
+
+    first: Part[Plant]
+    changes: tuple[tuple[Change, Part[Plant]], ...] | None
+
+    def build(self) -> Plant | PlantSchedule:
+        """The plant; with changes a schedule, each of them going on from the one before."""
+        if self.changes is None:
+            return self.first.build()
+        made = [PlantChange(start=0, plant=self.first.build())]
+        gain, delay = 1, 0
+        for index, (change, part) in enumerate(self.changes):
+            gain = gain if change.gain is None else change.gain
+            delay = delay if change.delay is None else change.delay
+            if index == 0 and change.start == 0:
+                made = []  # what the file says of step 0 itself
+            made.append(
+                PlantChange(
+                    start=change.start,
+                    plant=_amplified(part.build(), gain),
+                    ramp=change.ramp,
+                    state_map=change.state_map,
+                    delay=delay,
+                )
+            )
+        return PlantSchedule(made)
+
+
+def read_plant(value: object, place: Place) -> PlantSpecification:
+    """What [plant] says; a change takes what it does not name from what is before it."""
+    table = require_table(value, place)
+    own = {key: entry for key, entry in table.items() if key != "changes"}
+    first = PLANT.table.read(own, place)
+    if "changes" not in table:
+        return PlantSpecification(first, None)
+    changes = []
+    parts = ListOf(CHANGE).read(table["changes"], place.at("changes"))
+    for number, (part, entry) in enumerate(zip(parts, table["changes"], strict=True), 1):
+        given = {key: value for key, value in entry.items() if key in ENTRIES}
         if "G" in given or ("G" in own and given):
-            own = {key: value for key, value in own.items() if key not in ("G", *MATRICES)}
+            own = {key: value for key, value in own.items() if key not in ENTRIES}
         own = {**own, **given}
-        gain, delay = entry.get("gain", gain), entry.get("delay", delay)
-        change = PlantChange(
-            start=entry.require("start"),
-            plant=_amplified(_plant(own, section.file), gain),
-            ramp=entry.flag("ramp"),
-            state_map=entry.get("state_map", None),
-            delay=delay,
-        )
-        if index == 0 and change.start == 0:
-            changes = []  # what the file says of step 0 itself
-        changes.append(change)
-    return PlantSchedule(changes) if "changes" in section.table else changes[0].plant
-
-
-def _plant(table: Table, file: str) -> Plant:
-    section = Section(table, "plant", file)
-    problem = one_of(section.text("problem"), "problem", ("standard", "servo"))
-    if problem == "servo":
-        one_of(section.text("performance", "measured"), "performance", ("measured", "true"))
-    performance = ("performance",) if problem == "servo" else ()
-    if "G" in section.table:
-        section.only(f'problem = "{problem}" with G', "problem", "G", *performance)
-        _require_coprime(section.table["G"])
-        make = servo_plant if problem == "servo" else standard_plant
-        return make(**section.given("G", *performance))
-    allowed = ("A", "B", "D_1", "C", "D_0") if problem == "servo" else MATRICES
-    section.only(f'problem = "{problem}"', "problem", *allowed, *performance)
-    for key in ("A", "B", "C") if problem == "servo" else ("A", "B", "D_1", "C"):
-        section.require(key)
-    matrices = section.given(*allowed)
-    if problem == "servo":
-        return servo_plant(**matrices, **section.given(*performance))
-    from compensator_theory import StandardProblem
-
-    left_out = {"D_0": None, "D_2": None, "E_1": matrices["C"], "E_2": None, "E_0": None}
-    return from_problem(StandardProblem(**{**left_out, **matrices}))
+        here = place.at("changes").entry(number).inside()
+        changes.append((part.build(), PLANT.table.read(own, here)))
+    return PlantSpecification(first, tuple(changes))
 
 
 def _amplified(plant: Plant, gain: Any) -> Plant:
     """The plant whose control input acts `gain` times as strongly."""
     if gain == 1:
         return plant
-    from compensator_theory import exact_number
-
-    factor = exact_number(gain)
+    factor = exact.exact_number(gain)
     if not (factor.is_number and factor.is_real):
         raise InputError(f"gain = {gain!r} is not a real number.")
     problem = plant.problem
@@ -76,13 +230,10 @@ def _amplified(plant: Plant, gain: Any) -> Plant:
 
 
 def _require_coprime(G: Any) -> None:
-    from compensator_theory import NotCoprimeError, transfer_function
-
-    plant = transfer_function(G)
+    plant = exact.transfer_function(G)
     if plant.is_coprime is False:
-        factor = plant.common_factor().as_expr()
         raise NotCoprimeError(
-            f"numerator and denominator of the plant G share the factor {factor}: no controller "
-            "moves that pole. Cancel the factor, or give the matrices A, B, D_1 and C if the "
-            "hidden mode is meant."
+            "numerator and denominator of the plant G share the factor "
+            f"{plant.common_factor().as_expr()}: no controller moves that pole. Cancel the factor, "
+            "or give the matrices A, B, D_1 and C if the hidden mode is meant."
         )

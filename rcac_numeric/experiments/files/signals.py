@@ -2,116 +2,157 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import number
-from rcac_numeric.experiments.files.sections import Section
+from rcac_numeric.experiments.format.by_key import ByKey
+from rcac_numeric.experiments.format.lists import ListOf, Row
+from rcac_numeric.experiments.format.parts import Part
+from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.experiments.format.tables import Table
+from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schema, Text
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
-from rcac_numeric.signals.recordings import read_recording, recorded
-from rcac_numeric.signals.signal import (
-    Signal,
-    harmonic,
-    piecewise,
-    pulse,
-    ramp,
-    sequence,
-    step,
-    white_noise,
+from rcac_numeric.signals.recordings import Recorded, read_recording
+from rcac_numeric.signals.sequences import Levels, Piecewise
+from rcac_numeric.signals.signal import Signal, Sum
+from rcac_numeric.signals.waveforms import Harmonic, Pulse, Ramp, Step, WhiteNoise
+
+
+class _Record(Form):
+    """A list of numbers or the name of a file."""
+
+    words = "a list of numbers, or the path of a .csv or .npy file"
+
+    def read(self, value: object, place: Place) -> Any:
+        """By what it is."""
+        return (Text() if isinstance(value, str) else Numbers()).read(value, place)
+
+    def schema(self) -> Schema:
+        """Either."""
+        return {"anyOf": [Text().schema(), Numbers().schema()]}
+
+
+class _Column(Form):
+    """The index or the name of a column."""
+
+    words = "the index of a column from 0, or its name"
+
+    def read(self, value: object, place: Place) -> int | str:
+        """By what it is."""
+        return (Text() if isinstance(value, str) else Integer()).read(value, place)
+
+    def schema(self) -> Schema:
+        """Either."""
+        return {"anyOf": [Text().schema(), Integer().schema()]}
+
+
+class _OneOrSeveral(Form):
+    """A signal, or a list of them for a block with several components."""
+
+    words = "a signal, or a list of one for each component"
+
+    def read(self, value: object, place: Place) -> list[Part[Signal]]:
+        """As a list."""
+        entries = value if isinstance(value, list) else [value]
+        return ListOf(SIGNAL).read(entries, place)
+
+    def schema(self) -> Schema:
+        """Either."""
+        return {"anyOf": [SIGNAL.schema(), ListOf(SIGNAL).schema()]}
+
+
+def _recorded(record: Any, column: Any = None, *, folder: Path) -> Signal:
+    """One value for each step; a longer run is refused.
+
+    Parameters
+    ----------
+    record : list of numbers, or str
+        The values, or a .csv or .npy file whose path is relative to the TOML file.
+    column : int or str
+        Index from 0, or name, of a column of that file; the first where it is left out.
+    """
+    if isinstance(record, str):
+        values = read_recording(folder / record, 0 if column is None else column)
+        return Recorded(values, record)
+    if column is not None:
+        raise InputError("[signals]: column is for a file; recorded is a list here.")
+    return Recorded(record)
+
+
+def _sum(parts: list[Signal]) -> Signal:
+    """A sum of signals, added in their order.
+
+    Parameters
+    ----------
+    parts : list of signals
+        The signals that are added.
+    """
+    return Sum(tuple(parts))
+
+
+SIGNAL: ByKey[Signal] = ByKey("a signal", number=Step)
+SIGNAL.register("step", Step)
+SIGNAL.register("ramp", Ramp)
+SIGNAL.register("pulse", Pulse)
+SIGNAL.register("harmonic", Harmonic)
+SIGNAL.register("white_noise", WhiteNoise)
+SIGNAL.register("sequence", Levels)
+SIGNAL.register(
+    "piecewise",
+    Piecewise,
+    forms={
+        "pieces": ListOf(
+            Row((Integer(), SIGNAL), "a pair [start, signal]"),
+            needed="a list of pairs [start, signal]",
+        )
+    },
+)
+SIGNAL.register("sum", _sum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
+SIGNAL.register(
+    "recorded", _recorded, given=["folder"], forms={"record": _Record(), "column": _Column()}
 )
 
-# For each kind of signal the function that makes it and the argument that its key stands for.
-KINDS: dict[str, tuple[Any, str]] = {
-    "step": (step, "height"),
-    "ramp": (ramp, "slope"),
-    "pulse": (pulse, "height"),
-    "harmonic": (harmonic, "omega"),
-    "white_noise": (white_noise, "std"),
-    "sequence": (sequence, "values"),
-}
+
+def _blocks(
+    w: list[Signal] | None = None,
+    r: list[Signal] | None = None,
+    d: list[Signal] | None = None,
+    v: list[Signal] | None = None,
+) -> Mapping[str, list[Signal]]:
+    """The signals of each block of the exogenous input.
+
+    Parameters
+    ----------
+    w : signals
+        Of the standard problem.
+    r, d, v : signals
+        Of the servo problem: command, disturbance, sensor noise.
+    """
+    named = {"w": w, "r": r, "d": d, "v": v}
+    return {name: parts for name, parts in named.items() if parts is not None}
 
 
-def signals(section: Section, plant: Plant | PlantSchedule) -> tuple[Signal, ...]:
+SIGNALS = Table(_blocks, forms=dict.fromkeys("wrdv", _OneOrSeveral()))
+
+
+def signals_of(
+    part: Part[Mapping[str, list[Signal]]], plant: Plant | PlantSchedule, folder: Path
+) -> tuple[Signal, ...]:
     """One signal for each channel of w; a block that the file does not name is zero."""
-    for key in section.table:
-        if key not in plant.blocks:
+    given = part.build(folder=folder)
+    for name in given:
+        if name not in plant.blocks:
             raise InputError(
-                f"[signals] sets {key!r}; this plant's exogenous input has "
+                f"[signals] sets {name!r}; this plant's exogenous input has "
                 f"{', '.join(plant.blocks)}."
             )
     channels: list[Signal] = []
     for name, width in plant.blocks.items():
-        value = section.get(name, [0.0] * width)
-        parts = value if isinstance(value, list) else [value]
+        parts = given.get(name, [Step(0.0)] * width)
         if len(parts) != width:
             raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
-        folder = Path(section.file).parent
-        channels += [_signal(part, name, folder) for part in parts]
+        channels += parts
     return tuple(channels)
-
-
-def real(value: Any, name: str) -> float:
-    """A number; a string such as "pi/8" is evaluated exactly and rounded once."""
-    if not isinstance(value, str):
-        return number(value, name)
-    from compensator_theory import parse_expression
-
-    expression = parse_expression(value)
-    if not (expression.is_number and expression.is_real):
-        raise InputError(f"{name} = {value!r} is not a real number.")
-    return float(expression)
-
-
-def _signal(value: Any, name: str, folder: Path) -> Signal:
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return step(value)
-    if isinstance(value, dict) and set(value) == {"sum"}:
-        if not isinstance(value["sum"], list) or not value["sum"]:
-            raise InputError(f"[signals] {name}: sum = {value['sum']!r} must be a list of signals.")
-        parts = [_signal(part, name, folder) for part in value["sum"]]
-        return sum(parts[1:], parts[0])
-    if isinstance(value, dict) and "recorded" in value:
-        return _recorded(value, name, folder)
-    if isinstance(value, dict) and set(value) == {"piecewise"}:
-        pieces = _pieces(value, name)
-        return piecewise([(start, _signal(part, name, folder)) for start, part in pieces])
-    for kind in KINDS.keys() & (value.keys() if isinstance(value, dict) else ()):
-        make, first = KINDS[kind]
-        arguments = {first if key == kind else key: entry for key, entry in value.items()}
-        if isinstance(arguments[first], str):
-            arguments[first] = real(arguments[first], f"[signals] {name}.{kind}")
-        try:
-            signal: Signal = make(**arguments)
-        except TypeError as error:
-            raise InputError(f"[signals] {name}: {error}.") from None
-        return signal
-    raise InputError(
-        f"[signals] {name} = {value!r} is not a signal; use a number, or a table with one of "
-        f"{', '.join(KINDS)}, recorded, piecewise or sum."
-    )
-
-
-def _recorded(value: dict[str, Any], name: str, folder: Path) -> Signal:
-    """A list of numbers, or a column of a file whose path is relative to the experiment's."""
-    if unknown := value.keys() - {"recorded", "column"}:
-        raise InputError(
-            f"[signals] {name}: recorded does not read {', '.join(sorted(unknown))}; it reads "
-            "column, where it names a file."
-        )
-    source = value["recorded"]
-    if isinstance(source, str):
-        return recorded(read_recording(folder / source, value.get("column", 0)), source)
-    if "column" in value:
-        raise InputError(f"[signals] {name}: column is for a file; recorded is a list here.")
-    return recorded(source, f"[signals] {name}.recorded")
-
-
-def _pieces(value: dict[str, Any], name: str) -> list[Any]:
-    pieces = value["piecewise"]
-    if not (isinstance(pieces, list) and all(isinstance(p, list) and len(p) == 2 for p in pieces)):
-        raise InputError(
-            f"[signals] {name}: piecewise = {pieces!r} must be a list of pairs [start, signal]."
-        )
-    return pieces

@@ -1,75 +1,129 @@
-"""The controller structure of an experiment file."""
+"""The controller structures of an experiment file."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.controllers.kinds import feedforward, fir, fir_integrator, iir, pid, quasi_fir
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
-from rcac_numeric.experiments.files.sections import KEYS, Section
-from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.schedules import PlantSchedule
-
-# For each structure the function that makes it, the keys that it needs and those that it may have.
-KINDS: dict[str, tuple[Any, tuple[str, ...], tuple[str, ...]]] = {
-    "iir": (iir, ("n_c",), ("k_c",)),
-    "fir": (fir, ("n_c",), ("k_c",)),
-    "quasi-fir": (quasi_fir, ("n_c",), ("free_poles", "k_c")),
-    "pid": (pid, (), ("terms",)),
-    "fir + integrator": (fir_integrator, ("n_c",), ("F", "k_c")),
-    "feedforward": (feedforward, ("n_c",), ("feedback", "first_r", "k_c")),
-    "taps": (Structure, ("taps",), ("derived", "n_c")),
-}
-STRUCTURE_KEYS = {"structure"}.union(*(needed + optional for _, needed, optional in KINDS.values()))
+from rcac_numeric.experiments.format.lists import ListOf, Row
+from rcac_numeric.experiments.format.parts import Later
+from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.values import Integer, Numbers, Real, Text
 
 
-def structure_of(section: Section, plant: Plant | PlantSchedule) -> Structure:
-    """The structure, as wide as the plant asks for."""
-    kind = one_of(section.text("structure", "iir"), "structure", (*KINDS, "lqg"))
-    make, needed, optional = KINDS[kind]
-    own = Section(
-        section.given(*STRUCTURE_KEYS), section.name, section.file, keys=KEYS["controller"]
-    )
-    own.only(f'structure = "{kind}"', "structure", *needed, *optional)
-    for key in needed:
-        own.require(key)
-    widths = {"l_u": plant.l_u, "l_y": plant.l_y}
-    options = own.given(*needed, *optional)
-    if kind == "taps":
-        options["derived"] = [_derived(entry, section.file) for entry in own.items("derived")]
-        options["taps"] = [_tap(entry) for entry in own.items("taps")]
-        reads_r = any(tap.signal == "r" for tap in options["taps"]) or any(
-            len(signal.now) > plant.l_y for signal in options["derived"]
-        )
-        widths["l_r"] = _commands(plant, "taps") if reads_r else 0
-    if kind == "feedforward":
-        widths["l_r"] = _commands(plant, "feedforward")
-    structure: Structure = make(**options, **widths)
+class Sizes(Protocol):
+    """What a structure asks of a plant: how wide it is."""
+
+    @property
+    def l_u(self) -> int:
+        """Number of control inputs."""
+
+    @property
+    def l_y(self) -> int:
+        """Number of measurements."""
+
+    @property
+    def blocks(self) -> Any:
+        """Widths of the blocks of w."""
+
+
+def _derived(now: Any, before: Any = None, pole: float = 0.0) -> DerivedSignal:
+    """A filter s(k) = pole s(k-1) + now e(k) + before e(k-1), e = [y; r], of the controller's own.
+
+    Parameters
+    ----------
+    now, before : lists of numbers
+        A weight for each component of e; `before` is zero where it is left out.
+    pole : number
+        In [-1, 1].
+    """
+    return DerivedSignal(tuple(now), tuple([0.0] * len(now) if before is None else before), pole)
+
+
+def _taps(
+    taps: list[tuple[str, int, int]],
+    derived: list[DerivedSignal] | None = None,
+    n_c: int = -1,
+    *,
+    l_u: int,
+    l_y: int,
+    sizes: Sizes,
+) -> Structure:
+    """A table of taps of your own.
+
+    Parameters
+    ----------
+    taps : list of [signal, component, delay]
+        The entries of the regressor; the signals are u, y, r and derived.
+    derived : tables
+        Filters of [y; r] that the controller runs itself.
+    n_c : int
+        Order; the longest delay where it is left out.
+    """
+    read, own = [Tap(*tap) for tap in taps], derived or []
+    reads_r = any(tap.signal == "r" for tap in read) or any(len(s.now) > l_y for s in own)
+    l_r = commands(sizes, "taps") if reads_r else 0
+    return Structure(read, l_u, l_y, n_c, l_r=l_r, derived=own)
+
+
+TAP = Row((Text(), Integer(), Integer()), '[signal, component, delay] such as ["y", 0, 1]')
+DERIVED = Table(_derived, forms={"now": ListOf(Real()), "before": ListOf(Real()), "pole": Real()})
+# What is said of the plant and does not stand in the file.
+GIVEN = ("l_u", "l_y", "l_r", "sizes")
+
+STRUCTURES: Kinds[Structure] = Kinds(
+    {
+        "iir": iir,
+        "fir": fir,
+        "quasi-fir": Table(
+            quasi_fir, given=GIVEN[:2], docs={"free_poles": "How many lags of u there are."}
+        ),
+        "pid": pid,
+        "fir + integrator": Table(fir_integrator, given=GIVEN[:2], forms={"F": Numbers()}),
+        "feedforward": feedforward,
+        "taps": Table(
+            _taps,
+            given=("l_u", "l_y", "sizes"),
+            forms={"taps": ListOf(TAP), "derived": ListOf(DERIVED)},
+        ),
+    },
+    default="iir",
+    given=GIVEN,
+)
+
+
+def _structure(structure: Structure) -> Structure:
+    """A controller structure by itself.
+
+    Parameters
+    ----------
+    structure : str
+        What the regressor is made of.
+    """
     return structure
 
 
-def _commands(plant: Plant | PlantSchedule, kind: str) -> int:
+# [controller] as far as it says what the regressor is made of.
+STRUCTURE = Table(_structure, forms={"structure": STRUCTURES})
+
+
+def sizes_of(plant: Sizes) -> dict[str, Any]:
+    """What a structure is given of the plant that it is to control."""
+    return {
+        "l_u": plant.l_u,
+        "l_y": plant.l_y,
+        "l_r": Later(lambda: commands(plant, "feedforward")),
+        "sizes": plant,
+    }
+
+
+def commands(plant: Sizes, kind: str) -> int:
+    """How many commands there are for a structure that reads them."""
     if not plant.blocks.get("r", 0):
         raise InputError(
             f'structure = "{kind}" reads the command r, but this plant\'s exogenous input has '
-            f"{', '.join(plant.blocks)}."
+            f"{', '.join(plant.blocks) or 'no named block'}."
         )
     return int(plant.blocks["r"])
-
-
-def _tap(entry: Any) -> Tap:
-    if not (isinstance(entry, list) and len(entry) == 3 and isinstance(entry[0], str)):
-        raise InputError(
-            f'taps has the entry {entry!r}; [signal, component, delay] such as ["y", 0, 1] is '
-            "needed."
-        )
-    return Tap(*entry)
-
-
-def _derived(entry: Any, file: str) -> DerivedSignal:
-    table = Section(entry, "controller.derived", file)
-    now = table.items("now")
-    before = table.items("before") or [0.0] * len(now)
-    return DerivedSignal(tuple(now), tuple(before), table.get("pole", 0.0))

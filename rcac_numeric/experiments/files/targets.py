@@ -1,10 +1,14 @@
-"""The target model of an experiment file."""
+"""The target models of an experiment file."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import one_of
-from rcac_numeric.experiments.files.sections import Section
+from rcac_numeric.experiments.format.deferred import Deferred
+from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
+from rcac_numeric.experiments.format.values import Exact, Integer, Numbers
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.high_authority import high_authority_target_model
@@ -14,55 +18,183 @@ from rcac_numeric.targets.modelling import ModellingInformation, modelling_infor
 from rcac_numeric.targets.output_subspaces import output_subspace_target
 from rcac_numeric.targets.pole_placement import fir_target, pole_placement_target
 
-# The keys that each target model reads.
-TARGET_KEYS = {
-    "fir": ("d_zu", "H", "nmp_zeros"),
-    "pole placement": ("poles", "d_zu", "H", "nmp_zeros"),
-    "markov": ("n_bar", "markov_parameters"),
-    "high authority": (),
-    "output subspace": (),
-    "filter": ("G_f", "numerator", "denominator"),
-}
+
+def _fir(
+    plant: Plant, d_zu: int | None = None, H: Any = None, nmp_zeros: list[Any] | None = None
+) -> TargetModel:
+    """The FIR target model (2.49), or (2.50) where there are NMP zeros.
+
+    Parameters
+    ----------
+    d_zu : int
+        What RCAC is told of the relative degree of G_zu; that of the plant where it is left out.
+    H : number
+        Of its leading coefficient; likewise. For the servo problem G_zu = -G_u, so that it is
+        minus the leading coefficient of G.
+    nmp_zeros : list of numbers
+        Of its zeros on or outside the unit circle; likewise.
+    """
+    return fir_target(_told(plant, d_zu, H, nmp_zeros))
 
 
-def target_of(section: Section, plant: Plant) -> TargetModel:
-    """The target model; what the file does not say of G_zu is taken from the plant."""
-    model = one_of(section.text("model"), "model", tuple(TARGET_KEYS))
-    section.only(f'model = "{model}"', "model", *TARGET_KEYS[model])
-    if model == "filter":
-        if "numerator" in section.table:
-            section.only('model = "filter" with numerator', "model", "numerator", "denominator")
-            target = TargetModel(**section.given("numerator", "denominator"))
-        else:
-            section.only('model = "filter" with G_f', "model", "G_f")
-            target = target_model(section.require("G_f"))
-        return _with_relative_degree_of(plant, target)
-    if model == "markov":
-        if "markov_parameters" in section.table:
-            parameters = section.table["markov_parameters"]
-            target = markov_target(parameters, section.get("n_bar", None))
-            return _with_relative_degree_of(plant, target)
-        return markov_target(plant, section.require("n_bar"))
-    if model == "high authority":
-        return high_authority_target_model(plant)
-    if model == "output subspace":
-        return output_subspace_target(plant)
-    given = section.given("d_zu", "H", "nmp_zeros")
-    known = (
-        ModellingInformation(**given)
-        if {"d_zu", "H"} <= given.keys()
-        else ModellingInformation(**{**vars(modelling_information(plant)), **given})
+def _pole_placement(
+    plant: Plant,
+    poles: Any,
+    d_zu: int | None = None,
+    H: Any = None,
+    nmp_zeros: list[Any] | None = None,
+) -> TargetModel:
+    """The pole-placement target model (4.38), or (4.39) where there are NMP zeros.
+
+    Parameters
+    ----------
+    poles : list of roots, or str
+        The roots of D_p, or D_p itself.
+    """
+    return pole_placement_target(_told(plant, d_zu, H, nmp_zeros), poles)
+
+
+def _markov_of_plant(plant: Plant, n_bar: int) -> TargetModel:
+    """The Markov-parameter target model of section 2.4.5, a truncation of (2.51).
+
+    Parameters
+    ----------
+    n_bar : int
+        Index of the last Markov parameter that is kept.
+    """
+    return markov_target(plant, n_bar)
+
+
+def _markov(plant: Plant, markov_parameters: Any, n_bar: int | None = None) -> TargetModel:
+    """The target model of section 2.4.5 with Markov parameters of your own.
+
+    Parameters
+    ----------
+    markov_parameters : array
+        H_0, H_1, ... in place of the plant's: numbers, or l_z x l_u matrices.
+    n_bar : int
+        Index of the last one that is kept; all of them where it is left out.
+    """
+    return _with_relative_degree_of(plant, markov_target(markov_parameters, n_bar))
+
+
+def _filter(plant: Plant, G_f: Any) -> TargetModel:
+    """Any filter.
+
+    Parameters
+    ----------
+    G_f : transfer function
+        In q, with the relative degree of G_zu and no pole outside the unit circle.
+    """
+    return _with_relative_degree_of(plant, target_model(G_f))
+
+
+def _coefficients(plant: Plant, numerator: Any, denominator: Any = None) -> TargetModel:
+    """Any filter, by its coefficients.
+
+    Parameters
+    ----------
+    numerator : list of numbers or of l_z x l_u matrices
+        In place of G_f: a coefficient for each power of q^{-1}.
+    denominator : list of numbers or of l_z x l_z matrices
+        Likewise; the first one is the identity. 1 where it is left out.
+    """
+    return _with_relative_degree_of(plant, TargetModel(numerator, denominator))
+
+
+def _high_authority(plant: Plant) -> TargetModel:
+    """The target model of high-authority LQG, (4.24) corrected; scalar u, w, y and z."""
+    return high_authority_target_model(plant)
+
+
+def _output_subspace(plant: Plant) -> TargetModel:
+    """The FIR target model of section 3.3, for more performance variables than inputs."""
+    return output_subspace_target(plant)
+
+
+# Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
+LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT = 200, 600, 80
+TOLD = {"H": Exact(), "nmp_zeros": ListOf(Exact())}
+GIVEN = ("plant",)
+
+TARGETS: Kinds[TargetModel] = Kinds(
+    {
+        "fir": Table(_fir, given=GIVEN, forms=TOLD),
+        "pole placement": Table(_pole_placement, given=GIVEN, forms={**TOLD, "poles": Exact()}),
+        "markov": Kind(
+            Variant(
+                Table(_markov, given=GIVEN, forms={"markov_parameters": Numbers()}),
+                "markov_parameters",
+            ),
+            Variant(
+                Table(
+                    _markov_of_plant,
+                    given=GIVEN,
+                    forms={"n_bar": Integer(at_most=LARGEST_N_BAR)},
+                )
+            ),
+        ),
+        "high authority": _high_authority,
+        "output subspace": _output_subspace,
+        "filter": Kind(
+            Variant(
+                Table(
+                    _coefficients,
+                    given=GIVEN,
+                    forms={"numerator": Numbers(), "denominator": Numbers(LARGEST_ORDER + 1)},
+                ),
+                "numerator",
+            ),
+            Variant(Table(_filter, given=GIVEN, forms={"G_f": Exact()})),
+        ),
+    },
+    given=GIVEN,
+)
+
+
+def _target(model: TargetModel) -> TargetModel:
+    """The target model G_f.
+
+    Parameters
+    ----------
+    model : str
+        Which target model.
+    """
+    return model
+
+
+TARGET = Deferred(Table(_target, forms={"model": TARGETS}), is_replaced=True)
+
+
+def _told(
+    plant: Plant, d_zu: int | None, H: Any, nmp_zeros: list[Any] | None
+) -> ModellingInformation:
+    """What the file says of G_zu; the rest is taken from the plant."""
+    zeros = None if nmp_zeros is None else tuple(nmp_zeros)
+    if d_zu is not None and H is not None:
+        return ModellingInformation(d_zu, H, zeros or ())
+    known = _information(plant)
+    return ModellingInformation(
+        known.d_zu if d_zu is None else d_zu,
+        known.H if H is None else H,
+        known.nmp_zeros if zeros is None else zeros,
     )
-    if model == "fir":
-        return fir_target(known)
-    return pole_placement_target(known, section.require("poles"))
+
+
+def _information(plant: Plant) -> ModellingInformation:
+    if plant.n > LARGEST_PLANT:
+        raise InputError(
+            f"the plant has {plant.n} states; its relative degree and zeros are found exactly up "
+            f"to {LARGEST_PLANT}. Say d_zu, H and nmp_zeros in [target]."
+        )
+    return modelling_information(plant)
 
 
 def _with_relative_degree_of(plant: Plant, target: TargetModel) -> TargetModel:
     """The target itself, if its relative degree is that of a scalar G_zu."""
     if (plant.l_z, plant.l_u) != (1, 1):
         return target
-    if target.relative_degree != (wanted := modelling_information(plant).d_zu):
+    if target.relative_degree != (wanted := _information(plant).d_zu):
         raise InputError(
             f"the target model G_f has relative degree {target.relative_degree}, the plant's "
             f"G_zu has {wanted}; the intercalated transfer function always has that of G_zu "

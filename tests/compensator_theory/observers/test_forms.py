@@ -25,7 +25,8 @@ from compensator_theory import (
     youla_forms,
 )
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.roots.real_factors import count_partitions, number_of_real_roots
+from compensator_theory.observers.counting import count_partitions
+from compensator_theory.roots.counts import number_of_real_roots
 from compensator_theory.strategies import polynomials, rationals, spectra, strictly_proper_plants
 
 s = sympy.Symbol("s")

@@ -91,7 +91,7 @@ def test_not_a_finite_number(value):
      "__a", "lambda: 1", "[1, 2]", "1, 2", "'s'", "1 if a else 2", "a < b", "a == b", "not a",
      "a // b", "a % b", "a @ b", "a := 1", "9**9**9", "s**1001", "((s + 1)**500)**500",
      "((s + 1)**900 + 1)*(s + 2)**900", "2**s", "1e99999999", "0x10", "1_000", "2s", "2(s + 1)", "",
-     "   ", "1/0", "s/(2 - 2)", "0**-1", "(" * 500, "+".join(["1"] * 9999), "1" * 30000, "i", "s;1",
+     "   ", "1/0", "s/(2 - 2)", "0**-1", "(" * 500, "1" * 30000, "i", "s;1",
      "sqrt(1, 2)", "sqrt(x=2)", "\x00", "True", "yield", "s\n)"],
 )  # fmt: skip
 def test_refused_text(text):
@@ -109,7 +109,7 @@ def test_arbitrary_text_is_read_or_refused(text):
 
 def test_sides_of_a_quotient_are_not_cancelled():
     s = sympy.Symbol("s")
-    assert parse_quotient("(s + 1)/((s + 1)*(s + 2))") == (s + 1, (s + 1) * (s + 2))
+    assert parse_quotient("(s + 1)/((s + 1)*(s + 2))") == (s + 1, s**2 + 3 * s + 2)
     numerator, denominator = parse_quotient("1/(s + 1) + 1/(s + 2)")
     assert sympy.expand(numerator) == 2 * s + 3
     assert sympy.expand(denominator - (s + 1) * (s + 2)) == 0
@@ -149,7 +149,9 @@ def test_expansions_without_end_are_refused(text):
     "text",
     ["(s + 1)**1000", "(a*s + b)**120", "(a + b + s)**30", "(sqrt(2) + s)**40",
      "+".join(f"a{i}*s**{i}" for i in range(200)), "*".join(f"(s + {i})" for i in range(300)),
-     "+".join(f"1/(s + a{i})" for i in range(8)), "s*(a + b)*(c + d)*(e + f)*(g + h)"],
+     "+".join(f"1/(s + a{i})" for i in range(8)), "s*(a + b)*(c + d)*(e + f)*(g + h)",
+     "+".join(["1"] * 9999), "+".join(f"1/(s + {i})" for i in range(300)),
+     "*".join(f"(s + {i})" for i in range(900))],
 )  # fmt: skip
 def test_what_fits_is_read(text):
     parse_expression(text)

@@ -18,7 +18,7 @@ from compensator_theory import (
     polynomial_from_roots,
     split_at_unit_circle,
 )
-from compensator_theory.polynomials.poly import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.strategies import polynomials, spectra
 
 a, b, q, s = sympy.symbols("a b q s")

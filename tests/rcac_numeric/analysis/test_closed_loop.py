@@ -13,6 +13,8 @@ from rcac_numeric import (
     ClosedLoop,
     Compensator,
     Plant,
+    Simulator,
+    Step,
     TargetModel,
     compare_exactly,
     exogenous,
@@ -22,7 +24,6 @@ from rcac_numeric import (
     simulate,
     split_residual,
     standard_plant,
-    step,
 )
 from rcac_numeric.analysis.exact_comparison import pairing
 from tests.support.strategies import plants, seeds, targets
@@ -101,7 +102,7 @@ def test_the_residual_splits_exactly(data, seed):
         return
     rng = np.random.default_rng(seed)
     w, u = rng.standard_normal((20, plant.l_w)), rng.standard_normal((20, plant.l_u))
-    body, y, z = plant.simulator(), [], []
+    body, y, z = Simulator(plant), [], []
     for k in range(20):
         y_k, z_k = body.output(u[k], w[k])
         body.advance(u[k], w[k])
@@ -115,7 +116,7 @@ def test_the_residual_splits_exactly(data, seed):
 def test_the_split_explains_a_run():
     """In Example 4.7 the match is good, so what is left of z is the disturbance response."""
     specification = load_example("4.7").main_run
-    run = simulate(specification.plant, specification.settings, exogenous([step()], 100))
+    run = simulate(specification.plant, specification.settings, exogenous([Step()], 100))
     split = split_residual(
         run.plant, run.compensator, run.settings.target, u=run.u, y=run.y, z=run.z, w=run.w
     )
@@ -132,7 +133,7 @@ def test_the_split_explains_a_run():
 def test_certified_poles_are_the_eigenvalues():
     """Two routes to the closed-loop poles: exact polynomial and float64 eigenvalues."""
     specification = load_example("4.7").main_run
-    run = simulate(specification.plant, specification.settings, exogenous([step()], 100))
+    run = simulate(specification.plant, specification.settings, exogenous([Step()], 100))
     comparison = compare_exactly(run.plant, run.compensator, run.settings.target)
     eigenvalues = ClosedLoop(run.plant, run.compensator).poles()
     assert max(abs(a - b) for a, b in pairing(comparison.poles, eigenvalues)) < 1e-8
@@ -163,7 +164,7 @@ def test_an_exactly_placed_loop_matches_its_target():
     """The compensator that the theory asks for, rounded once, gives G_f in float64."""
     specification = load_example("4.8").main_run
     plant, target = specification.plant, specification.settings.target
-    run = simulate(plant, specification.settings, exogenous([step()], 100))
+    run = simulate(plant, specification.settings, exogenous([Step()], 100))
     asked = compare_exactly(plant, run.compensator, target).compensators
     D_c = [Fraction(str(c)) for c in asked.denominator.all_coeffs()]
     N_c = [Fraction(str(c)) for c in asked.numerator.all_coeffs()]

@@ -10,15 +10,19 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric import (
+    UD,
     Compensator,
     ControllerLog,
     ControllerSettings,
+    Covariance,
+    Harmonic,
     Plant,
+    Step,
+    WhiteNoise,
     check_controller,
     exogenous,
     fir,
     fir_target,
-    harmonic,
     iir,
     load_example,
     pid,
@@ -27,8 +31,6 @@ from rcac_numeric import (
     servo_plant,
     simulate,
     standard_plant,
-    step,
-    white_noise,
 )
 from rcac_numeric.checks.replays import replay_compensator
 from tests.support.strategies import controllers, plants, seeds
@@ -44,12 +46,12 @@ def octave():
     )
 
 
-@pytest.mark.parametrize("update", ["ud", "covariance"])
+@pytest.mark.parametrize("update", [UD(R_theta=1e-6), Covariance(R_theta=1e-6)], ids=repr)
 def test_the_log_that_octave_wrote_is_the_run_that_our_engine_makes(octave, update):
     """The same w. The transient is ill-conditioned (R_theta = 1e-6), what it ends at is not."""
     run = load_example("4.7").main_run
     log = octave.log
-    ours = simulate(run.plant, replace(run.settings, R_theta=1e-6, update=update), log.w)
+    ours = simulate(run.plant, replace(run.settings, update=update), log.w)
     assert np.abs(ours.z - log.z).max() < 1e-4 * np.abs(log.z).max()
     assert np.abs(ours.u - log.u).max() < 1e-4 * np.abs(log.u).max()
     assert np.abs(ours.theta[-1] - log.theta[-1]).max() < 1e-4 * np.abs(log.theta[-1]).max()
@@ -77,7 +79,9 @@ def test_the_octave_log_is_consistent_and_says_everything(octave):
 
 def logged(plant, structure, signals, steps=300, **options):
     target = fir_target(plant)
-    settings = ControllerSettings(structure=structure, target=target, R_theta=1e-2, **options)
+    settings = ControllerSettings(
+        structure=structure, target=target, update=UD(R_theta=1e-2), **options
+    )
     run = simulate(plant, settings, exogenous(signals, steps))
     assert run.outcome == "completed"
     return run
@@ -104,7 +108,7 @@ def test_replay_of_any_structure_size_and_weight_agrees(data):
 
 def test_rows_that_an_update_left_are_recognised():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, iir(n_c=2), [white_noise()])
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
     after = np.vstack([run.theta[1:], run.theta_final])
     found = replay(ControllerLog(u=run.u, y=run.y, theta=after), iir(n_c=2))
     assert found.agrees and found.shift == 1
@@ -114,14 +118,14 @@ def test_rows_that_an_update_left_are_recognised():
     "structure", [pid(), fir(n_c=3), iir(n_c=3, k_c=0)], ids=["PID", "FIR", "proper"]
 )
 def test_other_structures_replay_too(structure):
-    run = logged(servo_plant("0.1/(q - 0.9)"), structure, [step(), step(0), step(0)])
+    run = logged(servo_plant("0.1/(q - 0.9)"), structure, [Step(), Step(0), Step(0)])
     log = ControllerLog(u=run.u, y=run.y, theta=run.theta)
     assert replay(log, structure, k_w=run.settings.k_w).worst < 1e-12
 
 
 def test_a_u_that_did_not_come_from_theta_is_found():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, iir(n_c=2), [white_noise()])
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
     u = run.u.copy()
     u[200] += 0.1 * np.abs(u).max()
     found = replay(ControllerLog(u=u, y=run.y, theta=run.theta), iir(n_c=2))
@@ -132,7 +136,7 @@ def test_a_u_that_did_not_come_from_theta_is_found():
 
 def test_last_coefficients_alone_are_compared_with_the_last_tenth():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    run = logged(plant, iir(n_c=2), [harmonic(0.3)], steps=2000)
+    run = logged(plant, iir(n_c=2), [Harmonic(0.3)], steps=2000)
     check = check_controller(run.u, run.y, theta=run.theta_final, structure=iir(n_c=2))
     assert check.replay.start == 1800 and check.unsaid["convergence"]
     assert len(check.plot().axes) == 3
@@ -141,7 +145,7 @@ def test_last_coefficients_alone_are_compared_with_the_last_tenth():
 def test_what_a_harmonic_leaves_in_the_controller():
     """Example 2.1's idea: a harmonic command drives controller poles to exp(+-j omega)."""
     plant = servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))")
-    run = logged(plant, iir(n_c=4), [harmonic(0.5), step(0), step(0)], steps=3000)
+    run = logged(plant, iir(n_c=4), [Harmonic(0.5), Step(0), Step(0)], steps=3000)
     check = check_controller(run.u, run.y, z=run.z, w=run.w, theta=run.theta,
                              structure=iir(n_c=4), plant=plant)  # fmt: skip
     model = min(check.internal_models, key=lambda m: abs(m.omega - 0.5))
@@ -236,7 +240,7 @@ def test_refusals(arguments, words):
 
 def test_noise_needs_a_plant_and_a_silent_channel_has_a_share():
     plant = servo_plant("1/(q - 0.5)")
-    run = logged(plant, iir(n_c=2), [step(), step(0), step(0)], steps=500)
+    run = logged(plant, iir(n_c=2), [Step(), Step(0), Step(0)], steps=500)
     with pytest.raises(InputError, match="they need the plant"):
         check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), noise={"d": 1.0})
     check = check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2), plant=plant,

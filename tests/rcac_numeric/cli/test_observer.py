@@ -68,7 +68,7 @@ def test_a_compensator_without_state_gets_answers_and_no_forms():
         ("1/s", "1/z", "variable"),
         ("(s + 1)/((s + 1)*s)", "1/s", "hidden modes"),
         ("s**2/(s + 1)", "1/s", "improper"),
-        ("1/s", "__import__('os')", "not allowed"),
+        ("1/s", "__import__('os')", "cannot read"),
         ("nan", "1/s", "finite"),
     ],
 )

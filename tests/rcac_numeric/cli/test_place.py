@@ -61,7 +61,7 @@ def test_order_and_symbols(rcac):
         ("1/(s", "-1", "cannot read"),
         ("(s + 1)/((s + 1)*(s + 2))", "-3, -4, -5", "share the factor s + 1"),
         ("1/(s**2 + 3*s + 2)", "-1, -6", "t_1"),
-        ("__import__('os')", "-1", "not allowed"),
+        ("__import__('os')", "-1", "cannot read"),
         ("(a + b + c + d + s)**500/s", "-1", "terms"),
     ],
 )

@@ -8,32 +8,23 @@ from hypothesis import strategies as st
 
 from compensator_theory import FunctionFailedError, InputError
 from rcac_numeric import (
+    UD,
     ControllerSettings,
     FunctionPlant,
     Saturation,
     SimulationCase,
+    Step,
     TargetModel,
+    WhiteNoise,
     exogenous,
     fir_target,
     iir,
     simulate,
     simulate_many,
     standard_plant,
-    step,
-    white_noise,
 )
+from tests.support.comparisons import same
 from tests.support.strategies import controllers, plants, seeds
-
-
-def same(a, b):
-    return (
-        a.outcome == b.outcome
-        and all(
-            np.array_equal(getattr(a, name), getattr(b, name))
-            for name in ("u", "y", "z", "theta", "theta_final", "u_applied")
-        )
-        and (a.guard_count, a.reflections) == (b.guard_count, b.reflections)
-    )
 
 
 @given(st.data(), st.integers(1, 3), seeds)
@@ -56,9 +47,11 @@ def test_batches_of_different_cases_equal_single_runs(data, threads, seed):
 
 def test_a_diverging_case_does_not_touch_the_others():
     good, bad = standard_plant("1/(q - 0.5)"), standard_plant("1/(q - 3)")
-    w = exogenous([step()], 400)
-    wrong_sign = ControllerSettings(structure=iir(1), target=TargetModel([0, -1.0]), R_theta=1e6)
-    right = ControllerSettings(structure=iir(1), target=fir_target(good), R_theta=1.0)
+    w = exogenous([Step()], 400)
+    wrong_sign = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, -1.0]), update=UD(R_theta=1e6)
+    )
+    right = ControllerSettings(structure=iir(1), target=fir_target(good), update=UD(R_theta=1.0))
     runs = simulate_many(
         [
             SimulationCase(good, right, w),
@@ -72,9 +65,11 @@ def test_a_diverging_case_does_not_touch_the_others():
 
 def test_seeds_are_independent_of_their_neighbours():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-    settings = ControllerSettings(structure=iir(3), target=fir_target(plant), R_theta=1.0)
+    settings = ControllerSettings(
+        structure=iir(3), target=fir_target(plant), update=UD(R_theta=1.0)
+    )
     cases = [
-        SimulationCase(plant, settings, exogenous([white_noise()], 200, seed)) for seed in range(9)
+        SimulationCase(plant, settings, exogenous([WhiteNoise()], 200, seed)) for seed in range(9)
     ]
     runs = simulate_many(cases, threads=2)
     assert all(
@@ -85,7 +80,9 @@ def test_seeds_are_independent_of_their_neighbours():
 
 def test_bad_cases_are_named_by_number():
     plant = standard_plant("1/(q - 0.5)")
-    settings = ControllerSettings(structure=iir(1), target=fir_target(plant), R_theta=1.0)
+    settings = ControllerSettings(
+        structure=iir(1), target=fir_target(plant), update=UD(R_theta=1.0)
+    )
     fine = SimulationCase(plant, settings, np.zeros((5, 1)))
     with pytest.raises(InputError, match="case 1: w has shape"):
         simulate_many([fine, SimulationCase(plant, settings, np.zeros((5, 2)))])

@@ -5,44 +5,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rcac_numeric import (
-    FunctionPlant,
     Plant,
     PlantChange,
     PlantSchedule,
     Saturation,
+    Simulator,
     simulate,
 )
-from tests.rcac_numeric.engine.test_structures import noise, tame
+from tests.support.changing_plants import schedules
+from tests.support.comparisons import tame
 from tests.support.engine_cases import cases, engine_plants
+from tests.support.function_plants import as_functions
+from tests.support.signals import noise
 from tests.support.strategies import plants, seeds, sizes
 from tests.support.textbook_loop import assert_follows
-
-
-@st.composite
-def schedules(draw, l_u, l_y, l_z):
-    """Switches, ramps, mapped states of other orders, and input delays."""
-    rng = np.random.default_rng(draw(seeds))
-    first = draw(engine_plants(l_u, l_y, l_z))
-    changes = [PlantChange(start=0, plant=first, delay=draw(st.integers(0, 2)))]
-    for _ in range(draw(st.integers(1, 3))):
-        before = changes[-1]
-        n = before.plant.n
-        kind = draw(st.sampled_from(["switch", "ramp", "map"]))
-        after = draw(engine_plants(l_u, l_y, l_z, n=None if kind == "map" else n))
-        if kind == "ramp":
-            changes[-1] = PlantChange(
-                start=before.start, plant=before.plant, ramp=True, state_map=before.state_map,
-                delay=before.delay,
-            )  # fmt: skip
-        changes.append(
-            PlantChange(
-                start=before.start + draw(st.integers(1, 6)),
-                plant=after,
-                state_map=rng.standard_normal((after.n, n)) if kind == "map" else None,
-                delay=draw(st.integers(0, 3)),
-            )
-        )
-    return PlantSchedule(changes)
 
 
 @given(st.data(), sizes, sizes, sizes, st.booleans(), seeds)
@@ -71,7 +47,7 @@ def test_a_delay_switches_what_was_sent():
         [PlantChange(start=0, plant=plain), PlantChange(start=4, plant=plain, delay=2),
          PlantChange(start=7, plant=plain, delay=1)]
     )  # fmt: skip
-    body, seen = schedule.simulator(), []
+    body, seen = Simulator(schedule), []
     for k in range(10):
         for _ in range(k % 3):  # to look, once or more often or never, changes nothing
             measured, _ = body.output(k + 1, 0)
@@ -80,15 +56,6 @@ def test_a_delay_switches_what_was_sent():
         body.advance(k + 1, 0)
     # x(k+1) holds u(k - delay(k)): 1 2 3 4 | 3 4 5 | 7 8 9
     assert seen == [0, 1, 2, 3, 4, 3, 4, 5, 7, 8]
-
-
-def as_functions(plant):
-    """The same linear plant as two Python functions."""
-    return FunctionPlant(
-        advance=lambda k, x, u, w: plant.A @ x + plant.B @ u + plant.D_1 @ w,
-        output=lambda k, x, w: (plant.C @ x + plant.D_2 @ w, plant.E_1 @ x + plant.E_0 @ w),
-        n=plant.n, l_u=plant.l_u, l_w=plant.l_w, l_y=plant.l_y, l_z=plant.l_z, blocks=plant.blocks,
-    )  # fmt: skip
 
 
 @given(st.data(), sizes, sizes, sizes, st.integers(0, 2), seeds)

@@ -9,13 +9,18 @@ import pytest
 from scipy import LowLevelCallable
 
 from compensator_theory import FunctionFailedError
-from rcac_numeric import ControllerSettings, FunctionPlant, Plant, TargetModel, iir, simulate
-from tests.rcac_numeric.engine.test_changing_plants import as_functions
-from tests.rcac_numeric.engine.test_structures import noise
+from rcac_numeric import (
+    UD,
+    ControllerSettings,
+    FunctionPlant,
+    Simulator,
+    TargetModel,
+    iir,
+    simulate,
+)
+from tests.support.function_plants import TWO_STATES, as_functions
+from tests.support.signals import noise
 
-TWO_STATES = Plant(
-    A=[[0.5, 0.25], [-0.125, 0.75]], B=[[1.0], [0.5]], D_1=[[1.0], [0.0]], C=[[1.0, -0.5]],
-)  # fmt: skip
 C_CODE = """
 #include <stdint.h>
 static int calls = 0;
@@ -30,7 +35,9 @@ int output(int64_t k, double* x, double* w, double* y, double* z, void* data) {
     return 0;
 }
 """
-SETTINGS = ControllerSettings(structure=iir(2), target=TargetModel([0, 1.0]), R_theta=1.0)
+SETTINGS = ControllerSettings(
+    structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+)
 SIZES = {"n": 2, "l_u": 1, "l_w": 1, "l_y": 1, "l_z": 1}
 
 
@@ -122,11 +129,12 @@ def test_a_compiled_function_may_end_the_run(library):
 def test_a_simulator_of_compiled_functions_names_the_failing_one(library):
     stop = ctypes.c_int64(2)
     data = ctypes.cast(ctypes.pointer(stop), ctypes.c_void_p)
-    body = FunctionPlant(
+    plant = FunctionPlant(
         advance=LowLevelCallable(library.advance, data),
         output=LowLevelCallable(library.output),
         **SIZES,
-    ).simulator()
+    )
+    body = Simulator(plant)
     body.advance(0, 0)
     body.advance(0, 0)
     with pytest.raises(FunctionFailedError, match="advance of the plant failed at step 2: it ret"):
@@ -135,15 +143,15 @@ def test_a_simulator_of_compiled_functions_names_the_failing_one(library):
 
 
 def test_a_simulator_of_functions_is_the_linear_plant_and_keeps_what_failed():
-    plant, body = as_functions(TWO_STATES), TWO_STATES.simulator(x_0=[1.0, -1.0])
-    same = plant.simulator(x_0=[1.0, -1.0])
+    plant, body = as_functions(TWO_STATES), Simulator(TWO_STATES, x_0=[1.0, -1.0])
+    same = Simulator(plant, x_0=[1.0, -1.0])
     for k in range(5):
         for one, other in zip(body.output(k, 1), same.output(k, 1), strict=True):
             assert one == pytest.approx(other, abs=1e-14)
         body.advance(k, 1)
         same.advance(k, 1)
     assert same.k == 5 and same.x == pytest.approx(body.x, abs=1e-14)
-    broken = failing(3, ValueError("no sensor"), of="output").simulator()
+    broken = Simulator(failing(3, ValueError("no sensor"), of="output"))
     for _ in range(3):
         broken.output(0, 0)
         broken.advance(0, 0)

@@ -10,26 +10,24 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
-    ControllerSettings,
+    UD,
     SignalWeight,
     SimulationCase,
     TargetModel,
-    fir_target,
-    iir,
     simulate,
     simulate_many,
     simulate_reference,
-    standard_plant,
 )
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.plants.linear import MATRICES
-from tests.rcac_numeric.engine.test_batches import same
+from tests.support.comparisons import identical, same
 from tests.support.engine_cases import engine_plants, settings_for, structures
+from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments
+from tests.support.signals import white
 from tests.support.strategies import seeds, sizes
 
 KINDS = ("iir", "fir", "quasi_fir", "centralised", "fb_fir", "ff")
-SIGNALS = ("u", "y", "z", "theta", "theta_final")
 EPSILON = np.finfo(float).eps
 
 
@@ -52,13 +50,15 @@ def batches(draw, most=10):
             )
         settings = replace(
             common,
-            R_theta=np.asarray(common.R_theta) * 10 ** rng.uniform(-1, 1),
+            update=UD(
+                R_theta=common.update.R_theta * 10 ** rng.uniform(-1, 1),
+                lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
+            ),
             theta_0=0.1 * rng.standard_normal(structure.l_theta),
             target=TargetModel(
                 np.asarray(common.target.numerator) * rng.uniform(0.5, 1),
                 common.target.denominator,
             ),
-            lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
         )
         w = rng.standard_normal((int(rng.integers(1, 40)), plant.l_w))
         options = {"stride": draw(st.integers(1, 4)), "x_0": rng.standard_normal(n)}
@@ -70,10 +70,11 @@ def perturbed(case, rng, relative):
     """The case with every number that it begins with moved by about `relative` of its size."""
     move = lambda a: a * (1 + relative * rng.choice([-1.0, 1.0], np.shape(a)))  # noqa: E731
     matrices = {name: move(getattr(case.plant, name)) for name in MATRICES}
+    update = case.settings.update
     settings = replace(
         case.settings,
         theta_0=move(case.settings.theta_0),
-        R_theta=np.asarray(case.settings.R_theta) * move(1.0),
+        update=replace(update, R_theta=update.R_theta * move(1.0)),
     )
     options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
     return SimulationCase(
@@ -108,19 +109,10 @@ def uncertainty(case, run, limit=100.0):
     return result
 
 
-def arguments(case):
-    return {"plant": case.plant, "settings": case.settings, "w": case.w, **case.options}
-
-
 def assert_close(run, other, bounds):
     for name in SIGNALS if bounds else ():
         difference = np.abs(getattr(run, name) - getattr(other, name)).max(initial=0)
         assert difference <= bounds[name], (name, difference, bounds[name])
-
-
-def identical(a, b):
-    states = [run.state.values.tobytes() if run.state else b"" for run in (a, b)]
-    return same(a, b) and states[0] == states[1] and a.guard_first_step == b.guard_first_step
 
 
 @given(batches(), st.integers(1, 2))
@@ -139,7 +131,10 @@ def test_a_case_is_the_same_in_any_company(data, cases, threads, seed):
     wild = [
         replace(case, settings=replace(case.settings, **change), options={"divergence_limit": 1e12})
         for case in cases[:3]
-        for change in ({"R_theta": 1e-25}, {"theta_0": 1e3 * np.ones_like(case.settings.theta_0)})
+        for change in (
+            {"update": UD(R_theta=1e-25)},
+            {"theta_0": 1e3 * np.ones_like(case.settings.theta_0)},
+        )
     ]
     everything = [*cases, *wild]
     order = np.random.default_rng(seed).permutation(len(everything))
@@ -184,20 +179,12 @@ def test_a_run_in_lanes_can_be_cut_and_resumed(cases, data):
 @hypothesis_settings(max_examples=20)
 def test_every_instruction_set_does_the_same(cases):
     singles = [simulate(**arguments(case)) for case in cases]
-    for level in _kernel.levels():
+    for instruction_set in _kernel.instruction_sets():
         prepared = [PreparedRun(**arguments(case)) for case in cases]
-        while _kernel.run_jobs([one.job for one in prepared], 2, 7, True, level):
+        while _kernel.run_jobs([one.job for one in prepared], 2, 1e-5, True, instruction_set):
             pass
         for case, single, one in zip(cases, singles, prepared, strict=True):
             assert_close(one.result(), single, uncertainty(case, single))
-
-
-PLANT = standard_plant("(q - 0.5)/(q*(q - 0.9))")
-GOOD = ControllerSettings(structure=iir(3), target=fir_target(PLANT), R_theta=1.0)
-
-
-def white(steps, seed=0, width=1):
-    return np.random.default_rng(seed).standard_normal((steps, width))
 
 
 def test_eligible_runs_are_not_the_ordinary_loop():
@@ -210,7 +197,7 @@ def test_eligible_runs_are_not_the_ordinary_loop():
 
 @pytest.mark.parametrize("R_theta", [1.0, 1e-10, 1e-20])
 def test_lanes_beside_ball_arithmetic(R_theta):
-    settings = replace(GOOD, R_theta=R_theta)
+    settings = replace(GOOD, update=UD(R_theta=R_theta))
     cases = [SimulationCase(PLANT, settings, white(40, seed)) for seed in range(3)]
     for case, run in zip(cases, simulate_many(cases, lanes=True), strict=True):
         exact, bounds = simulate_reference(**arguments(case)), uncertainty(case, run, np.inf)

@@ -6,15 +6,21 @@ import numpy as np
 import pytest
 
 from rcac_numeric import (
+    UD,
     ControllerSettings,
+    Covariance,
     CovarianceReset,
     Decentralized,
+    Gradient,
+    Instantaneous,
     Plant,
     PlantChange,
     PlantSchedule,
     Saturation,
+    ScheduledForgetting,
     SignalWeight,
     SimulationCase,
+    SlidingWindow,
     TargetModel,
     VariableRateForgetting,
     fir,
@@ -24,30 +30,36 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
-from tests.rcac_numeric.engine.test_changing_plants import as_functions
-from tests.rcac_numeric.engine.test_lanes import GOOD, PLANT, SIGNALS, arguments, identical, white
+from tests.support.comparisons import identical
+from tests.support.function_plants import as_functions
+from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments
+from tests.support.signals import white
 
 REFUSED = {
-    "covariance": {"update": "covariance"},
-    "sliding window": {"update": "sliding window", "window": 5},
-    "instantaneous": {"update": "instantaneous"},
-    "gradient": {"update": "gradient", "step_size": 1e-3},
+    "covariance": {"update": Covariance(R_theta=1.0)},
+    "sliding window": {"update": SlidingWindow(R_theta=1.0, window=5)},
+    "instantaneous": {"update": Instantaneous(R_theta=1.0)},
+    "gradient": {"update": Gradient(step_size=1e-3)},
     "filter form": {"form": "filter"},
-    "process noise": {"process_noise": 1e-3},
-    "variable-rate forgetting": {"forgetting": VariableRateForgetting(5, 20, 1.0)},
-    "lambda changes": {"lambda_changes": {20: 0.95}},
+    "process noise": {"update": UD(R_theta=1.0, process_noise=1e-3)},
+    "variable-rate forgetting": {
+        "update": UD(R_theta=1.0, lambda_=VariableRateForgetting(5, 20, 1.0))
+    },
+    "scheduled forgetting": {"update": UD(R_theta=1.0, lambda_=ScheduledForgetting({20: 0.95}))},
     "target changes": {"target_changes": {20: TargetModel([0, 2.0])}},
-    "reset at": {"reset": CovarianceReset(at=[10])},
-    "reset every": {"reset": CovarianceReset(every=20)},
-    "reset by trace": {"reset": CovarianceReset(trace_below=0.5)},
-    "reset by growth": {"reset": CovarianceReset(growth=1.1, short=5, long=20)},
+    "reset at": {"update": UD(R_theta=1.0, reset=CovarianceReset(at=[10]))},
+    "reset every": {"update": UD(R_theta=1.0, reset=CovarianceReset(every=20))},
+    "reset by trace": {"update": UD(R_theta=1.0, reset=CovarianceReset(trace_below=0.5))},
+    "reset by growth": {
+        "update": UD(R_theta=1.0, reset=CovarianceReset(growth=1.1, short=5, long=20))
+    },
     "freeze": {"freeze": [(10, 20)]},
     "reflected poles": {"reflect_poles": True},
-    "stop where unsupported": {"stop_where_unsupported": True},
+    "stop where unsupported": {"update": UD(R_theta=1.0, stop_where_unsupported=True)},
     "k_filter": {"k_filter": 2},
     "R_z function": {"R_z": lambda k, y, z, u: 1.0 + z[0] ** 2},
     "R_u function": {"R_u": lambda k, y, z, u: 0.1},
-    "PID": {"structure": pid("PID"), "R_theta": 1.0, "theta_0": None},
+    "PID": {"structure": pid("PID"), "theta_0": None},
 }
 SWITCHED = PlantSchedule(
     [
@@ -89,9 +101,11 @@ def test_weights_out_of_range_and_many_performance_variables():
     wide = Plant(
         A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [0.5], [0.2], [0.1]]
     )  # fmt: skip
-    four = ControllerSettings(structure=iir(2), target=TargetModel(np.ones((2, 4, 1))), R_theta=1.0)
+    four = ControllerSettings(
+        structure=iir(2), target=TargetModel(np.ones((2, 4, 1))), update=UD(R_theta=1.0)
+    )
     two = ControllerSettings(
-        structure=iir(2), target=TargetModel(np.ones((2, 2, 1))), R_theta=1.0,
+        structure=iir(2), target=TargetModel(np.ones((2, 2, 1))), update=UD(R_theta=1.0),
         R_u=SignalWeight(0.1, 0.1),
     )  # fmt: skip
     for case in (
@@ -106,7 +120,9 @@ def test_weights_out_of_range_and_many_performance_variables():
 
 # Each ends early in its own way, while the data still decide in which step.
 UNSTABLE = standard_plant("1/(q - 3)")
-WRONG_SIGN = ControllerSettings(structure=iir(3), target=TargetModel([0, -1.0]), R_theta=1e6)
+WRONG_SIGN = ControllerSettings(
+    structure=iir(3), target=TargetModel([0, -1.0]), update=UD(R_theta=1e6)
+)
 FIXED = replace(WRONG_SIGN, k_update=10**6)
 FAILING = {
     "high limit": (SimulationCase(UNSTABLE, FIXED, white(400)), "diverged"),
@@ -118,10 +134,16 @@ FAILING = {
     ),
     "no limit": (SimulationCase(UNSTABLE, FIXED, white(2000), {"divergence_limit": 1e308}), None),
     "theta": (
-        SimulationCase(PLANT, replace(GOOD, R_theta=1e-30, theta_0=np.full(6, 0.3)), white(40),
-             {"divergence_limit": 0.2}), "diverged",
+        SimulationCase(
+            PLANT, replace(GOOD, update=UD(R_theta=1e-30), theta_0=np.full(6, 0.3)), white(40),
+            {"divergence_limit": 0.2},
+        ),
+        "diverged",
     ),
-    "overflow": (SimulationCase(PLANT, replace(GOOD, R_theta=1e-300), 1e8 * white(40)), "overflow"),
+    "overflow": (
+        SimulationCase(PLANT, replace(GOOD, update=UD(R_theta=1e-300)), 1e8 * white(40)),
+        "overflow",
+    ),
     "plant": (
         SimulationCase(replace(PLANT, exact=None, E_0=[[1e308]]), GOOD,
              np.r_[1e-300 * white(20), [[1e3]], white(9)]),
@@ -157,7 +179,7 @@ def test_overflow_in_the_first_of_two_measurements():
     """The second one is finite again, and must not hide it."""
     plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0], [0.5]])
     target = TargetModel(np.array([[[0.0], [0.0]], [[1e160], [1.0]]]))
-    settings = ControllerSettings(structure=fir(1), target=target, R_theta=1.0)
+    settings = ControllerSettings(structure=fir(1), target=target, update=UD(R_theta=1.0))
     case = SimulationCase(plant, settings, white(20))
     (run,) = simulate_many([case], lanes=True)
     single = simulate(**arguments(case))
@@ -170,10 +192,10 @@ def test_data_that_support_no_R_theta_are_counted():
         A=[[0.5]], B=[[1.0]], D_1=[[0.0]], C=[[0.0]], D_2=[[1.0]], E_1=[[1.0]], E_0=[[1.0]]
     )
     settings = ControllerSettings(
-        structure=fir(2), target=TargetModel([0, 1.0]), R_theta=1e-30, k_w=5
+        structure=fir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1e-30), k_w=5
     )
     constant = SimulationCase(plant, settings, np.ones((40, 1)))
-    healthy = SimulationCase(plant, replace(settings, R_theta=1.0), white(40))
+    healthy = SimulationCase(plant, replace(settings, update=UD(R_theta=1.0)), white(40))
     run, other = simulate_many([constant, healthy], lanes=True)
     single = simulate(**arguments(constant))
     assert single.guard_count > 0 and run.guard_first_step == single.guard_first_step

@@ -15,12 +15,16 @@ from hypothesis import strategies as st
 
 from compensator_theory import DivergedError, FunctionFailedError, InputError
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
     CovarianceReset,
+    Gradient,
+    Instantaneous,
     PlantChange,
     PlantSchedule,
     SavedState,
+    SlidingWindow,
     TargetModel,
     VariableRateForgetting,
     frozen_twin,
@@ -29,7 +33,9 @@ from rcac_numeric import (
     standard_plant,
 )
 
-SETTINGS = ControllerSettings(structure=iir(2), target=TargetModel([0, 1.0]), R_theta=1.0)
+SETTINGS = ControllerSettings(
+    structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
+)
 PLANT = standard_plant("1/(q - 0.9)")
 SCHEDULE = PlantSchedule(
     [
@@ -39,10 +45,13 @@ SCHEDULE = PlantSchedule(
 )
 RULES = [
     {},
-    {"update": "sliding window", "window": 7},
+    {"update": SlidingWindow(R_theta=1.0, window=7)},
     {
-        "forgetting": VariableRateForgetting(3, 9, 0.1),
-        "reset": CovarianceReset(at=[3, 30], growth=1.5),
+        "update": UD(
+            R_theta=1.0,
+            lambda_=VariableRateForgetting(3, 9, 0.1),
+            reset=CovarianceReset(at=[3, 30], growth=1.5),
+        )
     },
     {"target_changes": {5: TargetModel([0, 2.0])}, "k_filter": 3, "freeze": [(3, 6)]},
 ]
@@ -107,10 +116,11 @@ def test_a_step_that_was_interrupted_is_not_gone_on_from():
     assert controller.k == 4
 
 
-@pytest.mark.parametrize("update", ["sliding window", "instantaneous", "gradient"])
+@pytest.mark.parametrize(
+    "update", [SlidingWindow(R_theta=1.0, window=3), Instantaneous(R_theta=1.0), Gradient(0.1)]
+)
 def test_only_a_covariance_can_be_reset(update):
-    more = {"sliding window": {"window": 3}, "gradient": {"step_size": 0.1}}.get(update, {})
-    controller = Controller(replace(SETTINGS, update=update, **more))
+    controller = Controller(replace(SETTINGS, update=update))
     with pytest.raises(InputError, match="no covariance that could be reset"):
         controller.reset_covariance()
 
@@ -161,10 +171,10 @@ def test_a_frozen_twin_starts_where_the_run_did():
 CROWDED = """
 import resource
 import numpy as np
-from tests.rcac_numeric.engine.test_misuse import PLANT, SETTINGS
 from rcac_numeric import SimulationCase, simulate, simulate_many
-cases = [SimulationCase(PLANT, SETTINGS, np.ones((50, 1)))] * 300
-simulate(PLANT, SETTINGS, np.ones((50, 1)))  # everything is loaded
+from tests.support.lane_cases import GOOD, PLANT
+cases = [SimulationCase(PLANT, GOOD, np.ones((50, 1)))] * 300
+simulate(PLANT, GOOD, np.ones((50, 1)))  # everything is loaded
 size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (size + 2**27, size + 2**27))
 print({run.outcome for run in simulate_many(cases, threads=300)})

@@ -2,30 +2,24 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
+    Covariance,
     Decentralized,
     TargetModel,
     pid,
     simulate,
 )
+from tests.support.comparisons import tame
 from tests.support.engine_cases import KINDS, cases, engine_plants, settings_for, structures
+from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes
 from tests.support.textbook_loop import assert_follows
-
-
-def noise(seed, steps, width):
-    return np.random.default_rng(seed).standard_normal((steps, width))
-
-
-def tame(run):
-    """Runs that do not grow beyond what a comparison to nine digits means."""
-    assume(run.outcome == "completed" and np.abs(run.u).max() < 1e2)
-    return run
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -47,11 +41,11 @@ def test_a_compensator_is_its_frozen_controller(data, l_u, l_y, l_r, seed):
     settings = ControllerSettings(
         structure=structure,
         target=TargetModel(np.ones((2, 1, l_u))),
-        R_theta=1.0,
+        update=UD(R_theta=1.0),
         theta_0=theta,
         freeze=((0, None),),
     )
-    controller, fixed = Controller(settings), settings.compensator(theta)
+    controller, fixed = Controller(settings), settings.compensator_of(theta)
     steps = settings.k_w + 25
     y, r = noise(seed, steps, l_y), noise(seed + 1, steps, structure.l_r)
     y[: settings.k_w] = 0  # u = 0 is what the compensator makes of them, too
@@ -72,7 +66,7 @@ def test_a_compensator_is_its_frozen_controller(data, l_u, l_y, l_r, seed):
 def test_the_pid_controller_of_the_text_by_hand():
     """(2.58)-(2.62) for e = 1, 2, 3, 4, 5: gamma(k-1) = 0, 0, 1, 3, 6."""
     settings = ControllerSettings(
-        structure=pid(), target=TargetModel([0, 1.0]), R_theta=1.0,
+        structure=pid(), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0),
         theta_0=[100.0, 10.0, 1.0], freeze=((0, None),),
     )  # fmt: skip
     controller = Controller(settings)
@@ -85,7 +79,7 @@ def test_decentralised_controllers_follow_the_text(data, l_u, l_y, l_z, shared_u
     """Figure 2.16: each controller's Phi and G_f hold its own u, or the sum."""
     parts = [
         data.draw(cases(l_u, l_y, l_z, l_r, [kind], update=update))
-        for l_r, kind, update in ((0, "fir", "ud"), (1, "ff", "covariance"))
+        for l_r, kind, update in ((0, "fir", UD), (1, "ff", Covariance))
     ]
     plant = data.draw(engine_plants(l_u, l_y, l_z, 1))
     both = Decentralized([settings for settings, _ in parts], shared_u=shared_u)

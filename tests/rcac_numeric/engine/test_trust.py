@@ -7,8 +7,10 @@ import pytest
 from scipy import signal
 
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
+    Covariance,
     TargetModel,
     exogenous,
     iir,
@@ -47,7 +49,7 @@ def example(name, k_w):
         structure, target = (iir(5), high) if name == "4.1, n_c = 5" else (iir(20), fir)
         w = 0.1 * np.random.default_rng(0).standard_normal((200, 1))
         return PLANT_4_1, ControllerSettings(
-            structure=structure, target=target, R_theta=1.0, k_w=k_w
+            structure=structure, target=target, update=UD(R_theta=1.0), k_w=k_w
         ), w  # fmt: skip
     run = load_example(name).main_run
     settings = replace(run.settings, k_w=k_w, k_update=k_w)
@@ -70,14 +72,14 @@ def example(name, k_w):
 def test_ud_keeps_ten_digits_for_every_R_theta(name, k_w, lost_at_1e_10, lost_at_1e_20):
     plant, settings, w = example(name, k_w)
     for R_theta, lost in ((1.0, None), (1e-10, lost_at_1e_10), (1e-20, lost_at_1e_20)):
-        chosen = replace(settings, R_theta=R_theta, update="ud")
+        chosen = replace(settings, update=UD(R_theta=R_theta))
         exact = simulate_reference(plant, chosen, w, digits=400)
         assert 50 < exact.digits < 450
         size = np.abs(exact.theta_final).max()
         run = simulate(plant, chosen, w)
         assert np.abs(run.theta_final - exact.theta_final).max() < 1e-10 * size
         if lost is not None:
-            plain = simulate(plant, replace(chosen, update="covariance"), w)
+            plain = simulate(plant, replace(chosen, update=Covariance(R_theta=R_theta)), w)
             assert (
                 plain.outcome != "completed"
                 or np.abs(plain.theta_final - exact.theta_final).max() > lost * size
@@ -92,7 +94,7 @@ def test_a_million_steps_with_80_coefficients(in_full, lambda_):
     plant = standard_plant("(q - 0.5)/(q^2 - 1.2*q + 0.5)")
     target, R_theta = TargetModel([0, 1.0]), 1e-3
     settings = ControllerSettings(
-        structure=iir(n_c), target=target, R_theta=R_theta, lambda_=lambda_, k_w=n_c
+        structure=iir(n_c), target=target, update=UD(R_theta=R_theta, lambda_=lambda_), k_w=n_c
     )
     w = np.random.default_rng(1).standard_normal((steps, 1))
     run, state, chunk = None, None, steps // 5

@@ -6,10 +6,11 @@ from flint import arb, arb_mat, ctx
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from benchmarks.yardsticks import symmetric_covariance
 from rcac_numeric.engine import _kernel
 from tests.support.strategies import seeds
 
-LEVELS = _kernel.levels()
+SETS = _kernel.instruction_sets()
 # Tiles are 8 x 8 and blocks of lanes have 4 columns: 1 to 70 holds every kind of remainder.
 lengths = st.integers(1, 70)
 
@@ -55,7 +56,7 @@ def close(found, exact, bound):
 @given(lengths, st.integers(1, 3), st.sampled_from([1.0, 0.97]), seeds)
 @example(8, 1, 1.0, 0)
 @example(64, 3, 0.97, 1)
-def test_every_update_at_every_level_is_the_least_squares_solution(l_theta, l_z, lam, seed):
+def test_every_update_is_the_least_squares_solution(l_theta, l_z, lam, seed):
     data = record(seed, 12, l_z, l_theta)
     weight = data["R_z"] + data["R_u"]
     H = np.linalg.inv(data["P_0"])
@@ -64,16 +65,32 @@ def test_every_update_at_every_level_is_the_least_squares_solution(l_theta, l_z,
         H = lam * H + F.T @ weight @ F
         g = lam * g - F.T @ data["R_z"] @ target
     theta_exact, P_exact = np.linalg.solve(H, g), np.linalg.inv(H)
-    for update in ("ud", "symmetric covariance", "covariance"):
-        for level in LEVELS:
+    for update in ("ud", "covariance"):
+        for name in SETS:
             theta, P, count, first, finite = _kernel.replay_updates(
-                update, **data, forgetting=lam, level=level
+                update, **data, forgetting=lam, instruction_set=name
             )
             assert (finite, count, first) == (True, 0, -1)
             assert close(theta, theta_exact, 1e-10)
             assert close(P, P_exact, 1e-10)
-            if update != "covariance":
+            if update == "ud":
                 assert np.array_equal(P, P.T)
+
+
+@pytest.mark.skipif(symmetric_covariance.compiler() is None, reason="no C++ compiler")
+@given(lengths, st.sampled_from([1.0, 0.97]), seeds)
+@example(8, 0.97, 0)
+def test_the_yardstick_of_the_benchmark_is_the_same_recursion(l_theta, lam, seed):
+    data = record(seed, 12, 1, l_theta)
+    weights = {"R_z": np.eye(1), "R_u": np.zeros((1, 1))}
+    theta, P, *_ = _kernel.replay_updates("ud", **{**data, **weights}, forgetting=lam)
+    start = {name: data[name] for name in ("P_0", "theta_0")}
+    found, covariance = symmetric_covariance.replay(
+        data["Phi_f"][:, 0], data["target"][:, 0], forgetting=lam, **start
+    )
+    assert close(found, theta, 1e-10)
+    assert close(covariance, P, 1e-10)
+    assert np.array_equal(covariance, covariance.T)
 
 
 @given(st.integers(1, 20), st.integers(1, 3), seeds, st.sampled_from([1e-40, 1e-20, 1e20]))
@@ -85,8 +102,8 @@ def test_ud_keeps_its_digits_for_every_size_of_P_0(l_theta, l_z, seed, R_theta):
     rows = data["Phi_f"].reshape(-1, l_theta)
     # theta passes through the solution of the first l_theta equations, which may be worse posed.
     rounding = 1e-14 * (np.linalg.cond(rows) ** 2 + np.linalg.cond(rows[:l_theta]))
-    for level in LEVELS:
-        theta, _, _, _, finite = _kernel.replay_updates("ud", **data, level=level)
+    for name in SETS:
+        theta, _, _, _, finite = _kernel.replay_updates("ud", **data, instruction_set=name)
         assert finite
         assert close(theta, exact, max(1e-12, rounding))
 
@@ -97,24 +114,26 @@ def test_rows_of_zeros_change_nothing(l_theta, seed):
     gaps = dict(data)
     gaps["Phi_f"] = np.insert(data["Phi_f"], [0, 2, 6], 0.0, axis=0)
     gaps["target"] = np.insert(data["target"], [0, 2, 6], 1.0, axis=0)
-    for level in LEVELS:
-        plain = _kernel.replay_updates("ud", **data, level=level)
+    for name in SETS:
+        plain = _kernel.replay_updates("ud", **data, instruction_set=name)
         assert all(
             np.array_equal(a, b)
-            for a, b in zip(plain, _kernel.replay_updates("ud", **gaps, level=level), strict=True)
+            for a, b in zip(
+                plain, _kernel.replay_updates("ud", **gaps, instruction_set=name), strict=True
+            )
         )
 
 
 @given(st.integers(2, 40), seeds)
-def test_the_guard_speaks_alike_at_every_level(l_theta, seed):
+def test_the_guard_speaks_alike_with_every_instruction_set(l_theta, seed):
     """A row seen again, once scaled: the direction it leaves has no excitation but rounding."""
     data = record(seed, 2, 1, l_theta)
     data["Phi_f"][1] = data["Phi_f"][0] * (1 / 3)
     data["P_0"] = np.eye(l_theta) * 1e40
-    counts = {_kernel.replay_updates("ud", **data, level=level)[2] for level in LEVELS}
+    counts = {_kernel.replay_updates("ud", **data, instruction_set=name)[2] for name in SETS}
     assert counts == {1}
     data["P_0"] = np.eye(l_theta)
-    assert {_kernel.replay_updates("ud", **data, level=level)[2] for level in LEVELS} == {0}
+    assert {_kernel.replay_updates("ud", **data, instruction_set=name)[2] for name in SETS} == {0}
 
 
 def lane_record(seed, steps, l_theta, sizes):
@@ -144,12 +163,14 @@ def alone(data, lane, **options):
 @given(lengths, st.sampled_from([1.0, 0.97]), seeds)
 def test_lanes_are_single_runs(l_theta, lam, seed):
     data = lane_record(seed, 10, l_theta, 10.0 ** np.arange(-4, 4))
-    for level in LEVELS:
-        theta, P, lost, finite = _kernel.replay_ud_lanes(**data, forgetting=lam, level=level)
+    for name in SETS:
+        theta, P, lost, finite = _kernel.replay_ud_lanes(
+            **data, forgetting=lam, instruction_set=name
+        )
         assert finite
         assert lost == [0] * _kernel.lanes
         for lane in range(_kernel.lanes):
-            single = alone(data, lane, forgetting=lam, level=level)
+            single = alone(data, lane, forgetting=lam, instruction_set=name)
             assert close(theta[:, lane], single[0], 1e-11)
             assert close(P[lane], single[1], 1e-11)
 
@@ -159,9 +180,9 @@ def test_a_lane_without_a_measurement_stays_as_it_is(l_theta, seed):
     data = lane_record(seed, 4, l_theta, np.full(_kernel.lanes, 2.0))
     data["Phi_f"][2:, :, 3] = 0.0
     shorter = {k: v[:2] if k in ("Phi_f", "target") else v for k, v in data.items()}
-    for level in LEVELS:
-        long = _kernel.replay_ud_lanes(**data, level=level)
-        short = _kernel.replay_ud_lanes(**shorter, level=level)
+    for name in SETS:
+        long = _kernel.replay_ud_lanes(**data, instruction_set=name)
+        short = _kernel.replay_ud_lanes(**shorter, instruction_set=name)
         assert np.array_equal(long[0][:, 3], short[0][:, 3])
         assert np.array_equal(long[1][3], short[1][3])
 
@@ -172,8 +193,8 @@ def test_a_lane_is_lost_by_itself(l_theta, seed):
     sizes[5] = 1e40
     data = lane_record(seed, 2, l_theta, sizes)
     data["Phi_f"][1] = data["Phi_f"][0] * (1 / 3)
-    for level in LEVELS:
-        lost = _kernel.replay_ud_lanes(**data, level=level)[2]
+    for name in SETS:
+        lost = _kernel.replay_ud_lanes(**data, instruction_set=name)[2]
         assert lost == [0, 0, 0, 0, 0, 1, 0, 0]
 
 
@@ -184,18 +205,17 @@ def test_replays_check_their_arguments():
     with pytest.raises(ValueError, match="no update named"):
         _kernel.replay_updates("kalman", **data)
     with pytest.raises(ValueError, match="no instruction set named"):
-        _kernel.replay_updates("ud", **data, level="avx1024")
+        _kernel.replay_updates("ud", **data, instruction_set="avx1024")
     with pytest.raises(ValueError, match="forgetting"):
         _kernel.replay_updates("ud", **data, forgetting=0.0)
     lanes = lane_record(0, 3, 4, np.ones(_kernel.lanes))
     with pytest.raises(ValueError, match="theta_0"):
         _kernel.replay_ud_lanes(**{**lanes, "theta_0": np.zeros((_kernel.lanes, 4))})
-    assert LEVELS[-1] == "plain"
+    assert SETS[-1] == "plain"
 
 
 def test_what_leaves_the_range_of_float64_is_said():
     data = record(0, 4, 1, 5)
     data["Phi_f"][2] = 1e200
-    for update in ("ud", "symmetric covariance"):
-        for level in LEVELS:
-            assert not _kernel.replay_updates(update, **data, level=level)[-1]
+    for name in SETS:
+        assert not _kernel.replay_updates("ud", **data, instruction_set=name)[-1]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rcac_numeric import load_example, verify
-from rcac_numeric.experiments.files.sections import example_ids
-from rcac_numeric.experiments.verdicts import VERDICTS
+from rcac_numeric.experiments.claims import VERDICTS
+from rcac_numeric.experiments.files.documents import example_ids
 
 
 @pytest.fixture(scope="module")

@@ -32,7 +32,7 @@ def repetition(z, theta, stride=1):
         stride=stride,
         steps=len(z),
         plant=standard_plant("1/(q - 0.5)"),
-        settings=SimpleNamespace(structure=structure, compensator=structure.compensator),
+        settings=SimpleNamespace(structure=structure, compensator_of=structure.compensator),
         compensator=structure.compensator(theta[-1]),
         compensator_at=lambda k: structure.compensator(theta[k // stride]),
         guard_count=3,

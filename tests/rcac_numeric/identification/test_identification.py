@@ -18,6 +18,7 @@ from rcac_numeric import (
     modelling_information_from_markov,
     standard_plant,
 )
+from tests.support.aircraft import OFF_NOMINAL, aircraft
 from tests.support.strategies import plants, seeds
 
 NMP = "2*(q - 1.2)*(q - 0.5)/((q - 0.9)*(q - 0.3)*(q**2 - q + 0.5))"
@@ -138,8 +139,6 @@ def test_noise_free_modelling_information_is_that_of_the_plant(G):
 
 def test_the_identification_window_of_the_aircraft():
     """Section 3.6: 70 noise-free samples, n_mod = 4; mu = 10 shows both NMP zeros, 8 is too few."""
-    from tests.rcac_numeric.targets.test_output_subspaces import OFF_NOMINAL, aircraft
-
     plant = aircraft(OFF_NOMINAL, [[0, 0, 0, 1.0]])
     u = np.random.default_rng(1).standard_normal((70, 1))
     y = record(plant, u)

@@ -10,6 +10,7 @@ from hypothesis import assume, given, settings
 
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
 from rcac_numeric import (
+    UD,
     ClosedLoop,
     Compensator,
     ControllerSettings,
@@ -375,7 +376,9 @@ def test_the_gain_margin_of_example_5_1(seed):
         "(q**2 - 1.7*q + 0.785)*(q**2 - 1.4*q + 0.85)"
         "/((q - 0.5)*(q**2 - 1.8*q + 0.97)*(q**2 - 1.4*q + 0.98))"
     )
-    controller = ControllerSettings(structure=iir(n_c=10), target=fir_target(plant), R_theta=1e-5)
+    controller = ControllerSettings(
+        structure=iir(n_c=10), target=fir_target(plant), update=UD(R_theta=1e-5)
+    )
     w = 0.01 * np.random.default_rng(seed).standard_normal((5000, 1))
     loop = ClosedLoop(plant, simulate(plant, controller, w).compensator)
     margins = stability_margins(loop)

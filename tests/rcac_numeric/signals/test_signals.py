@@ -5,42 +5,42 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_numeric import (
+    Harmonic,
+    Levels,
+    Piecewise,
+    Pulse,
+    Ramp,
+    Recorded,
+    Step,
+    WhiteNoise,
     exogenous,
-    harmonic,
-    piecewise,
-    pulse,
-    ramp,
     read_recording,
-    recorded,
     recorded_channels,
-    sequence,
-    step,
-    white_noise,
 )
 
 
 def test_values():
     k = np.arange(50)
-    signal = 2 * harmonic(0.3, amplitude=1.5, phase=0.2) + step(-1, start=10)
+    signal = 2 * Harmonic(0.3, amplitude=1.5, phase=0.2) + Step(-1, start=10)
     expected = 3.0 * np.cos(0.3 * k + 0.2) - (k >= 10)
     assert signal.samples(50) == pytest.approx(expected)
-    assert sequence([1, 2, 3], hold=2).samples(8).tolist() == [1, 1, 2, 2, 3, 3, 3, 3]
+    assert Levels([1, 2, 3], hold=2).samples(8).tolist() == [1, 1, 2, 2, 3, 3, 3, 3]
 
 
 def test_ramp_and_pulse_are_sums_of_steps():
     k = np.arange(30)
-    assert ramp(0.3, start=4).samples(30) == pytest.approx(
-        sum((0.3 * step(1, start=j) for j in range(6, 30)), 0.3 * step(1, start=5)).samples(30)
+    assert Ramp(0.3, start=4).samples(30) == pytest.approx(
+        sum((0.3 * Step(1, start=j) for j in range(6, 30)), 0.3 * Step(1, start=5)).samples(30)
     )
-    by_steps = step(2, start=5) + step(-2, start=9)
-    assert np.array_equal(pulse(2, start=5, length=4).samples(30), by_steps.samples(30))
-    assert np.array_equal(pulse().samples(30), k == 0)
+    by_steps = Step(2, start=5) + Step(-2, start=9)
+    assert np.array_equal(Pulse(2, start=5, length=4).samples(30), by_steps.samples(30))
+    assert np.array_equal(Pulse().samples(30), k == 0)
 
 
 def test_a_record_ends_where_it_ends():
     """Alone, scaled and in a sum, whereas a sequence holds its last value."""
-    record = recorded([1.0, 2.0, 3.0], "flight")
-    combined = 2 * record + step() + recorded(np.arange(5.0))
+    record = Recorded([1.0, 2.0, 3.0], "flight")
+    combined = 2 * record + Step() + Recorded(np.arange(5.0))
     assert combined.samples(3).tolist() == [3, 6, 9]
     assert record.samples(2).tolist() == [1, 2]
     for signal in (record, combined):
@@ -48,12 +48,12 @@ def test_a_record_ends_where_it_ends():
             signal.samples(4)
         with pytest.raises(InputError, match="known for 3 steps"):
             exogenous([signal], 4)
-    assert sequence([1.0, 2.0]).samples(3).tolist() == [1, 2, 2]
+    assert Levels([1.0, 2.0]).samples(3).tolist() == [1, 2, 2]
 
 
 def test_what_was_recorded_cannot_be_changed_from_outside():
     values = np.array([1.0, 2.0])
-    signal = recorded(values)
+    signal = Recorded(values)
     values[0] = signal.samples(2)[1] = 9.0
     assert signal.samples(2).tolist() == [1, 2]
 
@@ -61,8 +61,8 @@ def test_what_was_recorded_cannot_be_changed_from_outside():
 def test_channels_of_a_record():
     table = np.arange(8.0).reshape(4, 2)
     assert np.array_equal(exogenous(recorded_channels(table), 4), table)
-    noise = exogenous([*recorded_channels(table), white_noise()], 4, seed=1)
-    assert np.array_equal(noise[:, 2], exogenous([step(), step(), white_noise()], 4, seed=1)[:, 2])
+    noise = exogenous([*recorded_channels(table), WhiteNoise()], 4, seed=1)
+    assert np.array_equal(noise[:, 2], exogenous([Step(), Step(), WhiteNoise()], 4, seed=1)[:, 2])
 
 
 def test_recordings_in_files(tmp_path):
@@ -83,10 +83,10 @@ def test_recordings_in_files(tmp_path):
     ("content", "column", "message"),
     [
         ("1,2\n3", 0, "line 2: 1 entries where 2 are needed"),
-        ("1,2\n3,x", 0, "line 2: 'x' is not a number"),
-        ("r,2\n3,4", 0, "line 1: 'r' is not a number"),
+        ("1,2\n3,x", 0, "line 2, column 2: 'x' is not a number"),
+        ("r,2\n3,4", 0, "line 1, column 1: 'r' is not a number"),
         ("r,d\n", 0, "no row of numbers"),
-        ("", 0, "no row of numbers"),
+        ("", 0, "is empty"),
         ("r,d\n1,2", "v", "no column 'v'; it has r, d"),
         ("1,2", "r", "its columns have no names"),
         ("1,2", 2, "no column 2; it has 2"),
@@ -104,7 +104,7 @@ def test_bad_text_files_are_named(tmp_path, content, column, message):
     ("name", "content", "message"),
     [
         ("a.npy", b"no array", "not an array of numbers"),
-        ("a.npy", b"", "not an array of numbers"),
+        ("a.npy", b"", "is empty"),
         ("a.csv", b"\xff\xfe\x00", "not a text file"),
         ("a.mat", b"", "use .csv or .npy"),
         ("missing.csv", None, "cannot be read: No such file"),
@@ -125,39 +125,39 @@ def test_arrays_of_objects_are_not_unpickled(tmp_path):
 
 
 def test_noise_is_reproducible_and_channels_are_independent():
-    w = exogenous([white_noise(2.0), white_noise(1.0)], 40_000, seed=3)
-    assert np.array_equal(w, exogenous([white_noise(2.0), white_noise(1.0)], 40_000, seed=3))
+    w = exogenous([WhiteNoise(2.0), WhiteNoise(1.0)], 40_000, seed=3)
+    assert np.array_equal(w, exogenous([WhiteNoise(2.0), WhiteNoise(1.0)], 40_000, seed=3))
     # Standard errors: std / sqrt(2 n) = 0.007, correlation 1 / sqrt(n) = 0.005.
     assert w.std(axis=0) == pytest.approx([2.0, 1.0], abs=0.04)
     assert abs(np.corrcoef(w.T)[0, 1]) < 0.025
-    alone = exogenous([white_noise(2.0)], 40_000, seed=3)
+    alone = exogenous([WhiteNoise(2.0)], 40_000, seed=3)
     assert np.array_equal(alone[:, 0], w[:, 0])
-    beside_a_step = exogenous([step(), white_noise(1.0)], 40_000, seed=3)
+    beside_a_step = exogenous([Step(), WhiteNoise(1.0)], 40_000, seed=3)
     assert np.array_equal(beside_a_step[:, 1], w[:, 1]), "a channel does not disturb the others"
 
 
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: step(float("nan")),
-        lambda: step(1.0, start=-1),
-        lambda: harmonic("fast"),
-        lambda: white_noise(-1.0),
-        lambda: sequence([]),
-        lambda: sequence([1.0], hold=0),
-        lambda: step() * float("inf"),
-        lambda: ramp(float("nan")),
-        lambda: ramp(1.0, start=-1),
-        lambda: pulse(1.0, length=0),
-        lambda: pulse(1.0, start=0.5),
-        lambda: recorded([]),
-        lambda: recorded([[1.0]]),
-        lambda: recorded(["a"]),
+        lambda: Step(float("nan")),
+        lambda: Step(1.0, start=-1),
+        lambda: Harmonic("fast"),
+        lambda: WhiteNoise(-1.0),
+        lambda: Levels([]),
+        lambda: Levels([1.0], hold=0),
+        lambda: Step() * float("inf"),
+        lambda: Ramp(float("nan")),
+        lambda: Ramp(1.0, start=-1),
+        lambda: Pulse(1.0, length=0),
+        lambda: Pulse(1.0, start=0.5),
+        lambda: Recorded([]),
+        lambda: Recorded([[1.0]]),
+        lambda: Recorded(["a"]),
         lambda: recorded_channels([1.0]),
-        lambda: step() + 1,
-        lambda: piecewise(5),
-        lambda: piecewise([5]),
-        lambda: piecewise([(0, 1.0)]),
+        lambda: Step() + 1,
+        lambda: Piecewise(5),
+        lambda: Piecewise([5]),
+        lambda: Piecewise([(0, 1.0)]),
         lambda: exogenous(5, 10),
         lambda: exogenous([0.5], 10),
         lambda: exogenous([], -1),

@@ -87,10 +87,10 @@ FIR = 'model = "fir"'
         (FIR, 'w = { recorded = "no.csv" }', "no.csv cannot be read"),
         (FIR, "w = { recorded = [1, 2] }", "known for 2 steps, but 20 are asked for"),
         (FIR, "w = { recorded = [1, 2], column = 1 }", "column is for a file"),
-        (FIR, "w = { recorded = [1, 2], hold = 1 }", "recorded does not read hold"),
+        (FIR, "w = { recorded = [1, 2], hold = 1 }", r"unknown key 'hold' in .signals.w."),
         (FIR, "w = { recorded = 3 }", "a record needs shape"),
-        (FIR, "w = { ramp = true }", "slope must be a real number"),
-        (FIR, "w = { pulse = 1, width = 2 }", "unexpected keyword argument 'width'"),
+        (FIR, "w = { ramp = true }", "ramp must be a real number"),
+        (FIR, "w = { pulse = 1, width = 2 }", r"unknown key 'width' in .signals.w."),
     ],
 )
 def test_bad_files_are_named(tmp_path, target, signals, message):

@@ -1,0 +1,82 @@
+"""The matrices of a regulator problem, read once, and their balls."""
+
+import flint
+from sympy import ImmutableMatrix, Matrix, Rational
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import is_rational_matrix
+from compensator_theory.roots.enclosures import Enclosure, ball_of_number, enclosure_of_ball
+
+EnclosedMatrix = tuple[tuple[Enclosure, ...], ...]
+RegulatorData = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
+
+
+def regulator_data(
+    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike | None
+) -> RegulatorData:
+    r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, whose entries are rational.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit or an entry is symbolic.
+
+    Examples
+    --------
+    >>> from compensator_theory.lqg.regulator_data import regulator_data
+    >>> regulator_data([[2]], [[1]], [[3]], None)[3]
+    Matrix([[0]])
+    """
+    a, b, e_1 = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(E_1, "E_1")
+    e_2 = ImmutableMatrix.zeros(e_1.rows, b.cols) if E_2 is None else exact_matrix(E_2, "E_2")
+    shapes = {"A": (a.rows, a.rows), "B": (a.rows, b.cols)}
+    shapes |= {"E_1": (e_1.rows, a.rows), "E_2": (e_1.rows, b.cols)}
+    for (name, shape), matrix in zip(shapes.items(), (a, b, e_1, e_2), strict=True):
+        if matrix.shape != shape or 0 in shape:
+            raise InputError(
+                f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
+                "the other matrices show, and not empty"
+            )
+        if not is_rational_matrix(matrix):
+            raise InputError(f"{name} has entries that are not rational numbers; substitute them")
+    return a, b, e_1, e_2
+
+
+def ball_matrix(matrix: Matrix) -> flint.arb_mat:
+    """Return a rational matrix in balls, at python-flint's working precision.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.lqg.regulator_data import ball_matrix
+    >>> ball_matrix(Matrix([["1/2"]]))[0, 0]
+    0.500000000000000
+    """
+    return flint.arb_mat([[ball_of_number(entry) for entry in row] for row in matrix.tolist()])
+
+
+def enclosed_rows(matrix: flint.arb_mat) -> EnclosedMatrix:
+    """Return a matrix of balls as enclosures.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.lqg.regulator_data import ball_matrix, enclosed_rows
+    >>> enclosed_rows(ball_matrix(Matrix([["1/2"]])))
+    ((1/2,),)
+    """
+    return tuple(tuple(enclosure_of_ball(entry) for entry in row) for row in matrix.tolist())
+
+
+def exact_rows(matrix: Matrix) -> EnclosedMatrix:
+    """Return a rational matrix as enclosures of radius 0.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.lqg.regulator_data import exact_rows
+    >>> exact_rows(Matrix([["1/2"]]))
+    ((1/2,),)
+    """
+    return tuple(tuple(Enclosure(entry, Rational(0)) for entry in row) for row in matrix.tolist())

@@ -1,0 +1,76 @@
+"""Matrices of any kind to exact SymPy matrices."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Protocol, TypeAlias
+
+import sympy
+from sympy import Expr, ImmutableMatrix, MatrixBase
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.variables import require_one_symbol_a_name
+
+
+class ArrayOfNumbers(Protocol):
+    """What a NumPy array shows of itself; only its shape and its entries are used."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Numbers of rows and columns."""
+
+    def __iter__(self) -> Iterator[Any]:
+        """Return its rows."""
+
+
+MatrixLike: TypeAlias = MatrixBase | Sequence[Sequence[NumberLike]] | ArrayOfNumbers
+"""A SymPy matrix, a NumPy array or nested lists of anything :func:`exact_number` reads."""
+
+
+def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
+    """Read a matrix exactly, entry by entry.
+
+    Raises
+    ------
+    InputError
+        If it is not two-dimensional, is sparse, or an entry is no number.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices.exact_matrices import exact_matrix
+    >>> exact_matrix([[0.1, "a"]], "A")
+    Matrix([[1/10, a]])
+    """
+    rows, shape = _rows_of(value, name)
+    ask("entries", shape[0] * shape[1], f"the matrix {name}")
+    entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows]
+    flat = [entry for row in entries for entry in row]
+    require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))
+    return ImmutableMatrix(*shape, flat)
+
+
+def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:
+    if isinstance(value, MatrixBase):
+        return value.tolist(), (int(value.rows), int(value.cols))
+    if hasattr(value, "toarray") or hasattr(value, "todense"):
+        raise InputError(f"{name} is a sparse matrix; write it out with .toarray()")
+    shape = getattr(value, "shape", None)
+    iterable = hasattr(value, "__iter__") and not isinstance(value, str | bytes | set | dict)
+    rows = list(value) if iterable and shape != () else None
+    if rows is None or any(isinstance(r, str | bytes) or not hasattr(r, "__len__") for r in rows):
+        raise InputError(f"{name} = {value!r} is not a matrix; write rows, as in [[1, 2], [3, 4]]")
+    if len({len(row) for row in rows}) > 1:
+        raise InputError(f"the rows of {name} have different lengths: {[len(r) for r in rows]}")
+    columns = len(rows[0]) if rows else (shape[1] if shape is not None and len(shape) > 1 else 0)
+    return [list(row) for row in rows], (len(rows), columns)
+
+
+def _rational_or_symbolic(value: NumberLike, name: str) -> Expr:
+    """Read an entry; an irrational number would leave the rings that the algorithms work in."""
+    entry = sympy.sympify(exact_number(value))
+    if entry.is_number and not entry.is_rational:
+        raise InputError(
+            f"{name} contains the irrational number {entry}; write a symbol in its place, or a "
+            "rational number close to it"
+        )
+    return entry

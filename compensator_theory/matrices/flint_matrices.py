@@ -1,0 +1,58 @@
+"""Rational matrices of SymPy as those of python-flint, and back."""
+
+import flint
+from sympy import ImmutableMatrix, Matrix, Rational
+
+
+def is_rational_matrix(matrix: Matrix) -> bool:
+    """Tell whether every entry is a rational number.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.flint_matrices import is_rational_matrix
+    >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
+    (True, False)
+    """
+    return all(entry.is_Rational for entry in matrix)
+
+
+def to_flint(matrix: Matrix) -> flint.fmpq_mat:
+    """Return a rational matrix as one of python-flint.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.flint_matrices import to_flint
+    >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
+    -2
+    """
+    entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
+    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
+
+
+def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
+    """Return a rational matrix of python-flint as one of SymPy.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.matrices.flint_matrices import from_flint
+    >>> from_flint(flint.fmpq_mat(1, 2, [flint.fmpq(1, 2), flint.fmpq(3)]))
+    Matrix([[1/2, 3]])
+    """
+    entries = [rational(entry) for entry in matrix.entries()]
+    return ImmutableMatrix(matrix.nrows(), matrix.ncols(), entries)
+
+
+def rational(value: flint.fmpq) -> Rational:
+    """Return a rational number of python-flint as one of SymPy.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.matrices.flint_matrices import rational
+    >>> rational(flint.fmpq(2, 4))
+    1/2
+    """
+    return Rational(int(value.p), int(value.q))

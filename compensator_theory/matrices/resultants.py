@@ -1,0 +1,116 @@
+"""Common roots of two polynomials: how many, and whether there are any."""
+
+import flint
+import sympy
+from sympy import Expr, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.flint_matrices import rational
+from compensator_theory.matrices.linear_algebra import determinant
+from compensator_theory.matrices.sylvester import formal_coefficients, sylvester_m1
+from compensator_theory.polynomials.poly import PolynomialLike
+
+
+def number_of_common_roots(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> int | None:
+    r"""Count the common roots of two polynomials, with multiplicity.
+
+    .. math:: \deg\gcd(a, b) = k + l - \mathrm{rank}\,\mathcal M_1(a, b)
+
+    Parameters
+    ----------
+    a, b : polynomial
+        b may be zero: then all roots of a count.
+    variable : str or Symbol, optional
+        Default: evident from the two together; lists show none.
+
+    Returns
+    -------
+    int or None
+        None if it depends on the values of symbols.
+
+    Raises
+    ------
+    InputError
+        If the coefficient a_k of the formal degree is zero: if also b_l = 0, the rank would count
+        a common root at infinity, as for 0 s**2 + s + 1 and 0 s + 5.
+
+    Notes
+    -----
+    For rational coefficients the degree of the greatest common divisor is computed, which is faster
+    than the rank of the matrix, and with symbols the determinant. Source: Theorem A1, whose
+    hypothesis :math:`l \le k` is not needed (and is not met by Example B.2); "number" is to be
+    read with multiplicity.
+
+    Examples
+    --------
+    >>> from compensator_theory import number_of_common_roots
+    >>> number_of_common_roots("(s + 1)**2*(s + 2)", "(s + 1)**3*(s - 7)*s")
+    2
+    """
+    first, second = formal_coefficients(a, b, variable)
+    _require_leading(first)
+    polys = _in_flint(first, second)
+    if polys is not None:
+        return int(polys[0].gcd(polys[1]).degree())
+    return 0 if _determinant(first, second).is_nonzero else None
+
+
+def resultant(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> Expr:
+    r"""Return the resultant :math:`\det\mathcal M_1(a, b)`, 0 iff a and b share a root.
+
+    Parameters
+    ----------
+    a, b : polynomial
+        As for :func:`number_of_common_roots`, same condition on a_k.
+    variable : str or Symbol, optional
+        Default: evident from the two together; lists show none.
+
+    Raises
+    ------
+    InputError
+        If the leading coefficient of a is zero.
+
+    Notes
+    -----
+    Source: Theorem A1. For true degrees it is SymPy's ``resultant(a, b)``, except that SymPy
+    (1.14, issue 10666) loses the sign if k < l are both odd.
+
+    Examples
+    --------
+    >>> from compensator_theory import resultant
+    >>> resultant("s + 1", "s + 2"), resultant("s + a", "s + b")
+    (1, -a + b)
+    """
+    first, second = formal_coefficients(a, b, variable)
+    _require_leading(first)
+    polys = _in_flint(first, second)
+    if polys is None:
+        return _determinant(first, second)
+    lacking = len(second) - 1 - max(int(polys[1].degree()), 0)
+    leading = flint.fmpq(int(first[0].p), int(first[0].q))
+    return rational(leading**lacking * polys[0].resultant(polys[1]))
+
+
+def _determinant(first: list[Expr], second: list[Expr]) -> Expr:
+    if len(first) == len(second) == 1:
+        return sympy.Integer(1)
+    return determinant(sylvester_m1(first, second))
+
+
+def _in_flint(*polys: list[Expr]) -> list[flint.fmpq_poly] | None:
+    """Return rational polynomials in python-flint; None if there are symbols."""
+    if not all(c.is_Rational for poly in polys for c in poly):
+        return None
+    return [flint.fmpq_poly([flint.fmpq(int(c.p), int(c.q)) for c in p[::-1]]) for p in polys]
+
+
+def _require_leading(first: list[Expr]) -> None:
+    if first[0] == 0:
+        raise InputError(
+            "the leading coefficient of a is zero; drop its leading zeros (or, if a = 0, exchange "
+            "a and b)"
+        )

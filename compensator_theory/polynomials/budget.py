@@ -1,0 +1,201 @@
+"""How large a request may be: one budget, asked before the work begins."""
+
+import math
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, fields, replace
+
+from compensator_theory.errors import BudgetError, InputError
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The largest requests that are begun; raise a limit with :func:`budget`.
+
+    Attributes
+    ----------
+    characters : int
+        Of a text.
+    nesting : int
+        Parentheses inside parentheses, roots inside roots.
+    terms : int
+        Of an expression when it is multiplied out.
+    degree : int
+        Of a polynomial, and order of a compensator.
+    digits : int
+        Of the numerator and denominator of a number in a text, an int, a Fraction or a Decimal.
+    field_degree : int
+        Of the number field that irrational numbers span together: sqrt(2) and sqrt(3) span 4.
+    entries : int
+        Of a matrix.
+
+    Examples
+    --------
+    >>> from compensator_theory import Budget
+    >>> Budget().degree
+    1000
+    """
+
+    characters: int = 20_000
+    nesting: int = 60
+    terms: int = 2_000
+    degree: int = 1_000
+    digits: int = 4_000
+    field_degree: int = 16
+    entries: int = 500_000
+
+
+_USUAL = Budget()
+_current: ContextVar[Budget] = ContextVar("budget", default=_USUAL)
+_UNITS = {
+    "characters": "characters",
+    "nesting": "levels of nesting",
+    "terms": "terms",
+    "degree": "as degree",
+    "digits": "digits",
+    "field_degree": "as degree of a number field",
+    "entries": "entries",
+}
+
+
+@contextmanager
+def budget(**limits: int) -> Iterator[Budget]:
+    """Raise or lower limits of the :class:`Budget` for everything inside a ``with`` block.
+
+    Parameters
+    ----------
+    **limits : int
+        New limits by name, at least 1.
+
+    Raises
+    ------
+    InputError
+        If there is no such limit, or it is no positive integer.
+
+    Examples
+    --------
+    >>> from compensator_theory import budget, polynomial
+    >>> with budget(degree=2000):
+    ...     polynomial("s**1500 + 1").degree()
+    1500
+    """
+    names = [field.name for field in fields(Budget)]
+    for name, limit in limits.items():
+        if name not in names:
+            raise InputError(f"there is no limit {name!r}; choose among {', '.join(names)}")
+        if isinstance(limit, bool) or not isinstance(limit, int) or limit < 1:
+            raise InputError(f"the limit {name} = {limit!r} must be a positive integer")
+    changed = replace(_current.get(), **limits)
+    token = _current.set(changed)
+    try:
+        yield changed
+    finally:
+        _current.reset(token)
+
+
+@contextmanager
+def unlimited() -> Iterator[None]:
+    """Ask nothing: for what was computed here and is only put into another form.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import ask, unlimited
+    >>> with unlimited():
+    ...     ask("degree", 10**9, "a result")
+    """
+    token = _current.set(Budget(*[sys.maxsize] * len(fields(Budget))))
+    try:
+        yield
+    finally:
+        _current.reset(token)
+
+
+@contextmanager
+def long_integers() -> Iterator[None]:
+    """Let Python print integers of any length, as exact results have them.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import long_integers
+    >>> with long_integers():
+    ...     len(str(10**5000))
+    5001
+    """
+    usual = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(0)
+    try:
+        yield
+    finally:
+        sys.set_int_max_str_digits(usual)
+
+
+def limit_of(name: str) -> int:
+    """Return a limit that holds now.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import limit_of
+    >>> limit_of("digits")
+    4000
+    """
+    return int(getattr(_current.get(), name))
+
+
+def ask(name: str, amount: int, what: str) -> None:
+    """Refuse a request above a limit, before any work is done for it.
+
+    Parameters
+    ----------
+    name : str
+        Which limit of the :class:`Budget`.
+    amount : int
+        What the request needs.
+    what : str
+        What needs it, for the message.
+
+    Raises
+    ------
+    BudgetError
+        Says what was asked, the limit, and how to raise it.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import ask
+    >>> ask("degree", 3, "the polynomial")
+    """
+    limit = limit_of(name)
+    if amount > limit:
+        wanted = str(amount) if amount < 10**15 else _order_of(amount)
+        raise BudgetError(
+            f"{what} needs {wanted} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
+            f"raise it: with compensator_theory.budget({name}=...)"
+        )
+
+
+def ask_for_number(numerator: int, denominator: int, what: str = "a number") -> None:
+    """Refuse a rational number with too many digits.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import ask_for_number
+    >>> ask_for_number(1, 3)
+    """
+    ask("digits", decimal_digits(max(numerator.bit_length(), denominator.bit_length())), what)
+
+
+def decimal_digits(bits: int) -> int:
+    """Return a bound of the decimal digits of an integer with so many bits.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import decimal_digits
+    >>> decimal_digits((10**9).bit_length())
+    10
+    """
+    return bits * 30103 // 100_000 + 1
+
+
+def _order_of(amount: int) -> str:
+    return f"about 10**{int(math.log10(2) * (amount.bit_length() - 1))}"

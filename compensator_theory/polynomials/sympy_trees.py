@@ -1,0 +1,199 @@
+"""SymPy expressions taken apart, and roots put together, under an allow-list and a budget."""
+
+import sympy
+from sympy import Expr, Float, Poly, Rational, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.quotients import Leaf, Power, Product, Sum, Tree
+
+_IRRATIONAL = (
+    sympy.NumberSymbol, sympy.core.numbers.ImaginaryUnit, sympy.polys.rootoftools.ComplexRootOf,
+    sympy.exp, sympy.log, sympy.functions.elementary.trigonometric.TrigonometricFunction, sympy.Abs,
+    sympy.re, sympy.im, sympy.conjugate, sympy.sign,
+)  # fmt: skip
+_ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
+_RADICAND_DIGITS = 300  # SymPy looks for squares in it
+_X = Symbol("x")
+
+
+def require_readable(expression: Expr) -> None:
+    """Refuse an expression that is not built from numbers, symbols and elementary functions.
+
+    Raises
+    ------
+    InputError
+        If something is not finite, not commutative, or of another kind.
+    BudgetError
+        If it is too large or too deeply nested.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.sympy_trees import require_readable
+    >>> require_readable(s**2 + 1)
+    """
+    waiting: list[tuple[sympy.Basic, int]] = [(expression, 0)]
+    seen = 0
+    while waiting:
+        part, depth = waiting.pop()
+        seen += 1
+        ask("characters", seen, "the expression")
+        ask("nesting", depth, "the expression")
+        if part in (sympy.nan, sympy.oo, -sympy.oo, sympy.zoo):
+            raise InputError("the expression is not finite; exact data must be finite")
+        if part.is_Rational:
+            continue
+        if isinstance(part, sympy.polys.rootoftools.ComplexRootOf):
+            ask("field_degree", int(part.poly.degree()), f"the number {part}")
+        elif isinstance(part, _ARITHMETIC) or (isinstance(part, _IRRATIONAL) and part.args):
+            waiting += [(argument, depth + 1) for argument in part.args]
+        elif not (part.is_Symbol or isinstance(part, (Float, *_IRRATIONAL))):
+            raise InputError(
+                f"a {type(part).__name__} in the expression has no exact value here; give numbers, "
+                "symbols, + - * / ** and roots"
+            )
+        if part.is_commutative is False:
+            raise InputError(f"the symbol {part} is not commutative; exact data are scalars")
+
+
+def tree_of(expression: Expr) -> Tree:
+    """Take an expression without floats apart; what is no polynomial operation is kept whole.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.sympy_trees import tree_of
+    >>> tree_of(sqrt(2) * s)
+    Product(factors=[Leaf(value=s), Leaf(value=sqrt(2))], divisors=())
+    """
+    if isinstance(expression, sympy.Add):
+        return Sum([tree_of(term) for term in expression.args])
+    if isinstance(expression, sympy.Mul):
+        return Product([tree_of(factor) for factor in expression.args])
+    if isinstance(expression, sympy.Pow) and expression.exp.is_Integer:
+        return Power(tree_of(expression.base), int(expression.exp))
+    return Leaf(expression)
+
+
+def rational_floats(expression: Expr, binary: bool) -> Expr:
+    """Replace every float by the rational number that it means.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.sympy_trees import rational_floats
+    >>> rational_floats(0.1 * s, binary=False)
+    s/10
+    """
+    floats = expression.atoms(Float)
+    if not floats:
+        return expression
+    return expression.xreplace({number: _rational(number, binary) for number in floats})
+
+
+def _rational(number: Float, binary: bool) -> Rational:
+    double_digits, double_range = 15, 300
+    sign, mantissa, exponent, _ = number._mpf_
+    decades = abs(int(exponent)) * 3 // 10
+    ask("digits", decades, "a number")
+    if binary:
+        return (-1 if sign else 1) * Rational(int(mantissa)) * Rational(2) ** int(exponent)
+    is_double = number._prec <= Float(1, double_digits)._prec and decades < double_range
+    return Rational(repr(float(number)) if is_double else str(number))
+
+
+def square_root(argument: Expr) -> Expr:
+    """Return SymPy's square root of an expression that is small enough for it.
+
+    Examples
+    --------
+    >>> from sympy import Integer
+    >>> from compensator_theory.polynomials.sympy_trees import square_root
+    >>> square_root(Integer(8))
+    2*sqrt(2)
+    """
+    for number in argument.atoms(Rational):
+        if max(abs(int(number.p)), int(number.q)).bit_length() > 3.33 * _RADICAND_DIGITS:
+            raise InputError(
+                f"a number under a square root has more than {_RADICAND_DIGITS} digits; give a "
+                "rational number close to the root"
+            )
+    require_small_field([argument, sympy.Pow(argument, sympy.S.Half, evaluate=False)])
+    return sympy.sqrt(argument)
+
+
+def real_power(base: Expr, exponent: Expr) -> Expr:
+    """Return a rational power of a positive rational number; refuse others, which have branches.
+
+    Examples
+    --------
+    >>> from sympy import Integer, Rational
+    >>> from compensator_theory.polynomials.sympy_trees import real_power
+    >>> real_power(Integer(8), Rational(1, 3))
+    2
+    """
+    if not (exponent.is_Rational and base.is_Rational and base > 0):
+        raise InputError(
+            f"the exponent {str(exponent)[:60]} is not an integer; roots are written sqrt(...), "
+            "and others are read of positive rational numbers only"
+        )
+    ask("field_degree", int(exponent.q), "a root")
+    ask("degree", abs(int(exponent.p)), "a power")
+    return sympy.Pow(base, exponent)
+
+
+def indexed_root(polynomial: Expr, index: Expr) -> Expr:
+    """Return SymPy's CRootOf, as it prints itself.
+
+    Examples
+    --------
+    >>> from sympy.abc import x
+    >>> from compensator_theory.polynomials.sympy_trees import indexed_root
+    >>> indexed_root(x**3 + x + 1, 0)
+    CRootOf(x**3 + x + 1, 0)
+    """
+    symbols = polynomial.free_symbols
+    if len(symbols) != 1 or not polynomial.is_polynomial() or not sympy.sympify(index).is_Integer:
+        raise InputError("write CRootOf(p, k) with a polynomial p in one symbol and an integer k")
+    poly = Poly(polynomial, *symbols)
+    ask("field_degree", int(poly.degree()), "a root")
+    if not (poly.domain.is_ZZ or poly.domain.is_QQ) or not 0 <= index < poly.degree():
+        raise InputError(f"{polynomial} is no rational polynomial with a root of number {index}")
+    return sympy.CRootOf(poly.as_expr().xreplace({poly.gen: _X}), int(index))
+
+
+def require_small_field(numbers: list[Expr]) -> None:
+    """Ask for the field that irrational numbers span, by a bound of its degree.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from compensator_theory.polynomials.sympy_trees import require_small_field
+    >>> require_small_field([sqrt(2), sqrt(3)])
+    """
+    degree = 1
+    for atom in set().union(*(_generators(number) for number in numbers)):
+        if isinstance(atom, sympy.Pow):
+            degree *= int(atom.exp.q) if atom.exp.is_Rational else 1
+        elif isinstance(atom, sympy.polys.rootoftools.ComplexRootOf):
+            degree *= int(atom.poly.degree())
+        else:
+            degree *= 2
+        ask("field_degree", degree, "the irrational numbers together")
+
+
+def _generators(number: Expr) -> set[Expr]:
+    found: set[Expr] = set()
+    waiting = [number]
+    while waiting:
+        part = waiting.pop()
+        if part.is_number or isinstance(part, sympy.Pow):
+            if isinstance(part, sympy.Pow) and not part.exp.is_Integer:
+                found.add(part)
+            elif part == sympy.I or isinstance(part, sympy.polys.rootoftools.ComplexRootOf):
+                found.add(part)
+                continue
+        waiting += part.args
+    return found

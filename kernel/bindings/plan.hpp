@@ -1,0 +1,143 @@
+// A controller's plan from what Python gives, checked.
+#pragma once
+
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bindings/numpy_arrays.hpp"
+#include "controller/plan.hpp"
+
+namespace rcac {
+
+using Pairs = std::vector<std::pair<std::size_t, std::size_t>>;
+
+inline std::vector<Tap> taps_of(const Pairs& pairs, std::size_t sources, const char* name) {
+    std::vector<Tap> result;
+    for (const auto& [source, delay] : pairs) {
+        refuse_unless(source < sources, std::string(name) + ": signal " + std::to_string(source) +
+                                            " of " + std::to_string(sources));
+        length_of({delay, 2}, name);
+        result.push_back({source, delay});
+    }
+    return result;
+}
+
+// The tables of taps. Channel i < l_u of the filter is u_i(k), which every update reads.
+inline Structure structure_of(std::size_t l_u, std::size_t l_y, std::size_t l_r,
+                              const nb::list& derived, const Pairs& regressor,
+                              const Pairs& channels, const Pairs& filtered) {
+    require_width(l_u, 1, "l_u");
+    require_width(l_y, 0, "l_y");
+    require_width(l_r, 0, "l_r");
+    Structure result{l_u, l_y, l_r, {}, {}, {}, {}};
+    for (nb::handle item : derived) {
+        const auto [now, before, pole] = read<std::tuple<Array, Array, double>>(
+            item, "a derived signal", "(now, before, pole)");
+        result.derived.push_back(
+            {copied(now, l_y + l_r, "now"), copied(before, l_y + l_r, "before"), pole});
+    }
+    refuse_unless(!regressor.empty(), "the regressor is empty");
+    require(filtered.size(), regressor.size(), "filtered");
+    result.regressor = taps_of(regressor, result.signals(), "regressor");
+    result.channels = taps_of(channels, result.signals(), "channels");
+    result.filtered = taps_of(filtered, channels.size(), "filtered");
+    for (std::size_t i = 0; i < l_u; ++i)
+        refuse_unless(i < channels.size() && channels[i] == Pairs::value_type(i, 0),
+                      "channel " + std::to_string(i) + " is not that entry of u(k)");
+    const std::size_t delay =
+        std::max(longest_delay(result.regressor), longest_delay(result.channels));
+    length_of({result.signals(), 2 * delay + 64}, "the history of the signals");
+    return result;
+}
+
+inline std::vector<TargetModel> targets_of(const nb::list& list, const Structure& structure,
+                                           std::size_t l_z) {
+    const std::size_t l_u = structure.l_u, block = length_of({l_z, l_u}, "a target model");
+    std::vector<TargetModel> result;
+    for (nb::handle item : list) {
+        const auto [numerator, denominator] =
+            read<std::pair<Array, Array>>(item, "a target model", "(numerator, denominator)");
+        if (result.empty())
+            refuse_unless(numerator.size() >= block, "numerator: a target model has no coefficient");
+        const std::size_t order = result.empty() ? numerator.size() / block - 1 : result[0].order;
+        result.push_back({l_z, l_u, order,
+                          copied(numerator, length_of({order + 1, block}, "numerator"), "numerator"),
+                          copied(denominator, length_of({order + 1, l_z, l_z}, "denominator"),
+                                 "denominator")});
+    }
+    refuse_unless(!result.empty(), "a controller has no target model");
+    const std::size_t delay = std::max(result[0].order, longest_delay(structure.filtered));
+    length_of({structure.channels.size(), block, 2 * delay + 64}, "the filtered signals");
+    length_of({structure.regressor.size(), l_u, l_z}, "the filtered regressor");
+    return result;
+}
+
+// A matrix, or (base, z_squared), or a function R(k, y, z, u) that returns None where it failed;
+// then the update meets a NaN and the run ends.
+inline Weight weight_of(nb::handle value, const Structure& structure, std::size_t l_z,
+                        const char* name) {
+    const std::size_t l_y = structure.l_y, l_u = structure.l_u, size = length_of({l_z, l_z}, name);
+    Weight result;
+    result.base.assign(size, 0.0);
+    if (nb::isinstance<nb::tuple>(value)) {
+        const auto [base, z_squared] =
+            read<std::pair<Array, double>>(value, name, "(matrix, factor of z'z)");
+        result.base = copied(base, size, name);
+        result.z_squared = z_squared;
+    } else if (PyCallable_Check(value.ptr())) {
+        nb::object function = nb::borrow(value);
+        result.function = [=](std::int64_t k, const double* y, const double* z, const double* u,
+                              double* matrix) {
+            nb::gil_scoped_acquire gil;
+            nb::object answer = function(k, to_numpy(y, l_y), to_numpy(z, l_z), to_numpy(u, l_u));
+            if (answer.is_none()) {
+                std::fill_n(matrix, size, std::numeric_limits<double>::quiet_NaN());
+                return;
+            }
+            const std::vector<double> values =
+                copied(read<Array>(answer, name, "an array"), size, name);
+            std::copy(values.begin(), values.end(), matrix);
+        };
+    } else {
+        result.base = copied(read<Array>(value, name, "a matrix, a pair or a function"), size, name);
+    }
+    return result;
+}
+
+inline std::vector<Event> events_of(const nb::list& list, std::size_t targets) {
+    static const std::vector<std::string> kinds{"freeze", "resume", "reset", "forgetting", "target"};
+    std::vector<Event> result;
+    for (nb::handle item : list) {
+        const auto [step, name, value] = read<std::tuple<std::int64_t, std::string, double>>(
+            item, "an event", "(step, kind, value)");
+        const auto kind = std::find(kinds.begin(), kinds.end(), name);
+        refuse_unless(kind != kinds.end(), "no event named " + name.substr(0, 200));
+        require_step(step, "the step of an event");
+        refuse_unless(result.empty() || step >= result.back().step, "the events are not in order");
+        Event event{step, static_cast<Event::Kind>(kind - kinds.begin()), value, 0};
+        if (event.kind == Event::forgetting) require_forgetting(value, "lambda");
+        if (event.kind == Event::target) {
+            refuse_unless(value >= 0.0 && value < static_cast<double>(targets) &&
+                              value == std::floor(value),
+                          "no such target model");
+            event.index = static_cast<std::size_t>(value);
+        }
+        result.push_back(event);
+    }
+    return result;
+}
+
+// The roots of D_c are those of q^n - theta_1 q^(n-1) - ...: one u, and no u(k) among its taps.
+inline void require_reflectable(const Structure& structure) {
+    refuse_unless(structure.l_u == 1, "poles are reflected for l_u = 1 only");
+    for (const Tap& tap : structure.regressor)
+        refuse_unless(tap.source != 0 || tap.delay > 0, "u(k) is in its own regressor");
+}
+
+}  // namespace rcac

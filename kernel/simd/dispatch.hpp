@@ -1,0 +1,46 @@
+// What costs time, once for each instruction set; one binary runs on every processor.
+#pragma once
+
+#include "simd/layout.hpp"
+
+namespace rcac {
+
+struct LaneArrays;
+
+// The functions that one of the files beside this one compiles.
+struct InstructionSet {
+    const char* name;
+    // One measurement of regressor `row` and variance r by Bierman's recursion: updates U and D,
+    // leaves the unscaled gain in `gain` and returns alpha = r + row P row'. `lost` is set where
+    // some direction's excitation was lost in rounding while its variance is so large that the
+    // answer matters.
+    double (*ud_rank_one)(const UdFactors& factors, const double* row, double r, double* gain,
+                          bool& lost);
+    // The same for the measurement  scale phi theta + rhs = 0  with theta; phi has n entries and
+    // scale phi is left in `row`. False where alpha, theta or D left the range of float64.
+    bool (*ud_measure)(const UdFactors& factors, const double* phi, double scale, double rhs,
+                       double r, double* row, double* gain, double* theta, bool& lost);
+    // One measurement on each lane: r and alpha per lane, bit k of the result tells whether
+    // lane k was lost. A lane whose row is zero keeps its factors to the bit.
+    unsigned (*lanes_rank_one)(const UdLaneFactors& factors, const double* row, const double* r,
+                               double* gain, double* alpha);
+    // The same with theta, for the measurements  row theta + rhs = 0.
+    unsigned (*lanes_measure)(const UdLaneFactors& factors, const double* row, const double* rhs,
+                              const double* r, double* gain, double* theta, double* alpha);
+    // Steps of whole closed loops in lock step, see lanes/arrays.hpp.
+    std::size_t (*lane_steps)(LaneArrays& arrays, std::size_t count);
+    bool (*finite)(const double* values, std::size_t count);
+};
+
+// Those that this processor runs, the one meant for it first and "plain" last.
+struct InstructionSets {
+    const InstructionSet* const* first;
+    std::size_t count;
+};
+InstructionSets instruction_sets();
+
+// The one of that name, or for "" the first; throws std::invalid_argument for one that this
+// processor does not run. Tests ask for each in turn.
+const InstructionSet& instruction_set(const char* name = "");
+
+}  // namespace rcac

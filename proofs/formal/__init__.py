@@ -1,0 +1,1 @@
+"""Coq: its files, what it is asked of them, and what it answers."""

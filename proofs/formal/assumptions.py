@@ -1,0 +1,52 @@
+"""What the theorems of the ledger rest on, asked of Coq; needs the standard library only."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from .questions import ask, compiled
+from .rocq_sources import SOURCES, missing, source
+
+CLOSED = "Closed under the global context"
+
+
+def axioms(answer: str) -> str:
+    r"""Read the axioms out of an answer; empty if there are none, "?" for no answer.
+
+    Examples
+    --------
+    >>> from proofs.formal.assumptions import axioms
+    >>> axioms("Closed under the global context")
+    ''
+    >>> axioms("Axioms:\nchoice : exists f, f")
+    'choice : exists f, f'
+    """
+    words = " ".join(answer.split())
+    return "" if words == CLOSED else words.removeprefix("Axioms: ") or "?"
+
+
+def unproved(names: Iterable[str], folder: Path = SOURCES) -> dict[str, str]:
+    """Say of each theorem why it is not proved without axioms.
+
+    Parameters
+    ----------
+    names : iterable of str
+        ``folder.File.theorem``; the files must have been compiled.
+    folder : Path
+
+    Returns
+    -------
+    dict of str
+        Empty strings where a theorem rests on no axiom.
+    """
+    answers = {name: missing(name, folder) for name in names}
+    for name, reason in answers.items():
+        if not reason and not compiled(name, folder):
+            where = source(name, folder).relative_to(folder).as_posix()
+            answers[name] = f"{where} does not compile"
+    askable = [name for name, reason in answers.items() if not reason]
+    given, complaint = ask(dict.fromkeys(askable, "Print Assumptions {}."), folder)
+    for name in askable:
+        found = axioms(given.get(name, ""))
+        unclear = complaint or "Coq gave no answer"
+        answers[name] = unclear if found == "?" else f"rests on axioms: {found}" if found else ""
+    return answers

@@ -1,0 +1,1 @@
+"""The ledger: its entries, the checks that they name, and what became of each."""

@@ -1,0 +1,1 @@
+"""The ledger as a person, a program or the documentation reads it."""

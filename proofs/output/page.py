@@ -1,0 +1,107 @@
+"""The ledger as a page of the documentation."""
+
+import re
+from collections.abc import Iterable, Iterator
+
+from ..formal.rocq_sources import stated
+from ..ledger.checks import resolve, statement_of
+from ..ledger.entries import Entry
+
+_CHAPTERS = {
+    "2": "Chapter 2: the controller and its update",
+    "4": "Chapter 4: the intercalated transfer function",
+    "7": "Chapter 7: which compensators are observer-based",
+    "8": "Chapter 8: Riccati equations and least squares",
+    "A": "Appendix A: LQG and high-authority LQG",
+    "B": "Appendix B: Sylvester resultants",
+}
+
+
+def page(entries: Iterable[Entry]) -> str:
+    """Write the entries as Markdown, by chapter.
+
+    Examples
+    --------
+    >>> from proofs.ledger.ledger import select
+    >>> from proofs.output.page import page
+    >>> print(page(select(["theorem-a2"])))  # doctest: +ELLIPSIS
+    ## Appendix B: Sylvester resultants
+    <BLANKLINE>
+    (theorem-a2)=
+    ### Theorem A2
+    ...
+    """
+    entries = tuple(entries)
+    lines: list[str] = []
+    for chapter, heading in _CHAPTERS.items():
+        of_chapter = [entry for entry in entries if entry.chapter == chapter]
+        if of_chapter:
+            lines += [f"## {heading}", ""]
+            for entry in of_chapter:
+                lines += [*_entry(entry), ""]
+    return "\n".join(lines)
+
+
+def escaped(text: str) -> str:
+    r"""Escape what Markdown would read as markup.
+
+    Examples
+    --------
+    >>> from proofs.output.page import escaped
+    >>> print(escaped("D_c* < [x]"))
+    D\_c\* \< \[x\]
+    """
+    return re.sub(r"([\\`*_\[\]<>$|#~^])", r"\\\1", text)
+
+
+def _entry(entry: Entry) -> Iterator[str]:
+    yield f"({entry.name})="  # so that other pages can link to it
+    yield f"### {escaped(entry.title)}"
+    yield ""
+    yield f"`{entry.name}`, {escaped(entry.source)}"
+    yield ""
+    if entry.hypotheses:
+        yield f"Hypotheses: {escaped('; '.join(entry.hypotheses))}. Then:"
+        yield ""
+    yield f"> {escaped(entry.conclusion)}"
+    yield ""
+    yield f"The text: {escaped(entry.text)}"
+    if entry.difference:
+        yield ""
+        yield f"The difference: {escaped(entry.difference)}"
+    yield ""
+    yield "Evidence:"
+    yield ""
+    yield from _formal(entry)
+    for identity in entry.symbolic:
+        words = statement_of(resolve("symbolic", identity.check))
+        yield f"- identity (`{identity.check}`; {identity.scope}): {escaped(words)}"
+    for claim in entry.properties:
+        check = resolve("properties", claim.check)
+        yield (
+            f"- property (`{claim.check}`; {claim.examples} examples of {escaped(check.drawn)}): "
+            f"{escaped(check.statement)}"
+        )
+    for case in entry.counterexamples:
+        words = statement_of(resolve("counterexamples", case.check))
+        label = "false" if case.in_text else "false, and not said by the text"
+        yield f'- {label}: "{escaped(case.refutes)}" (`{case.check}`). {escaped(words)}'
+        if case.formal is not None:
+            yield f"  In Coq: `{case.formal}`{'' if stated(case.formal) else ', not there yet'}."
+    yield ""
+    yield "Relied on by " + ", ".join(f"`{name}`" for name in entry.relied_on_by) + "."
+
+
+def _formal(entry: Entry) -> Iterator[str]:
+    for theorem in entry.formal:
+        says = f", {escaped(theorem.says)}" if theorem.says else ""
+        statement = stated(theorem.theorem)
+        if not statement:
+            yield f"- Coq (`{theorem.theorem}`{says}): not there yet"
+            continue
+        yield f"- Coq (`{theorem.theorem}`{says}):"
+        yield ""
+        yield "  ```coq"
+        yield from (f"  {line}" for line in statement.splitlines())
+        yield "  ```"
+        yield ""

@@ -1,0 +1,1 @@
+from matplotlib.figure import Figure as Figure

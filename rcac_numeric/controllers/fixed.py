@@ -1,0 +1,69 @@
+"""A controller that does not adapt: LQG, a logged one, or one that RCAC converged to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import instance_of, integer, real_array
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.compensator import Compensator
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class FixedController(Value):
+    """A compensator as a controller that `simulate` runs.
+
+    Parameters
+    ----------
+    compensator : Compensator
+        From y to u, or from [y; r] to u.
+    l_r : int
+        How many of its inputs, the last ones, are commands.
+    k_w : int
+        First step with control; u = 0 before. 0 by default.
+
+    Raises
+    ------
+    InputError
+        Where it is no compensator, or has fewer inputs than commands.
+
+    Examples
+    --------
+    >>> from rcac_numeric import FixedController, WhiteNoise, exogenous, lqg, simulate
+    >>> from rcac_numeric import standard_plant
+    >>> plant = standard_plant("1/(q - 1.2)")
+    >>> w = exogenous([WhiteNoise()], steps=1000)
+    >>> run = simulate(plant, FixedController(lqg(plant).compensator), w)
+    >>> run.outcome, bool(abs(run.z).max() < 10)
+    ('completed', True)
+    """
+
+    compensator: Compensator
+    l_r: int
+    k_w: int
+
+    def __init__(self, compensator: Compensator, l_r: int = 0, k_w: int = 0) -> None:
+        set_ = partial(object.__setattr__, self)
+        set_("compensator", instance_of(compensator, "compensator", Compensator))
+        set_("l_r", integer(l_r, "l_r"))
+        set_("k_w", integer(k_w, "k_w"))
+        if l_r > compensator.l_y:
+            raise InputError(
+                f"the compensator has {compensator.l_y} inputs; l_r = {l_r} of them cannot be "
+                "commands."
+            )
+
+    @property
+    def l_theta(self) -> int:
+        """0: nothing is adapted."""
+        return 0
+
+    def compensator_of(self, theta: ArrayLike = ()) -> Compensator:
+        """The compensator itself; `theta` must be empty."""
+        if real_array(theta, "theta").size:
+            raise InputError("a fixed controller has no coefficients that are adapted.")
+        return self.compensator

@@ -1,0 +1,1 @@
+"""From plants, updates and controllers as data to objects of the kernel."""

@@ -1,0 +1,176 @@
+"""From a controller as data to a compiled controller at step 0.
+
+A new kind of controller is registered here: `@compiled_controller.register(YourController)`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import singledispatch
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.definite_matrices import constant_weight
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.rules import SignalWeight
+from rcac_numeric.controllers.settings import ControllerSettings, Weight
+from rcac_numeric.controllers.updates import Gradient
+from rcac_numeric.engine import _kernel
+from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.updates import Event, KernelUpdate, kernel_update
+from rcac_numeric.targets.model import TargetModel
+
+NEVER = 2**62  # a step that no run reaches
+ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
+
+
+@singledispatch
+def compiled_controller(controller: object, l_z: int, failures: Failures) -> _kernel.Controller:
+    """A compiled controller at step 0.
+
+    Parameters
+    ----------
+    controller : ControllerSettings or FixedController
+    l_z : int
+        Number of the loop's performance variables.
+    failures : Failures
+        Keeps the exceptions of weights that are functions.
+    """
+    raise InputError(f"settings = {controller!r}: ControllerSettings are needed.")
+
+
+@compiled_controller.register(ControllerSettings)
+def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Controller:
+    structure, target = settings.structure, settings.target
+    update = kernel_update(settings.update, structure.l_theta)
+    regressor = [(structure.index(tap), tap.delay) for tap in structure.taps]
+    models = settings.targets
+    if settings.k_filter == 0 and len(models) == 1:
+        # From zero initial conditions the filter commutes with the delays: one channel for
+        # each scalar signal serves all taps on it.
+        sources = sorted({source for source, _ in regressor} - set(range(structure.l_u)))
+        order = [*range(structure.l_u), *sources]
+        channels = [(source, 0) for source in order]
+        filtered = [(order.index(source), delay) for source, delay in regressor]
+    else:
+        # A filter that is switched on or replaced later does not: each tap is its own channel.
+        channels = [*((i, 0) for i in range(structure.l_u)), *regressor]
+        filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
+    longest = max(model.n_f for model in models)
+    return _compiled(
+        update,
+        l_u=structure.l_u,
+        l_y=structure.l_y,
+        l_r=structure.l_r,
+        l_z=target.l_z,
+        derived=[(np.array(s.now), np.array(s.before), s.pole) for s in structure.derived],
+        regressor=regressor,
+        channels=channels,
+        filtered=filtered,
+        targets=[_padded(model, longest) for model in models],
+        R_z=_weight(settings.R_z, "R_z", target.l_z, failures, definite=True),
+        R_u=_weight(settings.R_u, "R_u", target.l_z, failures, definite=False),
+        k_w=settings.k_w,
+        k_update=settings.k_update,
+        k_filter=settings.k_filter,
+        filter_form=settings.form == "filter",
+        reflect_poles=settings.reflect_poles,
+        events=_events(settings, update),
+        theta_0=settings.theta_0,
+    )
+
+
+@compiled_controller.register(FixedController)
+def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Controller:
+    """The difference equation as a regressor with its coefficients; no update is ever due."""
+    c = controller.compensator
+    first = 0 if c.past_y[0].any() else 1  # u(k) waits for y(k) only where it uses it
+    of_u = [(i, lag) for lag in range(1, c.n_c + 1) for i in range(c.l_u)]
+    of_y = [(c.l_u + i, lag) for lag in range(first, c.n_c + 1) for i in range(c.l_y)]
+    columns = [c.past_u[lag - 1][:, i] for i, lag in of_u]
+    columns += [c.past_y[lag][:, i - c.l_u] for i, lag in of_y]
+    theta = np.concatenate(columns) if columns else np.zeros(0)
+    size = len(theta)
+    return _compiled(
+        KernelUpdate(Gradient.name, P_0=np.zeros((size, size))),
+        l_u=c.l_u,
+        l_y=c.l_y - controller.l_r,
+        l_r=controller.l_r,
+        l_z=l_z,
+        derived=[],
+        regressor=of_u + of_y,
+        channels=[(i, 0) for i in range(c.l_u)],
+        filtered=[(0, 0)] * len(of_u + of_y),
+        targets=[(np.zeros((1, l_z, c.l_u)), np.eye(l_z)[None])],
+        R_z=np.eye(l_z),
+        R_u=np.zeros((l_z, l_z)),
+        k_w=controller.k_w,
+        k_update=NEVER,
+        k_filter=NEVER,
+        filter_form=False,
+        reflect_poles=False,
+        events=[],
+        theta_0=theta,
+    )
+
+
+def _compiled(update: KernelUpdate, **arguments: Any) -> _kernel.Controller:
+    return _kernel.controller(
+        update=update.name,
+        P_0=update.P_0,
+        forgetting_factor=update.forgetting_factor,
+        forgetting=update.forgetting,
+        reset=update.reset,
+        noise=update.noise,
+        window=update.window,
+        step_size=update.step_size,
+        **arguments,
+    )
+
+
+def _events(settings: ControllerSettings, update: KernelUpdate) -> list[Event]:
+    """What is scheduled, by step: (step, kind, lambda or the number of the target model)."""
+    events: list[Event] = list(update.events)
+    for start, stop in _merged(settings.freeze):
+        events.append((start, "freeze", 0.0))
+        if stop is not None:
+            events.append((stop, "resume", 0.0))
+    events += [(k, "target", float(i)) for i, k in enumerate(settings.target_changes, start=1)]
+    return sorted(events, key=lambda event: (event[0], ORDER_OF_EVENTS.index(event[1])))
+
+
+def _merged(intervals: Sequence[tuple[int, int | None]]) -> list[tuple[int, int | None]]:
+    """The union of intervals [start, stop) as disjoint ones with gaps between them."""
+    merged: list[tuple[int, float]] = []
+    for start, stop in sorted((a, np.inf if b is None else b) for a, b in intervals):
+        if merged and start <= merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(stop, merged[-1][1]))
+        else:
+            merged.append((start, stop))
+    return [(start, None if stop == np.inf else int(stop)) for start, stop in merged]
+
+
+def _padded(model: TargetModel, order: int) -> tuple[Array, Array]:
+    padding = [(0, order - model.n_f), (0, 0), (0, 0)]
+    return np.pad(model.numerator, padding), np.pad(model.denominator, padding)
+
+
+def _weight(value: Weight, name: str, l_z: int, failures: Failures, *, definite: bool) -> Any:
+    if isinstance(value, SignalWeight):
+        return value.constant * np.eye(l_z), value.z_squared
+    if isinstance(value, np.ndarray):
+        return value
+    function = value
+
+    def checked(k: int, y: Array, z: Array, u: Array) -> Array:
+        try:
+            return constant_weight(function(k, y, z, u), f"{name}({k})", l_z, definite=definite)
+        except TypeError as error:
+            raise InputError(
+                f"{name} = {function!r} could not be called as {name}(k, y, z, u): {error}."
+            ) from error
+
+    return failures.guard(checked)

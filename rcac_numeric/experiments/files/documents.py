@@ -1,0 +1,109 @@
+"""TOML files as tables: the numbered examples of the dissertation and users' own."""
+
+from __future__ import annotations
+
+import tomllib
+import unicodedata
+from collections.abc import Iterator, Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.experiments.format.places import DEEPEST, brief, shortened
+
+Raw = dict[str, Any]
+
+LARGEST_FILE = 10 * 2**20  # bytes
+# What changes the direction of the text around it could show a reader another file than is run.
+REORDERING = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
+
+
+def example_ids() -> list[str]:
+    """The numbers of the dissertation's examples that are here, in order."""
+    names = [path.name.removesuffix(".toml") for path in _folder().iterdir()]
+    numbers = [name for name in names if not name.startswith("__")]
+    return sorted(numbers, key=lambda name: [part.zfill(2) for part in name.split(".")])
+
+
+def example_titles() -> Iterator[tuple[str, str]]:
+    """Number and title of each example, without building anything."""
+    for number in example_ids():
+        yield number, str(read_example(number)[0]["title"])
+
+
+def read_example(number: str) -> tuple[Raw, str]:
+    """The tables of one numbered example and the name of its file."""
+    if number not in example_ids():
+        raise InputError(
+            f"there is no example {brief(number)}; there are {', '.join(example_ids())}. "
+            "For a case of your own, give the path of its TOML file."
+        )
+    return tomllib.loads(_folder().joinpath(f"{number}.toml").read_text("utf-8")), number
+
+
+def read_file(path: str | Path) -> tuple[Raw, str]:
+    """The tables of a user's file and its name.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is larger than 10 MiB, is not TOML, or holds control characters.
+    """
+    try:
+        with Path(path).open("rb") as file:
+            text = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}.") from None
+    except ValueError as error:  # a path with a null character
+        raise InputError(f"{brief(str(path))} cannot be read: {error}.") from None
+    if len(text) > LARGEST_FILE:
+        raise InputError(
+            f"{path} is larger than {LARGEST_FILE // 2**20} MiB. Long records belong in a .csv or "
+            '.npy file of their own: recorded = "flight.csv".'
+        )
+    try:
+        table = tomllib.loads(text.decode())
+    except RecursionError:
+        raise InputError(f"{path} is nested more than {DEEPEST} deep.") from None
+    except ValueError as error:  # also an integer of thousands of digits
+        raise InputError(f"{path} is not valid TOML: {error}.") from None
+    require_plain(table, str(path))
+    return table, str(path)
+
+
+def require_plain(table: Raw, file: str) -> None:
+    """Refuse tables that are nested too deep, or whose text a terminal would obey."""
+    level: list[Any] = [table]
+    for _ in range(DEEPEST + 2):
+        inner: list[Any] = []
+        for value in level:
+            if isinstance(value, str):
+                _require_printable(value, file)
+            elif isinstance(value, Mapping):
+                inner += [*value, *value.values()]
+            elif isinstance(value, list):
+                inner += value
+        level = inner
+    if level:
+        raise InputError(f"{file} is nested more than {DEEPEST} deep.")
+
+
+def named(error: CompensatorError, file: str) -> CompensatorError:
+    """The same error with the file's name in front, and of bearable length."""
+    text = str(error)
+    return type(error)(shortened(text if text.startswith(file) else f"{file}: {text}"))
+
+
+def _require_printable(text: str, file: str) -> None:
+    for character in text:
+        is_control = unicodedata.category(character) == "Cc" and character not in "\n\t\r"
+        if is_control or character in REORDERING:
+            raise InputError(
+                f"{file}: the text {brief(text)} holds the control character "
+                f"{character!a}, which a terminal would obey. Leave it out."
+            )
+
+
+def _folder() -> Any:
+    return resources.files("rcac_numeric.experiments.dissertation")

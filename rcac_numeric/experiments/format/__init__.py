@@ -1,0 +1,1 @@
+"""A file format from declarations: reader, error messages, JSON Schema and documentation."""

@@ -1,0 +1,216 @@
+"""The forms that a value in a file may have: how each is read, described and checked by editors."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Any
+
+import compensator_theory as exact
+from compensator_theory.errors import CompensatorError
+from rcac_numeric.arrays.validation import number, real_array
+from rcac_numeric.experiments.format.places import Place, brief, did_you_mean
+
+Schema = dict[str, Any]
+LARGEST = 2**62
+DEEPEST_ARRAY = 3
+
+
+class Form(ABC):
+    """What a value must look like."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """What is needed, such as an integer; it ends the sentence of an error."""
+
+    @abstractmethod
+    def read(self, value: object, place: Place) -> Any:
+        """The value as Python's, or an error that names the place."""
+
+    @abstractmethod
+    def schema(self) -> Schema:
+        """What a JSON Schema says of it; it accepts whatever `read` does."""
+
+
+@dataclass(frozen=True)
+class Integer(Form):
+    """A whole number in a range."""
+
+    at_least: int = 0
+    at_most: int = LARGEST
+
+    @property
+    def words(self) -> str:
+        """With its least value."""
+        return f"an integer of at least {self.at_least}"
+
+    def read(self, value: object, place: Place) -> int:
+        """As an int."""
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise place.error(f"{place} must be an integer, not {brief(value)}.")
+        if value < self.at_least:
+            raise place.refuse(value, f"at least {self.at_least}")
+        if value > self.at_most:
+            raise place.refuse(value, f"at most {self.at_most}")
+        return value
+
+    def schema(self) -> Schema:
+        """An integer in the range."""
+        return {"type": "integer", "minimum": self.at_least, "maximum": self.at_most}
+
+
+@dataclass(frozen=True)
+class Real(Form):
+    """A real number, or a string such as "pi/8", which is evaluated exactly and rounded once."""
+
+    words = 'a number, or a string such as "pi/8"'
+
+    def read(self, value: object, place: Place) -> float:
+        """As a finite float."""
+        if isinstance(value, str):
+            try:
+                expression = exact.parse_expression(value)
+            except CompensatorError as error:
+                raise place.error(f"{place} = {brief(value)}: {error}") from None
+            if not (expression.is_number and expression.is_real):
+                raise place.error(f"{place} = {brief(value)} is not a real number.")
+            return number(float(expression), str(place))
+        return number(value, str(place))
+
+    def schema(self) -> Schema:
+        """A number or a string."""
+        return {"type": ["number", "string"]}
+
+
+@dataclass(frozen=True)
+class Text(Form):
+    """A string."""
+
+    words = "a string"
+
+    def read(self, value: object, place: Place) -> str:
+        """As a str."""
+        if not isinstance(value, str):
+            raise place.refuse(value, self.words)
+        return value
+
+    def schema(self) -> Schema:
+        """A string."""
+        return {"type": "string"}
+
+
+@dataclass(frozen=True)
+class Choice(Form):
+    """One of a few words."""
+
+    choices: tuple[str, ...]
+
+    @property
+    def words(self) -> str:
+        """The words."""
+        return f"one of {', '.join(self.choices)}"
+
+    def read(self, value: object, place: Place) -> str:
+        """As a str among the choices."""
+        if not isinstance(value, str):
+            raise place.refuse(value, "a string")
+        if value not in self.choices:
+            hint = did_you_mean(value, self.choices)
+            raise place.error(f"{place} = {brief(value)} is not known; choose {self.words}.{hint}")
+        return value
+
+    def schema(self) -> Schema:
+        """An enumeration."""
+        return {"enum": list(self.choices)}
+
+
+@dataclass(frozen=True)
+class Flag(Form):
+    """True or false."""
+
+    words = "true or false"
+
+    def read(self, value: object, place: Place) -> bool:
+        """As a bool."""
+        if not isinstance(value, bool):
+            raise place.refuse(value, self.words)
+        return value
+
+    def schema(self) -> Schema:
+        """A truth value."""
+        return {"type": "boolean"}
+
+
+@dataclass(frozen=True)
+class Numbers(Form):
+    """A number, or lists of numbers nested up to three deep: a vector, a matrix, several."""
+
+    longest: int | None = None  # of the outermost list
+
+    words = "a number or an array of real numbers"
+
+    def read(self, value: object, place: Place) -> Any:
+        """A number as a float, anything else as an array of float64."""
+        if isinstance(value, list):
+            _require_depth(value, place, self.words)
+            if self.longest is not None and len(value) > self.longest:
+                raise place.error(f"{place} has {len(value)} entries; at most {self.longest} are "
+                                  "allowed.")  # fmt: skip
+            return real_array(value, str(place))
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise place.refuse(value, self.words)
+        return number(value, str(place))
+
+    def schema(self) -> Schema:
+        """A number or lists of them."""
+        return _nested({"type": "number"})
+
+
+@dataclass(frozen=True)
+class Exact(Form):
+    """What the exact half reads: numbers, strings such as "1/3" or "q - 0.85", lists of those.
+
+    A number means its shortest decimal, 0.1 being 1/10.
+    """
+
+    words = 'a number, a string such as "1/3", or lists of those'
+
+    def read(self, value: object, place: Place) -> Any:
+        """As it stands, its text included: the exact half parses it where it is used."""
+        if isinstance(value, list):
+            _require_depth(value, place, self.words)
+            flat = _leaves(value)
+        else:
+            flat = [value]
+        for leaf in flat:
+            if isinstance(leaf, bool) or not isinstance(leaf, int | float | str):
+                raise place.refuse(value, self.words)
+        return value
+
+    def schema(self) -> Schema:
+        """A number, a string or lists of them."""
+        return _nested({"type": ["number", "string"]})
+
+
+def _require_depth(value: list[Any], place: Place, needed: str) -> None:
+    if _depth(value) > DEEPEST_ARRAY:
+        raise place.refuse(value, f"{needed}, nested at most {DEEPEST_ARRAY} deep")
+
+
+def _depth(value: object) -> int:
+    return 1 + max(map(_depth, value), default=0) if isinstance(value, list) else 0
+
+
+def _leaves(value: list[Any]) -> list[Any]:
+    leaves: list[Any] = []
+    for entry in value:
+        leaves += _leaves(entry) if isinstance(entry, list) else [entry]
+    return leaves
+
+
+def _nested(leaf: Schema) -> Schema:
+    schema = leaf
+    for _ in range(DEEPEST_ARRAY):
+        schema = {"anyOf": [leaf, {"type": "array", "items": schema}]}
+    return schema

@@ -1,0 +1,58 @@
+"""What is said of a loop wherever one is reported: its health, its match, the split residual."""
+
+from __future__ import annotations
+
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.match import IntercalatedMatch
+from rcac_numeric.analysis.residual_split import ResidualSplit
+from rcac_numeric.reports.numbers import power_text
+from rcac_numeric.reports.sheet import Fact, Section, Text
+
+
+def health(loop: ClosedLoop) -> Text:
+    """Whether the loop is stable: the first sentence of a report."""
+    radius = loop.spectral_radius
+    if loop.is_stable:
+        return Text(f"The closed loop is stable, spectral radius {radius:.9g}.", "good")
+    return Text(f"The closed loop is UNSTABLE, spectral radius {radius:.9g}.", "bad")
+
+
+def match_section(match: IntercalatedMatch | None, reason: str) -> Section:
+    """The intercalated transfer function beside G_f."""
+    if match is None:
+        words = f"No match of the intercalated transfer function: {reason}."
+        return Section(blocks=(Text(words),), record={"match": None})
+    words = (
+        "intercalated transfer function against G_f: worst relative error "
+        f"{match.worst:.3g}, median {match.median:.3g}"
+    )
+    record = {"match": {"worst": match.worst, "median": match.median}}
+    return Section(blocks=(Text(words),), record=record)
+
+
+def split_section(split: ResidualSplit | None, reason: str, is_stable: bool) -> Section:
+    """The mean squares of the residual and its parts; (4.14) only where the loop is stable."""
+    if split is None:
+        words = f"No split of the residual: {reason}."
+        return Section(blocks=(Text(words),), record={"residual": None})
+    power = split.power()
+    facts = [Text(f"mean squares of the split residual: {power_text(power)}")]
+    record: dict[str, float] = dict(power)
+    if is_stable:
+        record["identity_error"] = split.identity_error
+        facts.append(Text(f"the split holds to {split.identity_error:.1e} (4.14)"))
+    return Section(blocks=tuple(facts), record={"residual": record})
+
+
+def joined(title: str, *sections: Section, remark: str = "") -> Section:
+    """Several sections under one title."""
+    record: dict[str, object] = {}
+    for section in sections:
+        record |= section.record
+    blocks = tuple(block for section in sections for block in section.blocks)
+    return Section(title, blocks, record, remark)
+
+
+def zeros_facts(zeros: dict[str, str]) -> tuple[Fact, ...]:
+    """The zeros from each channel of w to z, in words."""
+    return tuple(Fact(f"zeros from {channel} to z", words) for channel, words in zeros.items())

@@ -1,0 +1,71 @@
+"""An exact pole placement as a report, with what float64 would have kept of it."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import compensator_theory as exact
+from compensator_theory.errors import CompensatorError, RoundingWarning
+from compensator_theory.polynomials.poly import is_rational
+from rcac_numeric.analysis.placement_conditioning import (
+    PlacementConditioning,
+    placement_conditioning,
+)
+from rcac_numeric.reports.sheet import Section, Sheet, Text
+
+
+def placement_sheet(placement: exact.PolePlacement) -> Sheet:
+    """The compensator, how many there are, and what the same solve in float64 is worth.
+
+    Examples
+    --------
+    >>> from compensator_theory import place_poles
+    >>> from rcac_numeric.reports.placement import placement_sheet
+    >>> sheet = placement_sheet(place_poles("1/(s - 1)", [-2], feedback=-1))
+    >>> sheet.record["compensator"], sheet.record["float64"]["is_stable"]
+    ('(3)/(1)', True)
+    """
+    found = _conditioning(placement)
+    lines = [Text(line) for line in str(placement).splitlines()]
+    if found is not None:
+        is_worse = found.target_is_stable and not found.float64_is_stable
+        lines.append(Text(f"in float64: {found}", "bad" if is_worse else "plain"))
+    record = {
+        "plant": str(placement.plant),
+        "feedback": placement.feedback,
+        "order": int(placement.denominator.degree()),
+        "compensator": str(placement.compensator),
+        "numerator": _written(placement.numerator),
+        "denominator": _written(placement.denominator),
+        "closed_loop": _written(placement.target),
+        "is_unique": placement.is_unique,
+        "residual_is_zero": bool(placement.residual.is_zero),
+        "summary": str(placement),
+        "is_rational": all(map(is_rational, (placement.target, placement.numerator))),
+        "float64": found and {
+            "condition_number": found.condition_number,
+            "relative_error": found.relative_error,
+            "digits": found.digits,
+            "is_stable": found.float64_is_stable,
+            "target_is_stable": found.target_is_stable,
+            "summary": str(found),
+        },
+    }  # fmt: skip
+    return Sheet(f"G = {placement.plant}", sections=(Section("", tuple(lines), record),))
+
+
+def _conditioning(placement: exact.PolePlacement) -> PlacementConditioning | None:
+    """What the float64 solve is worth; None where the question makes no sense."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RoundingWarning)  # the report says it itself
+        try:
+            return placement_conditioning(
+                placement.plant, placement.target, feedback=placement.feedback
+            )
+        except CompensatorError:
+            return None
+
+
+def _written(polynomial: Any) -> list[str]:
+    return [str(coefficient) for coefficient in polynomial.all_coeffs()]

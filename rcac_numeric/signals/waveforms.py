@@ -1,0 +1,200 @@
+"""Commands, disturbances and noise: the signals of the text, each as data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, number
+from rcac_numeric.signals.signal import Signal
+
+
+def _read(signal: Signal, numbers: Sequence[str], steps: Sequence[str] = ()) -> None:
+    """Check the fields of a signal and keep them as floats and ints."""
+    for name in numbers:
+        object.__setattr__(signal, name, number(getattr(signal, name), name))
+    for name in steps:
+        object.__setattr__(signal, name, integer(getattr(signal, name), name))
+
+
+@dataclass(frozen=True, eq=False)
+class Step(Signal):
+    """A step of `height` that begins at step `start`.
+
+    Parameters
+    ----------
+    height : float
+        Its value from `start` on.
+    start : int
+        First step with that value.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Step
+    >>> Step(height=2, start=1).samples(3)
+    array([0., 2., 2.])
+    """
+
+    height: float = 1.0
+    start: int = 0
+
+    def __post_init__(self) -> None:
+        _read(self, ["height"], ["start"])
+
+    @property
+    def description(self) -> str:
+        """For instance step(2)."""
+        return f"step({self.height:g})"
+
+    def values(self, steps: int, rng: np.random.Generator) -> Array:
+        """Zero before `start`, the height from there on."""
+        return np.where(np.arange(steps) >= self.start, self.height, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Ramp(Signal):
+    """A ramp that is 0 up to step `start` and then grows by `slope` at each step.
+
+    Parameters
+    ----------
+    slope : float
+        Growth in one step.
+    start : int
+        Last step at which it is zero.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Ramp
+    >>> Ramp(slope=0.5, start=1).samples(4)
+    array([0. , 0. , 0.5, 1. ])
+    """
+
+    slope: float = 1.0
+    start: int = 0
+
+    def __post_init__(self) -> None:
+        _read(self, ["slope"], ["start"])
+
+    @property
+    def description(self) -> str:
+        """For instance ramp(0.5)."""
+        return f"ramp({self.slope:g})"
+
+    def values(self, steps: int, rng: np.random.Generator) -> Array:
+        """The slope times the steps since `start`."""
+        return self.slope * np.maximum(np.arange(steps) - self.start, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Pulse(Signal):
+    """A pulse of `height` over some steps from `start` on; by default an impulse.
+
+    Parameters
+    ----------
+    height : float
+        Its value while it lasts.
+    start : int
+        First step with that value.
+    length : int
+        Number of steps with that value.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Pulse
+    >>> Pulse(height=2, start=1, length=2).samples(5)
+    array([0., 2., 2., 0., 0.])
+    """
+
+    height: float = 1.0
+    start: int = 0
+    length: int = 1
+
+    def __post_init__(self) -> None:
+        _read(self, ["height"], ["start"])
+        object.__setattr__(self, "length", integer(self.length, "length", at_least=1))
+
+    @property
+    def description(self) -> str:
+        """For instance pulse(2, 3 steps)."""
+        return f"pulse({self.height:g}, {self.length} steps)"
+
+    def values(self, steps: int, rng: np.random.Generator) -> Array:
+        """The height while the pulse lasts, else zero."""
+        k = np.arange(steps)
+        return np.where((k >= self.start) & (k < self.start + self.length), self.height, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonic(Signal):
+    """The harmonic amplitude * cos(omega k + phase).
+
+    Parameters
+    ----------
+    omega : float
+        Frequency in rad/sample.
+    amplitude : float
+        Largest value.
+    phase : float
+        In rad.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Harmonic
+    >>> Harmonic(omega=0.5).samples(2).round(4)
+    array([1.    , 0.8776])
+    """
+
+    omega: float
+    amplitude: float = 1.0
+    phase: float = 0.0
+
+    def __post_init__(self) -> None:
+        _read(self, ["omega", "amplitude", "phase"])
+
+    @property
+    def description(self) -> str:
+        """For instance 1*cos(0.5 k)."""
+        return f"{self.amplitude:g}*cos({self.omega:g} k)"
+
+    def values(self, steps: int, rng: np.random.Generator) -> Array:
+        """The cosine at every step."""
+        wave: Array = np.cos(self.omega * np.arange(steps) + self.phase)
+        return self.amplitude * wave
+
+
+@dataclass(frozen=True, eq=False)
+class WhiteNoise(Signal):
+    """Zero-mean Gaussian white noise.
+
+    Parameters
+    ----------
+    std : float
+        Standard deviation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric import WhiteNoise
+    >>> WhiteNoise(std=0.1).samples(10_000, np.random.default_rng(1)).std().round(3)
+    np.float64(0.1)
+    """
+
+    std: float = 1.0
+
+    def __post_init__(self) -> None:
+        _read(self, ["std"])
+        if self.std < 0:
+            raise InputError(f"std = {self.std} is a standard deviation and cannot be negative.")
+
+    @property
+    def description(self) -> str:
+        """For instance white noise(0.1)."""
+        return f"white noise({self.std:g})"
+
+    def values(self, steps: int, rng: np.random.Generator) -> Array:
+        """Independent normal values."""
+        return self.std * rng.standard_normal(steps)

@@ -1,0 +1,118 @@
+"""One strategy for each public data class: what pickling and printing are tested with."""
+
+import sympy
+from hypothesis import strategies as st
+
+import compensator_theory as exact
+from compensator_theory.strategies import (
+    compensators,
+    coprime_pairs,
+    minimal_plants,
+    nonzero_rationals,
+    polynomials,
+    rationals,
+    spectra,
+    standard_problems,
+    strictly_proper_plants,
+)
+
+SIGNS = st.sampled_from([1, -1])
+SYMBOLS = st.sampled_from(["a", "k_1"]).map(sympy.Symbol)
+POLYS = polynomials()
+SYMBOLIC_POLYS = st.builds(
+    lambda p, a: exact.polynomial(p.as_expr() + a * p.gen + a**2, "s"), POLYS, SYMBOLS
+)
+
+
+@st.composite
+def placements(draw):
+    plant = draw(strictly_proper_plants(max_order=2))
+    n_c = plant.order + draw(st.integers(0, 1))
+    roots = draw(spectra(plant.order + n_c))
+    excess = draw(st.sampled_from([None, n_c]))
+    return exact.place_poles(plant, roots, feedback=draw(SIGNS), numerator_degree=excess)
+
+
+@st.composite
+def symbolic_placements(draw):
+    plant = exact.transfer_function(f"b/(s + {draw(SYMBOLS)})", "s")
+    return exact.place_poles(plant, ["-1", draw(rationals())], feedback=draw(SIGNS))
+
+
+@st.composite
+def observer_based(draw):
+    A, B, C = draw(minimal_plants(2))
+    spectrum = spectra(A.rows)
+    return exact.observer_based_compensator((A, B, C), draw(spectrum), draw(spectrum))
+
+
+def loops(order=1, hidden=()):
+    return st.tuples(minimal_plants(1), compensators(order, hidden=hidden))
+
+
+def forms(order=1):
+    return loops(order).map(lambda pair: exact.observer_forms(*pair))
+
+
+def first_form(forms):
+    return (*forms.forms, *forms.families)[0]
+
+
+CONTINUUM = (([[0]], [[1]], [[1]]), ([[-2, 0], [0, -2]], [[1], [0]], [[1, 0]]))
+
+
+@st.composite
+def discrete_problems(draw):
+    """Scalar plants without zeros on the unit circle, rational or not."""
+    b = draw(st.sampled_from(["q - 2", "q - 1/3", "q**2 - 3*q + 1"]))
+    return exact.standard_problem(f"{draw(nonzero_rationals())}*({b})/(q**3 - q/{5})", "q")
+
+
+@st.composite
+def transfer_matrices(draw):
+    return draw(standard_problems(max_order=2)).G_zu
+
+
+SAMPLES = {
+    exact.Certificate: minimal_plants().map(
+        lambda plant: exact.realisation(plant).transfer_function().certificate
+    ),
+    exact.Budget: st.builds(exact.Budget, degree=st.integers(1, 10**6)),
+    exact.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
+    | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),
+    exact.Enclosure: st.builds(exact.Enclosure, rationals(), rationals().map(abs)),
+    exact.HighAuthorityLQG: discrete_problems().map(exact.high_authority_lqg),
+    exact.HighAuthorityTarget: discrete_problems().map(exact.high_authority_target),
+    exact.LQGPoles: discrete_problems().map(exact.lqg_poles),
+    exact.ObserverBasedCompensator: observer_based(),
+    exact.ObserverDecision: st.builds(
+        lambda pair: exact.realisation_is_observer_based(*pair),
+        loops(1) | loops(2) | loops(1, ("unobservable",)) | st.just(CONTINUUM),
+    ),
+    exact.ObserverForm: st.just(first_form(exact.observer_forms("1/(s - 1)", "-6/(s + 4)"))),
+    exact.ObserverForms: forms(),
+    exact.PolePlacement: placements() | symbolic_placements(),
+    exact.PolynomialEnclosure: st.sampled_from(["q**2 - 3*q + 1", "(q - 2)*(q - 1/2)"]).map(
+        lambda text: exact.enclose_split_at_unit_circle(exact.polynomial(text))[0]
+    ),
+    exact.PropositionCheck: coprime_pairs().map(
+        lambda pair: exact.check_proposition_3(*pair, n_c=int(pair[0].degree()), m_hat=0)
+    ),
+    exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
+    | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
+    exact.RiccatiSolution: st.sampled_from([0, 1, "1/2"]).map(
+        lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1], [0]], [[0], [r]])
+    ),
+    exact.Root: polynomials(min_degree=1).map(lambda p: exact.certified_roots(p)[0]),
+    exact.RootCount: POLYS.map(exact.count_half_plane_roots),
+    exact.SpectralFactor: st.sampled_from([0, 1, 3]).map(
+        lambda r: exact.spectral_factor("z - 2", "z", r)
+    ),
+    exact.StabilityDecision: POLYS.map(exact.decide_hurwitz)
+    | SYMBOLIC_POLYS.map(exact.decide_hurwitz),
+    exact.StandardProblem: standard_problems(max_order=2),
+    exact.TransferFunction: strictly_proper_plants()
+    | SYMBOLIC_POLYS.map(lambda p: exact.transfer_function((1, p * p + 1), "s")),
+    exact.TransferMatrix: transfer_matrices(),
+    exact.YoulaForm: st.just(exact.youla_forms("1/(s - 1)", "-24/(s**2 + 7*s + 18)")[0]),
+}

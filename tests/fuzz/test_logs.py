@@ -1,0 +1,168 @@
+"""Damaged and misshapen logs: only errors of our own tree, little memory, nothing executed.
+
+Reduced by default; `--long` runs 10^4 files. Each kind of damage is written from a seed, so that a
+failure names the file that it came from.
+"""
+
+import pickle
+import resource
+import time
+import zipfile
+
+import numpy as np
+import pytest
+import scipy.io
+import scipy.sparse
+
+from compensator_theory.errors import CompensatorError
+from rcac_numeric import read_log, read_recording
+from rcac_numeric.signals.data_files import read_variables
+
+LONGEST, MOST_MEMORY = 5.0, 500_000_000
+KINDS = ("mat", "packed mat", "mat 4", "npz", "packed npz", "csv", "npy")
+
+
+class Trap:
+    """Unpickling it is the end of the test."""
+
+    def __reduce__(self):
+        return (pytest.fail, ("a log was unpickled",))
+
+
+def contents(rng):
+    """Signals of random widths and types beside things that are no signals."""
+    steps = int(rng.integers(1, 30))
+    found = {
+        name: rng.standard_normal((steps, int(rng.integers(1, 4)))).astype(
+            rng.choice(["f8", "f4", "i4", "u1", "c16"], p=[0.6, 0.1, 0.1, 0.1, 0.1])
+        )
+        for name in ("u", "y", "z", "theta")
+    }
+    found["A"] = scipy.sparse.random(3, 4, 0.5, "csc", random_state=int(rng.integers(1000)))
+    return found | {"note": "hot day", "cell": np.array([1, "a"], dtype=object)}
+
+
+def written(folder, kind, rng):
+    path = folder / f"log.{kind.split()[-1] if kind != 'mat 4' else 'mat'}"
+    found = contents(rng)
+    signals = {name: found[name] for name in ("u", "y", "z", "theta")}
+    if kind == "mat 4":
+        plain = {name: value.real.astype("f8") for name, value in signals.items()}
+        scipy.io.savemat(path, plain | {"A": found["A"]}, format="4")
+    elif path.suffix == ".mat":
+        scipy.io.savemat(path, found, do_compression=kind == "packed mat")
+    elif path.suffix == ".npz":
+        (np.savez_compressed if kind == "packed npz" else np.savez)(path, **signals)
+    elif path.suffix == ".npy":
+        np.save(path, found["u"])
+    else:
+        rows = [",".join(signals)] + [
+            ",".join(str(v[k, 0].real) for v in signals.values()) for k in range(len(found["u"]))
+        ]
+        path.write_text("\n".join(rows))
+    return path
+
+
+def damaged(data, rng):
+    """Bytes changed, cut out, repeated, or set to what sizes and counts are made of."""
+    data = bytearray(data)
+    for _ in range(int(rng.integers(1, 6))):
+        at = int(rng.integers(0, max(len(data), 1)))
+        match int(rng.integers(0, 6)):
+            case 0:
+                data[at : at + 1] = bytes([rng.integers(0, 256)])
+            case 1:
+                del data[at : at + int(rng.integers(1, 20))]
+            case 2:
+                data[at:at] = data[at : at + int(rng.integers(1, 40))]
+            case 3:
+                special = (0, 1, 2**31 - 1, 2**31, 2**32 - 1, 2**24)
+                data[at : at + 4] = int(rng.choice(special)).to_bytes(4, "little")
+            case 4:
+                del data[at:]
+            case _:
+                data[at : at + 8] = b"\xff" * 8
+    return bytes(data)
+
+
+def read(path):
+    """Every way in; what is refused is refused by an error of ours that names the file."""
+    ways = (read_variables, read_log) if path.suffix != ".npy" else ()
+    for way in (*ways, *((read_recording,) if path.suffix in {".csv", ".npy"} else ())):
+        try:
+            way(path)
+        except CompensatorError as error:
+            assert str(path) in str(error) and len(str(error)) < 3000
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_damaged_logs(tmp_path, kind, in_full):
+    for seed in range(1500 if in_full else 60):
+        rng = np.random.default_rng([seed, KINDS.index(kind)])
+        path = written(tmp_path, kind, rng)
+        path.write_bytes(damaged(path.read_bytes(), rng))
+        begun = time.monotonic()
+        try:
+            read(path)
+        except Exception:
+            print(f"kind {kind!r}, seed {seed}")
+            raise
+        assert time.monotonic() - begun < LONGEST, seed
+
+
+@pytest.mark.parametrize("compressed", [True, False])
+def test_every_byte_of_a_small_mat_file(tmp_path, compressed, in_full):
+    """One of these changes ended SciPy's reader in a segmentation fault: b[145] = 0xff."""
+    path = tmp_path / "log.mat"
+    signals = {"u": np.ones((9, 1)), "y": np.zeros((9, 1))}
+    scipy.io.savemat(path, signals, do_compression=compressed)
+    whole = path.read_bytes()
+    for at in range(116, len(whole)) if in_full else (*range(116, 200), 145):
+        for value in (0xFF, 0x00, 0x80, 14):
+            path.write_bytes(whole[:at] + bytes([value]) + whole[at + 1 :])
+            read(path)
+
+
+def test_files_that_ask_for_all_memory(tmp_path):
+    """A few hundred bytes that claim to hold a terabyte, or unpack to gigabytes of zeros."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    claims = tmp_path / "claims.npy"
+    with claims.open("wb") as file:
+        header = {"descr": "<f8", "fortran_order": False, "shape": (10**11,)}
+        np.lib.format.write_array_header_1_0(file, header)
+    with zipfile.ZipFile(tmp_path / "claims.npz", "w") as archive:
+        archive.write(claims, "u.npy")
+    bomb = tmp_path / "bomb.mat"
+    scipy.io.savemat(bomb, {"u": np.zeros((2**25 + 1, 1), "u1")}, do_compression=True)
+    sparse = tmp_path / "sparse.mat"
+    scipy.io.savemat(sparse, {"u": scipy.sparse.csc_matrix((10**6, 10**4))})
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    for path in (claims, claims.with_suffix(".npz"), bomb, sparse):
+        reader = read_recording if path.suffix == ".npy" else read_variables
+        begun = time.monotonic()
+        with pytest.raises(CompensatorError, match="more than 33554432 numbers"):
+            reader(path)
+        assert time.monotonic() - begun < LONGEST
+    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - max(peak, before)
+    assert grown < MOST_MEMORY
+
+
+def test_nothing_is_unpickled(tmp_path):
+    trapped = np.empty(1, dtype=object)
+    trapped[0] = Trap()
+    np.savez(tmp_path / "log.npz", u=trapped)
+    (tmp_path / "log.npy").write_bytes(pickle.dumps(Trap()))
+    for path in tmp_path.iterdir():
+        read(path)
+
+
+def test_devices_and_endless_names(tmp_path):
+    (tmp_path / "zero.csv").symlink_to("/dev/zero")
+    with pytest.raises(CompensatorError, match="no ordinary file"):
+        read_variables(tmp_path / "zero.csv")
+    wide = tmp_path / "wide.csv"
+    width = 300_000
+    wide.write_text(",".join(f"x{i}_" for i in range(width)) + "\n" + ",".join("1" * width))
+    with pytest.raises(CompensatorError) as caught:
+        read_log(wide)
+    assert len(str(caught.value)) < 1500

@@ -1,0 +1,77 @@
+"""What a user meets before any mathematics: the version, the wheel, a checkout without a kernel."""
+
+import importlib.metadata
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import compensator_theory
+import rcac_numeric
+
+ROOT = Path(__file__).resolve().parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PACKAGES = ("compensator_theory", "rcac_numeric")
+
+
+def test_the_version_is_that_of_the_distribution(monkeypatch):
+    monkeypatch.setattr(importlib.metadata, "version", {"compensator-theory": "9.8.7"}.__getitem__)
+    assert compensator_theory.__version__ == rcac_numeric.__version__ == "9.8.7"
+
+
+def test_a_checkout_that_is_not_installed_says_so(monkeypatch):
+    def absent(name):
+        raise importlib.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(importlib.metadata, "version", absent)
+    assert compensator_theory.__version__ == rcac_numeric.__version__ == "0+not.installed"
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_the_version_is_asked_for_cheaply(package):
+    heavy = "{'sympy', 'numpy'}"
+    code = f"import sys, {package}; {package}.__version__; print({heavy} & {{*sys.modules}})"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "set()"
+
+
+def test_one_version_everywhere():
+    version = PROJECT["project"]["version"]
+    assert re.search(rf"^version: {re.escape(version)}$", (ROOT / "CITATION.cff").read_text(), re.M)
+    assert re.search(rf"^## {re.escape(version)}$", (ROOT / "CHANGELOG.md").read_text(), re.M)
+
+
+def test_the_wheel_has_our_two_packages_only():
+    assert PROJECT["tool"]["scikit-build"]["wheel"]["packages"] == [*PACKAGES]
+
+
+NOT_BUILT = """
+import sys
+sys.meta_path[:] = [f for f in sys.meta_path if isinstance(f, type)]  # no editable installation
+import rcac_numeric
+assert rcac_numeric.Plant and rcac_numeric.__file__.startswith(sys.argv[1])
+rcac_numeric.simulate
+"""
+
+
+def test_a_checkout_that_is_not_built_says_how_to_build_it(tmp_path):
+    for package in PACKAGES:
+        compiled = shutil.ignore_patterns("*.so", "*.pyd", "__pycache__")
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=compiled)
+    out = subprocess.run(
+        [sys.executable, "-c", NOT_BUILT, str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    assert out.returncode == 1 and out.stderr.count("Traceback") == 1, out.stderr
+    last = out.stderr.splitlines()[-1]
+    assert "KernelNotBuiltError: the compiled kernel of rcac_numeric is not built" in last
+    assert "-m pip install -e .` builds it; that needs a C++17 compiler" in last

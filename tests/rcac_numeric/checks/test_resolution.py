@@ -1,0 +1,104 @@
+"""The digits of a log: what they leave open, and no more, counts as the same u."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory.errors import InputError
+from rcac_numeric import ControllerLog, check_controller, iir, replay
+from rcac_numeric.checks.resolution import resolution_of
+from tests.support.strategies import seeds
+
+WRITERS = {
+    "%.4f": lambda v: float(f"{v:.4f}"),
+    "%.2f": lambda v: float(f"{v:.2f}"),
+    "%.5g": lambda v: float(f"{v:.5g}"),
+    "%.3e": lambda v: float(f"{v:.3e}"),
+    "single": lambda v: float(np.float32(v)),
+    "float64": float,
+}
+
+
+def rounded(values, writer):
+    return np.vectorize(WRITERS[writer], otypes=[float])(values)
+
+
+def made_log(seed, steps=60, n_c=2, size=1.0):
+    """u(k) = Phi(k) theta(k) of random, bounded signals and coefficients that move."""
+    rng = np.random.default_rng(seed)
+    y = size * rng.standard_normal(steps)
+    theta = rng.uniform(-0.4, 0.4, (steps, 2 * n_c))
+    u = np.zeros(steps)
+    for k in range(steps):
+        past_u = [u[k - i] if k >= i else 0.0 for i in range(1, n_c + 1)]
+        past_y = [y[k - i] if k >= i else 0.0 for i in range(1, n_c + 1)]
+        u[k] = theta[k] @ (past_u + past_y)
+    return ControllerLog(u=u, y=y, theta=theta)
+
+
+@given(seeds, st.sampled_from(sorted(WRITERS)), st.sampled_from([1.0, 30.0]))
+def test_a_log_of_any_digits_agrees_and_a_fault_beyond_them_does_not(seed, writer, size):
+    log = made_log(seed, size=size)
+    written = ControllerLog(
+        **{name: rounded(getattr(log, name), writer) for name in ("u", "y", "theta")}
+    )
+    found = replay(written, iir(n_c=2))
+    assert found.agrees, str(found)
+    u = written.u.copy()
+    u[40] += 4 * found.tolerance * max(np.abs(u).max(), 1.0) * (1 + 4 * 0.4 * 4)
+    faulty = replay(ControllerLog(u=u, y=written.y, theta=written.theta), iir(n_c=2))
+    assert not faulty.agrees
+
+
+@given(seeds)
+def test_the_more_digits_the_less_is_left_open(seed):
+    log = made_log(seed)
+    tolerances = []
+    for writer in ("%.2f", "%.4f", "single", "float64"):
+        written = {name: rounded(getattr(log, name), writer) for name in ("u", "y", "theta")}
+        tolerances.append(replay(ControllerLog(**written), iir(n_c=2)).tolerance)
+    assert tolerances == sorted(tolerances, reverse=True)
+    assert tolerances[-1] == 1e-9 and 1e-5 < tolerances[1] < 1e-2
+
+
+@given(seeds, st.sampled_from(sorted(WRITERS)))
+def test_the_error_of_a_number_is_bounded(seed, writer):
+    values = 10 * np.random.default_rng(seed).standard_normal(200)
+    written = rounded(values, writer)
+    found = resolution_of(written)
+    assert (np.abs(written - values) <= found.error(written) * (1 + 1e-9)).all(), str(found)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [np.zeros(50), np.ones(50), np.tile([0, 1.0], 50), np.arange(4096.0), np.zeros(0),
+     np.array([1e300, -1e-300, 5e-324])],
+)  # fmt: skip
+def test_nothing_is_concluded_from_steps_and_counts(values):
+    assert str(resolution_of(values)) == "in float64"
+
+
+def test_the_report_says_what_is_allowed_and_the_option_decides():
+    log = made_log(1)
+    written = ControllerLog(
+        **{name: rounded(getattr(log, name), "%.4f") for name in ("u", "y", "theta")}
+    )
+    found = replay(written, iir(n_c=2))
+    assert "u to 4 decimals, y to 4 decimals, theta to 4 decimals" in str(found)
+    assert not replay(written, iir(n_c=2), tolerance=1e-12).agrees
+    check = check_controller(written, structure=iir(n_c=2), tolerance=1e-12)
+    assert not check.is_consistent and "1e-12 is allowed" in str(check)
+    with pytest.raises(InputError, match="tolerance"):
+        replay(written, iir(n_c=2), tolerance=0.0)
+
+
+def test_a_log_is_what_it_holds():
+    log = made_log(3)
+    assert pickle.loads(pickle.dumps(log)) == log == replace(log)
+    other = replace(log, y=log.y + 1)
+    assert other != log and other.source == log.source
+    assert hash(log) == hash(replace(log))

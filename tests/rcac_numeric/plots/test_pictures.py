@@ -1,0 +1,67 @@
+"""Pictures: what is equal is drawn as equal, and words of users are drawn as they are."""
+
+import io
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.figure import Figure
+
+from rcac_numeric import check_controller, iir, load_example, read_log, verify
+from rcac_numeric.analysis.closed_loop import IntercalatedMatch
+from rcac_numeric.plots.style import LEAST_FACTOR, draw_magnitude, draw_phase, draw_title, phases
+
+OMEGA = np.linspace(0.01, 3.13, 200)
+
+
+@given(st.integers(0, 2**32), st.floats(1e-9, 1e-3))
+def test_phases_of_nearly_equal_responses_are_nearly_equal(seed, off):
+    """Whatever the phase begins at, also next to the cut at pi, and however far it turns."""
+    rng = np.random.default_rng(seed)
+    turn = rng.uniform(-20, 20) * OMEGA + rng.choice([0, np.pi, -np.pi, rng.uniform(-4, 4)])
+    wanted = np.exp(1j * turn)
+    noise = rng.standard_normal(len(OMEGA)) + 1j * rng.standard_normal(len(OMEGA))
+    first, second = phases(wanted, wanted * (1 + off * noise))
+    assert np.abs(first - second).max() < 10 * off
+    assert np.allclose(np.exp(1j * first), wanted)
+    assert np.abs(np.diff(first - turn)).max() < 1e-6, "continuous"
+
+
+def test_the_phases_of_example_2_3_lie_on_each_other():
+    match = verify(load_example("2.3")).main.first.match
+    first, second = phases(match.wanted[:, 0, 0], match.reached[:, 0, 0])
+    assert np.abs(first - second).max() < 1
+
+
+def test_a_good_match_looks_like_one():
+    """Two all-pass responses that differ by 6e-6: the axis is not cut down to that."""
+    wanted = np.exp(-1j * OMEGA)[:, None, None]
+    match = IntercalatedMatch(OMEGA, wanted * (1 + 6e-6 * np.cos(9 * OMEGA)[:, None, None]), wanted)
+    gain, phase = Figure().subplots(1, 2)
+    draw_magnitude(gain, match)
+    low, high = gain.get_ylim()
+    assert np.isclose(high / low, LEAST_FACTOR) and low < 1 < high
+    constant = IntercalatedMatch(OMEGA, np.abs(match.reached) + 0j, np.abs(wanted) + 0j)
+    draw_phase(phase, constant)
+    assert np.ptp(phase.get_ylim()) >= 0.49
+
+
+@pytest.mark.parametrize("title", ["$x^2", r"\frac{1}{", "a$b$c_^", "\x1b[31mred", "x" * 10**5])
+def test_any_title_is_drawn(title):
+    figure = Figure()
+    draw_title(figure, title)
+    figure.savefig(io.BytesIO())
+    assert "\x1b" not in figure.get_suptitle() and len(figure.get_suptitle()) <= 120
+
+
+def test_results_draw_themselves():
+    """`plot` of each result is the function of the folder above."""
+    run = load_example("4.7").main_run.execute()
+    assert len(run.first.plot("4.7").axes) == 6
+    log, target = read_log("examples/octave/rcac_loop.mat"), run.first.compared_with
+    check = check_controller(
+        log, structure=iir(n_c=4), plant=run.first.plant, target=target, k_w=50
+    )
+    assert len(check.plot().axes) == 7
+    assert len(check.margins["u"].plot().axes) == 3

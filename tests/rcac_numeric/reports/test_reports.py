@@ -1,0 +1,96 @@
+"""What is reported of results: the numbers of the record are those of the sentences."""
+
+import json
+import pickle
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compensator_theory import place_poles
+from rcac_numeric import Compensator, check_controller, load_example, verify
+from rcac_numeric.experiments.experiment import Claim
+from rcac_numeric.reports.check import check_sheet
+from rcac_numeric.reports.json_record import as_dict
+from rcac_numeric.reports.observer import observer_sheet
+from rcac_numeric.reports.placement import placement_sheet
+from rcac_numeric.reports.terminal import as_text
+from rcac_numeric.reports.verification import verification_sheet
+from tests.support.strategies import plants, seeds
+
+
+@pytest.fixture(scope="module")
+def example():
+    return verify(load_example("4.7"))
+
+
+def test_a_verification_begins_with_the_health_of_the_loop(example):
+    sheet = verification_sheet(example)
+    assert "is stable, spectral radius 0." in sheet.health[0].words
+    assert sheet.health[0].level == "good"
+    lines = as_text(sheet).split("\n")
+    assert "stable" in lines[1] and not any("changed" in line for line in lines)
+
+
+def test_the_record_holds_what_scripts_read(example):
+    record = as_dict(verification_sheet(example))
+    assert record.keys() >= {
+        "id", "title", "claims", "runs", "match", "residual", "poles", "asked_poles", "zeros",
+        "characteristic_polynomial", "worst_pole_distance", "controller_distance",
+    }  # fmt: skip
+    assert record["runs"][0].keys() >= {
+        "name", "arithmetic", "outcome", "expected", "steps", "updates_decided_by_rounding",
+        "theta",
+    }  # fmt: skip
+    comparison = example.main.first.comparison
+    assert [complex(*p) for p in record["poles"]] == list(comparison.poles)
+    assert record["characteristic_polynomial"]["asked"] == [
+        str(c) for c in comparison.asked.all_coeffs()
+    ]
+
+
+def test_a_changed_verdict_is_said_first(example):
+    """A claim whose verdict of record is another one."""
+    first = example.verdicts[0]
+    claim = replace(first.claim, recorded="not reproduced")
+    assert isinstance(claim, Claim)
+    changed = replace(example, verdicts=(replace(first, claim=claim), *example.verdicts[1:]))
+    sheet = verification_sheet(changed)
+    assert [t.level for t in sheet.health] == ["good", "bad"]
+    assert "1 of the verdicts of record changed" in sheet.health[1].words
+    assert "was: not reproduced" in as_text(sheet)
+
+
+@settings(max_examples=15)
+@given(plants(), seeds, st.integers(0, 2))
+def test_any_check_has_a_strict_record_with_the_numbers_that_are_said(plant, seed, n_c):
+    rng = np.random.default_rng(seed)
+    compensator = Compensator(
+        0.3 * rng.standard_normal((n_c, plant.l_u, plant.l_u)),
+        np.concatenate([np.zeros((1, plant.l_u, plant.l_y)),
+                        0.3 * rng.standard_normal((n_c, plant.l_u, plant.l_y))]),
+    )  # fmt: skip
+    u, y = rng.standard_normal((30, plant.l_u)), rng.standard_normal((30, plant.l_y))
+    check = check_controller(u, y, compensator=compensator, plant=plant)
+    sheet = check_sheet(check)
+    record = as_dict(sheet)
+    json.dumps(record, allow_nan=False)
+    assert record["loop"]["is_stable"] == (sheet.health[0].level == "good")
+    said = float(re.search(r"radius ([\d.e+-]+)\.$", sheet.health[0].words)[1])
+    assert np.isclose(said, record["loop"]["spectral_radius"], rtol=1e-8)
+    assert record["margins"].keys() == check.margins.keys()
+    assert record["unsaid"] == check.unsaid and as_text(sheet) == str(check)
+    assert pickle.loads(pickle.dumps(check)) == check
+
+
+def test_a_placement_and_the_observer_question():
+    placed = placement_sheet(place_poles("4/((s + 1)*(s + 3))", [-6, -5, -4, -2], feedback=-1))
+    assert "G_c = (33*s/4 + 93/4)/(s**2 + 13*s + 49)" in as_text(placed)
+    assert as_dict(placed)["denominator"] == ["1", "13", "49"]
+    observer = observer_sheet("1/(s^3 + s)", "(s^2 + s + 1)/(s^3 + s + 5)", -1)
+    record = as_dict(observer)
+    assert len(record["float64_forms"]) == record["decisions"]["pair"]["number_of_forms"]
+    assert "float64: 4 observer-based forms" in as_text(observer)
