@@ -60,7 +60,7 @@ class Realisation(ExactValue):
     certificate: Certificate | None = field(default=None, compare=False)
     feedback: int | None = field(default=None, compare=False)
 
-    def __init__(  # noqa: PLR0917  (in the order of (7.1), (7.2))
+    def __init__(
         self,
         A: MatrixLike,
         B: MatrixLike,

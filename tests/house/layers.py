@@ -20,6 +20,7 @@ LAYERS = {
         "signals",
         "targets",
         "identification",
+        "controllers.updates",
         "controllers",
         "engine.compiled",
         "engine",

@@ -15,21 +15,16 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, inverse, square_root_columns
-from rcac_numeric.controllers.rules import (
-    CovarianceReset,
+from rcac_numeric.controllers.updates.forgetting import (
     Forgetting,
     ScheduledForgetting,
     VariableRateForgetting,
 )
-from rcac_numeric.controllers.updates import (
-    UD,
-    Covariance,
-    Gradient,
-    Instantaneous,
-    RecursiveLeastSquares,
-    SlidingWindow,
-    Update,
-)
+from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers.updates.recursive import UD, Covariance, RecursiveLeastSquares
+from rcac_numeric.controllers.updates.resets import CovarianceReset
+from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
+from rcac_numeric.controllers.updates.update import Update
 
 Event = tuple[int, str, float]
 

@@ -10,19 +10,11 @@ from flint import arb, arb_mat
 
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.controllers.rules import (
-    CovarianceReset,
-    ScheduledForgetting,
-    VariableRateForgetting,
-)
-from rcac_numeric.controllers.updates import (
-    UD,
-    Covariance,
-    Gradient,
-    Instantaneous,
-    RecursiveLeastSquares,
-    Update,
-)
+from rcac_numeric.controllers.updates.forgetting import ScheduledForgetting, VariableRateForgetting
+from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers.updates.recursive import UD, Covariance, RecursiveLeastSquares
+from rcac_numeric.controllers.updates.resets import CovarianceReset
+from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.engine.reference.balls import balls, inverse_weight, latest
 
 
