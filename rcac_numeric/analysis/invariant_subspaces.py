@@ -81,3 +81,29 @@ def selections(
         }
     empty = np.zeros((0, n), np.intp), np.zeros((0, n_c), np.intp)
     return tables.get(n, empty)
+
+
+def solved(matrices: Array, right: Array) -> Array:
+    """Solutions of many systems of equations; not a number where a matrix is singular."""
+    try:
+        return np.asarray(np.linalg.solve(matrices, right))
+    except np.linalg.LinAlgError:
+        found = np.full(right.shape, np.nan)
+        for i, (matrix, column) in enumerate(zip(matrices, right, strict=True)):
+            try:
+                found[i] = np.linalg.solve(matrix, column)
+            except np.linalg.LinAlgError:
+                continue
+        return found
+
+
+def least_sines(blocks: Array) -> Array:
+    """The least singular value of each block of orthonormal columns."""
+    if not len(blocks):
+        return np.zeros(0)
+    return np.asarray(np.linalg.svd(blocks, compute_uv=False)[:, -1])
+
+
+def norms(matrices: Array) -> Array:
+    """The Frobenius norm of each matrix."""
+    return np.asarray(np.sqrt((matrices**2).sum(axis=(1, 2))))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from scipy.linalg import matrix_balance
@@ -19,7 +19,14 @@ from compensator_theory import (
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from rcac_numeric.analysis.invariant_subspaces import kernel_bases, rounded_roots, selections
+from rcac_numeric.analysis.invariant_subspaces import (
+    kernel_bases,
+    least_sines,
+    norms,
+    rounded_roots,
+    selections,
+    solved,
+)
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.arrays.values import Value
@@ -131,7 +138,8 @@ class NumericObserverForms(Value):
     def __str__(self) -> str:
         if not len(self):
             return f"no observer-based form; {self.rejected} subspaces give none{self._unresolved}"
-        low, middle, high = np.quantile(self.condition, [0, 0.5, 1])
+        ordered = np.sort(self.condition)  # no mean of two: some may be infinite
+        low, middle, high = ordered[0], ordered[len(ordered) // 2], ordered[-1]
         return (
             f"{len(self)} observer-based forms, {self.rejected} subspaces without one"
             f"{self._unresolved}; "
@@ -206,24 +214,25 @@ def numeric_observer_forms(
     regulator, observer = selections(choices, n, n_c)
     V = np.linalg.qr(np.moveaxis(columns[:, regulator], 1, 0)).Q  # forms x (n + n_c) x n
     V_1, V_2 = V[:, :n, :], V[:, n:, :]
-    kept = np.flatnonzero((_least_sine(V_1) > singular) & (_least_sine(V_2) > singular))
+    kept = np.flatnonzero((least_sines(V_1) > singular) & (least_sines(V_2) > singular))
     # T of the balanced loop, and from it T itself: powers of two, so that nothing is rounded.
-    T = _solved(V_1[kept].transpose(0, 2, 1), V_2[kept].transpose(0, 2, 1)).transpose(0, 2, 1)
+    T = solved(V_1[kept].transpose(0, 2, 1), V_2[kept].transpose(0, 2, 1)).transpose(0, 2, 1)
     own, other = scale[0][:n], scale[0][n:]
     B_c, C_c = _rounded(controller.B), _rounded(controller.C)
     F = None
     if n == n_c:
         inputs = np.broadcast_to(B_c / other[:, None], (len(T), *B_c.shape))
-        F = own[:, None] * _solved(T, inputs)
+        F = own[:, None] * solved(T, inputs)
     left = loop[n:, :n] + loop[n:, n:] @ T
     right = T @ (loop[:n, :n] + loop[:n, n:] @ T)
-    terms = np.linalg.norm(loop[n:, :n]) + _norms(loop[n:, n:] @ T) + _norms(right)
+    terms = np.linalg.norm(loop[n:, :n]) + norms(loop[n:, n:] @ T) + norms(right)
     T = other[:, None] * T / own
-    residual = _norms(left - right) / np.where(terms > 0, terms, 1.0)
+    residual = norms(left - right) / np.where(terms > 0, terms, 1.0)
     with np.errstate(all="ignore"):
         good = (residual <= RESOLVED) & np.isfinite(T).all(axis=(1, 2))
         if F is not None:
-            off = _norms(T @ F - B_c) / (np.linalg.norm(B_c) + _norms(T) * _norms(F))
+            size = np.linalg.norm(B_c) + norms(T) * norms(F)
+            off = norms(T @ F - B_c) / np.where(size > 0, size, 1.0)
             good &= np.isfinite(F).all(axis=(1, 2)) & (off <= RESOLVED)
     which = kept[good]
     return NumericObserverForms(
@@ -234,34 +243,9 @@ def numeric_observer_forms(
     )  # fmt: skip
 
 
-def _solved(matrices: Array, right: Array) -> Array:
-    """Solutions of many systems of equations; not a number where a matrix is singular."""
-    try:
-        return np.asarray(np.linalg.solve(matrices, right))
-    except np.linalg.LinAlgError:
-        found = np.full(right.shape, np.nan)
-        for i, (matrix, column) in enumerate(zip(matrices, right, strict=True)):
-            try:
-                found[i] = np.linalg.solve(matrix, column)
-            except np.linalg.LinAlgError:
-                continue
-        return found
-
-
 def _rounded(matrix: ImmutableMatrix) -> Array:
     try:
         entries = [int(entry.p) / int(entry.q) for entry in matrix]
     except OverflowError:
         raise InputError("an entry of the closed loop is beyond the range of float64") from None
     return np.array(entries, float).reshape(matrix.shape)
-
-
-def _least_sine(blocks: Array) -> Array:
-    """Return the least singular value of each block of orthonormal columns."""
-    if not len(blocks):
-        return np.zeros(0)
-    return cast(Array, np.linalg.svd(blocks, compute_uv=False)[:, -1])
-
-
-def _norms(matrices: Array) -> Array:
-    return cast(Array, np.sqrt((matrices**2).sum(axis=(1, 2))))

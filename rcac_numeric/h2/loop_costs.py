@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from compensator_theory.errors import CompensatorError
+from compensator_theory.errors import CompensatorError, IllConditionedError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.costs import H2Cost, h2_cost
@@ -18,23 +18,24 @@ class LoopCosts(Value):
 
     Attributes
     ----------
-    reached : H2Cost
-        Of the loop, with the share of each noise; infinite for an unstable loop.
+    reached : H2Cost or None
+        Of the loop, with the share of each noise; infinite for an unstable loop, None where
+        rounding decides it.
     least : H2Cost or None
         Of LQG in the form that the compensator has: predictor for a strictly proper one, filter
         for an exactly proper one. No other stabilising compensator of that form costs less.
     obstacle : str
-        Why there is no LQG controller; empty where there is one.
+        Why `reached` is undecided, else why there is no LQG controller; empty where neither is so.
     """
 
-    reached: H2Cost
+    reached: H2Cost | None
     least: H2Cost | None
     obstacle: str
 
     @property
     def ratio(self) -> float | None:
         """The cost over LQG's, at least 1."""
-        if self.least is None or self.least.value == 0:
+        if self.reached is None or self.least is None or self.least.value == 0:
             return None
         return self.reached.value / self.least.value
 
@@ -58,4 +59,7 @@ def loop_costs(loop: ClosedLoop, noise: NoiseIntensities | None = None) -> LoopC
         least, obstacle = lqg(plant, noise=noise, form=form).cost, ""
     except CompensatorError as error:
         least, obstacle = None, str(error).rstrip(".")
-    return LoopCosts(h2_cost(plant, compensator, noise=noise), least, obstacle)
+    try:
+        return LoopCosts(h2_cost(plant, compensator, noise=noise), least, obstacle)
+    except IllConditionedError as error:
+        return LoopCosts(None, least, str(error).rstrip("."))

@@ -106,16 +106,20 @@ def _disk(check: ControllerCheck) -> Section:
 def _costs(check: ControllerCheck) -> Section:
     costs = check.costs
     assert costs is not None
-    shares = ", ".join(f"{name} {value:.6g}" for name, value in costs.reached.shares.items())
-    blocks: list[Block] = [Text(f"{costs.reached.value:.6g} ({shares})")]
+    blocks: list[Block] = []
+    if costs.reached is None:
+        blocks.append(Text(f"undecided: {costs.obstacle}.", "warning"))
+    else:
+        shares = ", ".join(f"{name} {value:.6g}" for name, value in costs.reached.shares.items())
+        blocks.append(Text(f"{costs.reached.value:.6g} ({shares})"))
     if costs.least is None:
         blocks.append(Text(f"no LQG cost: {costs.obstacle}.", "warning"))
     else:
         ratio = "" if costs.ratio is None else f"; ratio {costs.ratio:.6g}"
         blocks.append(Text(f"LQG: {costs.least.value:.6g}{ratio}"))
     record = {
-        "cost": costs.reached.value,
-        "by_noise": costs.reached.shares,
+        "cost": None if costs.reached is None else costs.reached.value,
+        "by_noise": {} if costs.reached is None else costs.reached.shares,
         "lqg": None if costs.least is None else costs.least.value,
         "obstacle": costs.obstacle or None,
     }

@@ -150,3 +150,29 @@ def test_refusals():
     three = numeric_observer_forms("1/s", "-2/(s + 3)")
     with pytest.raises(InputError, match="shapes"):
         three.closest_to([[1, 2]], [[1]])
+
+
+@pytest.mark.parametrize("n, poles", [(6, 20), (7, 11), (7, 15)])
+def test_forms_that_float64_does_not_resolve_are_named_and_the_rest_delivered(n, poles):
+    """1/((s+1)...(s+n)) with its like: LinAlgError once, and residuals up to 0.8."""
+
+    def plant(first):
+        return "1/(" + "*".join(f"(s + {first + i})" for i in range(n)) + ")"
+
+    found = numeric_observer_forms(plant(1), plant(poles))
+    unresolved = len(found.unresolved_roots)
+    assert len(found) and unresolved and found.unresolved_roots.shape[1] == n
+    assert len(found) + unresolved + found.rejected in (924, 3432)  # n of 2n simple real roots
+    assert found.residual.max() <= 1e-6
+    assert np.isfinite(found.K).all() and np.isfinite(found.F).all()
+    assert f"{unresolved} that float64 does not resolve" in str(found)
+    system, other = realisation(plant(1)), realisation(plant(poles))
+    A, B, C, A_c, B_c, C_c = map(
+        as_array, (system.A, system.B, system.C, other.A, other.B, other.C)
+    )
+    for i in (0, len(found) // 2, len(found) - 1):
+        T, K, F = found.T[i], found.K[i], found.F[i]
+        terms = [np.linalg.norm(part) for part in (B_c @ C, A_c @ T, T @ A, T @ B @ K)]
+        assert np.linalg.norm(B_c @ C + A_c @ T - T @ (A + B @ K)) <= 1e-3 * max(terms)
+        assert np.linalg.norm(T @ F - B_c) <= 1e-6 * np.linalg.norm(T) * np.linalg.norm(F)
+        assert np.allclose(C_c @ T, K)

@@ -1,18 +1,22 @@
 """Disk margins: held against a dense grid, and against loops that the ends of the disk perturb."""
 
+import control
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
+from scipy.optimize import minimize, minimize_scalar
 
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
     Plant,
+    lqg,
     multivariable_disk_margin,
     stability_margins,
 )
 from rcac_numeric.margins.peaks import hinf_norm
+from rcac_numeric.margins.structured import best_scaling
 from tests.support.loops import random_loop, seeds
 
 
@@ -94,3 +98,118 @@ def test_an_unstable_loop_has_no_disk_margin():
     )
     with pytest.raises(InputError, match="no margins"):
         multivariable_disk_margin(loop)
+
+
+def random_channels(rng, channels):
+    """A stable loop of LQG with as many u and y, and its difference equation."""
+    n = int(rng.integers(2, 5))
+    A, B = rng.standard_normal((n, n)), rng.standard_normal((n, channels))
+    C, none = rng.standard_normal((channels, n)), np.zeros((channels, channels))
+    plant = Plant(
+        A=A, B=B, C=C, D_1=np.hstack([np.eye(n), np.zeros((n, channels))]),
+        D_2=np.hstack([np.zeros((channels, n)), np.eye(channels)]),
+        E_1=np.vstack([C, np.zeros((channels, n))]), E_2=np.vstack([none, np.eye(channels)]),
+    )  # fmt: skip
+    return lqg(plant).loop
+
+
+def in_units(loop, units):
+    """The same loop with u_i in other units."""
+    p, c = loop.plant, loop.compensator
+    plant = Plant(A=p.A, B=p.B / units, D_1=p.D_1, C=p.C, D_2=p.D_2)
+    return ClosedLoop(
+        plant, Compensator(units[:, None] * c.past_u / units, units[:, None] * c.past_y)
+    )
+
+
+@settings(max_examples=10)
+@given(seeds)
+def test_the_units_of_the_channels_do_not_matter(seed):
+    rng = np.random.default_rng(seed)
+    loop = random_channels(rng, int(rng.integers(2, 4)))
+    units = 10.0 ** rng.uniform(-3, 3, loop.plant.l_u)
+    ours = multivariable_disk_margin(loop).alpha
+    assert multivariable_disk_margin(in_units(loop, units)).alpha == pytest.approx(ours, rel=1e-6)
+
+
+@settings(max_examples=10)
+@given(seeds)
+def test_up_to_three_channels_the_margin_is_reached(seed):
+    """mu = max of rho(M U) over diagonal unitary U, a bound from below that scalings know not of.
+
+    So factors of size alpha that put a pole on the circle exist, and no smaller ones.
+    """
+    rng = np.random.default_rng(seed)
+    loop = random_channels(rng, int(rng.integers(2, 4)))
+    disk = multivariable_disk_margin(loop)
+    M = S_minus_T(loop, disk.omega)
+
+    def radius(phases):
+        turned = M * np.exp(1j * np.concatenate([[0.0], phases]))
+        return -np.abs(np.linalg.eigvals(turned)).max()
+
+    starts = rng.uniform(0, 2 * np.pi, (12, len(M) - 1))
+    reached = -min(minimize(radius, s, method="Nelder-Mead", tol=1e-10).fun for s in starts)
+    assert 2 / reached == pytest.approx(disk.alpha, rel=1e-4)
+    for omega in np.linspace(0, np.pi, 200):  # and at no other frequency is there more
+        least, _ = best_scaling(S_minus_T(loop, omega))
+        assert least <= 2 / disk.alpha * (1 + 1e-9)
+
+
+def S_minus_T(loop, omega):
+    p, (A, B, C, D), z = loop.plant, loop.compensator.state_space(), np.exp(1j * omega)
+    G = p.C @ np.linalg.solve(z * np.eye(p.n) - p.A, p.B) + p.D_0
+    L = -(C @ np.linalg.solve(z * np.eye(len(A)) - A, B) + D) @ G
+    return 2 * np.linalg.inv(np.eye(len(L)) + L) - np.eye(len(L))
+
+
+def spinning_satellite(units=(1.0, 1.0)):
+    """Two channels at 10 rad/s (MathWorks' and python-control's example), by Tustin's rule.
+
+    The rule maps the imaginary axis to the unit circle, so that the margin stays what it is.
+    """
+    P = control.ss([[0, 10.0], [-10, 0]], np.eye(2), [[1, 10.0], [-10, 1]], np.zeros((2, 2)))
+    d = control.sample_system(P, 0.1, "bilinear")
+    plant = Plant(A=d.A, B=d.B / units, C=d.C, D_0=d.D / units, D_1=np.ones((2, 1)))
+    Q = np.zeros((2, 2, 2))
+    Q[0] = -np.array(units)[:, None] * [[1, -2], [0, 1]]
+    return ClosedLoop(plant, Compensator(np.zeros((1, 2, 2)), Q))
+
+
+@pytest.mark.parametrize("unit", [1.0, 10.0, 1000.0])
+def test_the_spinning_satellite(unit):
+    """By hand, at omega = 0: S - T = [[a, -b], [b', -1]], a = 19/21, b b' = 400/21."""
+    b = np.sqrt(400 / 21)
+    M = np.array([[19 / 21, -b], [b, -1.0]])  # the scaling that makes both couplings equal
+    by_hand = (
+        2
+        / minimize_scalar(
+            lambda x: np.linalg.norm(M * np.exp([[0, x], [-x, 0]]), 2),
+            bounds=(-1, 1),
+            method="bounded",
+        ).fun
+    )
+    disk = multivariable_disk_margin(spinning_satellite((1.0, unit)))
+    assert disk.alpha == pytest.approx(by_hand, rel=1e-6) and disk.omega < 1e-3
+    # python-control with slycot prints 0.3754, 3.3 dB and 21.26 degrees, at its first frequency
+    assert disk.alpha == pytest.approx(0.3754, rel=5e-3) and disk.alpha >= 0.3754
+    assert disk.phase == pytest.approx(21.26, abs=0.1)
+
+
+def test_at_least_as_sharp_as_python_control():
+    pytest.importorskip("slycot")
+    for seed in range(10):
+        loop = random_channels(np.random.default_rng(seed), 2)
+        p, c = loop.plant, loop.compensator
+        L = -control.ss(*c.state_space(), True) * control.ss(p.A, p.B, p.C, p.D_0, True)
+        theirs = control.disk_margins(L, np.linspace(1e-3, np.pi, 2000))[0]
+        ours = multivariable_disk_margin(loop).alpha
+        assert ours >= theirs * (1 - 1e-3) and ours <= theirs * 1.02
+
+
+def test_channels_that_act_one_way_only_are_as_good_as_alone():
+    """A triangular loop: the couplings can be scaled away, and only the diagonal counts."""
+    for coupling in (1.0, 1e3):
+        loop = two_channels(coupling)
+        alone = [stability_margins(loop, channel=i).disk.alpha for i in (0, 1)]
+        assert multivariable_disk_margin(loop).alpha == pytest.approx(min(alone), rel=1e-4)

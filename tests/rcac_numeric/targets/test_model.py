@@ -135,3 +135,13 @@ def test_irrational_zeros_are_found():
 def test_bad_input_is_named(make, error, message):
     with pytest.raises(error, match=message):
         make()
+
+
+def test_coefficients_that_are_not_those_of_the_exact_form_are_refused():
+    target = target_model("(q - 2)/(q**2 - 1/3*q)")
+    assert TargetModel(target.numerator, target.denominator, target.exact) == target
+    for numerator in ([0.0, 1.0, -2.0 - 1e-9], [1.0, -2.0], [0.0, 0.0, 1.0, -2.0]):
+        with pytest.raises(InputError, match="not those of its exact form"):
+            TargetModel(numerator, target.denominator, target.exact)
+    with pytest.raises(InputError, match="its exact form 1 x 1"):
+        TargetModel(np.ones((2, 1, 2)), exact=target.exact)
