@@ -7,7 +7,7 @@ from sympy import Expr, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.matrices.sylvester import formal_coefficients, sylvester_m1
+from compensator_theory.matrices.sylvester import formal_coefficients, matrix_of_coefficients
 from compensator_theory.polynomials.poly import PolynomialLike
 
 
@@ -98,7 +98,7 @@ def resultant(
 def _determinant(first: list[Expr], second: list[Expr]) -> Expr:
     if len(first) == len(second) == 1:
         return sympy.Integer(1)
-    return determinant(sylvester_m1(first, second))
+    return determinant(matrix_of_coefficients(first, second))
 
 
 def _in_flint(*polys: list[Expr]) -> list[flint.fmpq_poly] | None:

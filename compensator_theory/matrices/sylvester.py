@@ -129,6 +129,20 @@ def sylvester_m1(
     k, l = len(first) - 1, len(second) - 1  # noqa: E741
     if k + l == 0:
         raise InputError("a and b are both constants (k + l = 0), so the matrix would be empty")
+    return matrix_of_coefficients(first, second)
+
+
+def matrix_of_coefficients(first: list[Expr], second: list[Expr]) -> ImmutableMatrix:
+    """Return the Sylvester matrix of two lists of exact descending coefficients.
+
+    Examples
+    --------
+    >>> from compensator_theory.matrices.sylvester import matrix_of_coefficients
+    >>> from sympy.abc import a
+    >>> matrix_of_coefficients([a, 2], [3])
+    Matrix([[3]])
+    """
+    k, l = len(first) - 1, len(second) - 1  # noqa: E741
     ask("entries", (k + l) ** 2, "the Sylvester matrix")
     return _from_columns(_shifts(first, l, 0) + _shifts(second, k, 0), k + l)
 

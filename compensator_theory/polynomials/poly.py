@@ -303,7 +303,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
             f"the coefficients of {_short(whole)} span no field that is known here; write symbols "
             "in their place"
         ) from error
-    return canonical(result)
+    return result if result.domain.is_EX else canonical(result)  # sqrt(2)*s + a: no smaller one
 
 
 def _short(expression: Expr) -> str:
