@@ -40,6 +40,7 @@ from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
+from .matrices.certificates import Certificate as Certificate
 from .matrices.common_factors import BezoutIdentity as BezoutIdentity
 from .matrices.common_factors import bezout_identity as bezout_identity
 from .matrices.resultants import number_of_common_roots as number_of_common_roots
@@ -105,7 +106,6 @@ from .roots.unit_circle_enclosures import (
 )
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
-from .systems.certificates import Certificate as Certificate
 from .systems.controllability import controllability_matrix as controllability_matrix
 from .systems.controllability import is_controllable as is_controllable
 from .systems.controllability import uncontrollable_polynomial as uncontrollable_polynomial

@@ -2,13 +2,17 @@
 
 import flint
 import sympy
-from sympy import Expr, Symbol
+from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.matrices.sylvester import formal_coefficients, sylvester_m1
-from compensator_theory.polynomials.poly import PolynomialLike
+from compensator_theory.matrices.sylvester import (
+    formal_coefficients,
+    matrix_of_coefficients,
+    with_formal_degrees,
+)
+from compensator_theory.polynomials.poly import PolynomialLike, is_rational
 
 
 def number_of_common_roots(
@@ -49,11 +53,10 @@ def number_of_common_roots(
     >>> number_of_common_roots("(s + 1)**2*(s + 2)", "(s + 1)**3*(s - 7)*s")
     2
     """
-    first, second = formal_coefficients(a, b, variable)
-    _require_leading(first)
-    polys = _in_flint(first, second)
-    if polys is not None:
-        return int(polys[0].gcd(polys[1]).degree())
+    first, second = with_formal_degrees(a, b, variable)
+    _require_leading(*first)
+    if is_rational(first[0]) and is_rational(second[0]):
+        return int(_in_flint(first[0]).gcd(_in_flint(second[0])).degree())
     return 0 if _determinant(first, second).is_nonzero else None
 
 
@@ -85,31 +88,30 @@ def resultant(
     >>> resultant("s + 1", "s + 2"), resultant("s + a", "s + b")
     (1, -a + b)
     """
-    first, second = formal_coefficients(a, b, variable)
-    _require_leading(first)
-    polys = _in_flint(first, second)
-    if polys is None:
+    first, second = with_formal_degrees(a, b, variable)
+    _require_leading(*first)
+    if not (is_rational(first[0]) and is_rational(second[0])):
         return _determinant(first, second)
-    lacking = len(second) - 1 - max(int(polys[1].degree()), 0)
-    leading = flint.fmpq(int(first[0].p), int(first[0].q))
-    return rational(leading**lacking * polys[0].resultant(polys[1]))
+    lacking = second[1] - (0 if second[0].is_zero else int(second[0].degree()))
+    p, q = _in_flint(first[0]), _in_flint(second[0])
+    return rational(p.coeffs()[-1] ** lacking * p.resultant(q))
 
 
-def _determinant(first: list[Expr], second: list[Expr]) -> Expr:
-    if len(first) == len(second) == 1:
+def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:
+    if first[1] == second[1] == 0:
         return sympy.Integer(1)
-    return determinant(sylvester_m1(first, second))
+    both = (formal_coefficients(*pair) for pair in (first, second))
+    return determinant(matrix_of_coefficients(*both))
 
 
-def _in_flint(*polys: list[Expr]) -> list[flint.fmpq_poly] | None:
-    """Return rational polynomials in python-flint; None if there are symbols."""
-    if not all(c.is_Rational for poly in polys for c in poly):
-        return None
-    return [flint.fmpq_poly([flint.fmpq(int(c.p), int(c.q)) for c in p[::-1]]) for p in polys]
+def _in_flint(poly: Poly) -> flint.fmpq_poly:
+    """Return a rational polynomial in python-flint, without a detour through SymPy's numbers."""
+    ascending = reversed(poly.rep.to_list())
+    return flint.fmpq_poly([flint.fmpq(int(c.numerator), int(c.denominator)) for c in ascending])
 
 
-def _require_leading(first: list[Expr]) -> None:
-    if first[0] == 0:
+def _require_leading(poly: Poly, degree: int) -> None:
+    if poly.is_zero or poly.degree() < degree:
         raise InputError(
             "the leading coefficient of a is zero; drop its leading zeros (or, if a = 0, exchange "
             "a and b)"

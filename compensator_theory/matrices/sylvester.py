@@ -3,7 +3,7 @@
 from collections.abc import Sized
 
 import sympy
-from sympy import QQ, Expr, ImmutableMatrix, Symbol
+from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
@@ -125,10 +125,25 @@ def sylvester_m1(
     [1, 1, 3],
     [0, 1, 2]])
     """
-    first, second = formal_coefficients(a, b, variable, (k, l))
-    k, l = len(first) - 1, len(second) - 1  # noqa: E741
-    if k + l == 0:
+    first, second = (
+        formal_coefficients(*pair) for pair in with_formal_degrees(a, b, variable, (k, l))
+    )
+    if len(first) == len(second) == 1:
         raise InputError("a and b are both constants (k + l = 0), so the matrix would be empty")
+    return matrix_of_coefficients(first, second)
+
+
+def matrix_of_coefficients(first: list[Expr], second: list[Expr]) -> ImmutableMatrix:
+    """Return the Sylvester matrix of two lists of exact descending coefficients.
+
+    Examples
+    --------
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices.sylvester import matrix_of_coefficients
+    >>> matrix_of_coefficients([a, a], [a])
+    Matrix([[a]])
+    """
+    k, l = len(first) - 1, len(second) - 1  # noqa: E741
     ask("entries", (k + l) ** 2, "the Sylvester matrix")
     return _from_columns(_shifts(first, l, 0) + _shifts(second, k, 0), k + l)
 
@@ -165,44 +180,58 @@ def sylvester_m2(
     [1, 0],
     [2, 6]])
     """
-    first, second = formal_coefficients(a, b, variable)
-    k = len(first) - 1
+    (first, k), (second, _) = with_formal_degrees(a, b, variable)
     return sylvester_m1(first, second, k, k)
 
 
-def formal_coefficients(
+def with_formal_degrees(
     a: PolynomialLike,
     b: PolynomialLike,
     variable: str | Symbol | None,
     degrees: tuple[int | None, int | None] = (None, None),
-) -> list[list[Expr]]:
-    """Return descending coefficients of both, with leading zeros up to the formal degrees.
+) -> list[tuple[Poly, int]]:
+    """Read two polynomials in one variable, each with its formal degree.
 
     Examples
     --------
-    >>> from compensator_theory.matrices.sylvester import formal_coefficients
-    >>> formal_coefficients([0, 1], "s + 2", None)
-    [[0, 1], [1, 2]]
+    >>> from compensator_theory.matrices.sylvester import with_formal_degrees
+    >>> [degree for _, degree in with_formal_degrees([0, 1], "s + 2", None)]
+    [1, 1]
     """
     read = in_one_variable(a, b, variable=variable, default="s")
     found = []
-    for name, given, poly, degree in zip("ab", (a, b), read, degrees, strict=True):
-        coefficients = poly.all_coeffs()
-        formal = len(given) - 1 if degree is None and isinstance(given, Sized) else degree
-        if formal is None or (degree is None and not is_list(given)):
-            formal = len(coefficients) - 1
-        if isinstance(formal, bool) or not isinstance(formal, int):
-            raise InputError(f"the formal degree of {name} must be an integer, not {formal!r}")
-        lacking = formal + 1 - len(coefficients)
-        if lacking < 0 and poly.is_zero and formal >= 0:
-            coefficients, lacking = [], formal + 1
-        if lacking < 0:
+    for name, given, poly, asked in zip("ab", (a, b), read, degrees, strict=True):
+        degree = asked
+        if degree is None:
+            size = len(given) if is_list(given) and isinstance(given, Sized) else 0
+            degree = size - 1 if size else _degree(poly)
+        if isinstance(degree, bool) or not isinstance(degree, int) or degree < 0:
             raise InputError(
-                f"{name} has degree {len(coefficients) - 1}, above the formal {formal}"
+                f"the formal degree of {name} must be a natural number, not {degree!r}"
             )
-        ask("degree", formal, f"the formal degree of {name}")
-        found.append([sympy.Integer(0)] * lacking + coefficients)
+        if _degree(poly) > degree:
+            raise InputError(f"{name} has degree {poly.degree()}, above the formal {degree}")
+        ask("degree", degree, f"the formal degree of {name}")
+        found.append((poly, degree))
     return found
+
+
+def _degree(poly: Poly) -> int:
+    return 0 if poly.is_zero else int(poly.degree())
+
+
+def formal_coefficients(poly: Poly, degree: int) -> list[Expr]:
+    """Return descending coefficients with leading zeros up to a formal degree.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.matrices.sylvester import formal_coefficients
+    >>> formal_coefficients(polynomial("s + 2"), 2)
+    [0, 1, 2]
+    """
+    true = [] if poly.is_zero else poly.all_coeffs()
+    return [sympy.Integer(0)] * (degree + 1 - len(true)) + true
 
 
 def _shifts(column: list[Expr], count: int, offset: int) -> list[dict[int, Expr]]:

@@ -51,7 +51,7 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
         ask("characters", len(roots), "the list of roots")
         text = roots.strip()
         roots = re.split(r"\s*[,;]\s*", text) if re.search("[,;]", text) else text.split()
-        if not all(roots):
+        if not roots or not all(roots):
             raise InputError(f"{text[:60]!r} has an empty entry; write for instance '-1, -2+1j'")
     elif isinstance(roots, Mapping | bytes | bytearray) or not isinstance(roots, Iterable):
         raise InputError(

@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
-from compensator_theory.polynomials.quotients import Quotient, multiplied_out
+from compensator_theory.polynomials.quotients import Quotient, by_powers, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
     require_small_field,
     tree_of,
@@ -255,7 +255,7 @@ def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
     sides = quotient.polynomials(variable)
     if sides is not None:
         return sides
-    top, bottom = (_by_powers(side, variable) for side in quotient.sides())
+    top, bottom = (by_powers(side, variable) for side in quotient.sides())
     if top is None or bottom is None:
         raise InputError(f"{_short(quotient.value())} is no quotient of polynomials in {variable}")
     return _from_powers(top, variable), _from_powers(bottom, variable)
@@ -268,25 +268,13 @@ def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
     if sides is not None and sides[1].degree() == 0:
         return sides[0].quo_ground(sides[1].LC())
     numerator, denominator = reduced.sides()
-    powers = _by_powers(numerator, variable)
+    powers = by_powers(numerator, variable)
     if powers is None or variable in denominator.free_symbols:
         raise InputError(
             f"{_short(numerator / denominator)} is not a polynomial in {variable}; give numerator "
             "and denominator of a rational function separately"
         )
     return _from_powers({k: c / denominator for k, c in powers.items()}, variable)
-
-
-def _by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
-    """Collect an expanded expression by powers; None if it is no polynomial in the variable."""
-    found: dict[int, list[Expr]] = {}
-    for term in sympy.Add.make_args(expression):
-        rest, power = term.as_independent(variable, as_Add=False)
-        base, exponent = power.as_base_exp()
-        if power != 1 and not (base == variable and exponent.is_Integer and exponent > 0):
-            return None
-        found.setdefault(0 if power == 1 else int(exponent), []).append(rest)
-    return {k: sympy.Add(*terms) for k, terms in found.items()}
 
 
 def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
@@ -303,7 +291,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
             f"the coefficients of {_short(whole)} span no field that is known here; write symbols "
             "in their place"
         ) from error
-    return canonical(result)
+    return result if result.domain.is_EX else canonical(result)  # sqrt(2)*s + a: no smaller one
 
 
 def _short(expression: Expr) -> str:

@@ -138,6 +138,26 @@ def multiplied_out(tree: Tree, *, least_denominators: bool = False) -> Quotient:
     )
 
 
+def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
+    """Collect an expanded expression by powers; None if it is no polynomial in the variable.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials.quotients import by_powers
+    >>> by_powers(a * s**2 + s**2 + 1, s) == {2: a + 1, 0: 1}
+    True
+    """
+    found: dict[int, list[Expr]] = {}
+    for term in sympy.Add.make_args(expression):
+        rest, power = term.as_independent(variable, as_Add=False)
+        base, exponent = power.as_base_exp()
+        if power != 1 and not (base == variable and exponent.is_Integer and exponent > 0):
+            return None
+        found.setdefault(0 if power == 1 else int(exponent), []).append(rest)
+    return {k: sympy.Add(*terms) for k, terms in found.items()}
+
+
 _Side: TypeAlias = flint.fmpq_mpoly
 _Sides: TypeAlias = tuple[_Side, _Side]
 

@@ -125,7 +125,9 @@ def square_root(argument: Expr) -> Expr:
 
 
 def real_power(base: Expr, exponent: Expr) -> Expr:
-    """Return a rational power of a positive rational number; refuse others, which have branches.
+    """Return the principal value of a rational power; refuse odd roots of negative numbers.
+
+    The real number -2 and a complex one are both called the third root of -8.
 
     Examples
     --------
@@ -134,11 +136,16 @@ def real_power(base: Expr, exponent: Expr) -> Expr:
     >>> real_power(Integer(8), Rational(1, 3))
     2
     """
-    if not (exponent.is_Rational and base.is_Rational and base > 0):
+    if not exponent.is_Rational:
         raise InputError(
-            f"the exponent {str(exponent)[:60]} is not an integer; roots are written sqrt(...), "
-            "and others are read of positive rational numbers only"
+            f"the exponent {str(exponent)[:60]} is not a rational number; roots are written "
+            "sqrt(...)"
         )
+    if base.is_Rational and base <= 0 and exponent.q % 2:
+        raise InputError(
+            f"({str(base)[:60]})**({exponent}) has several meanings; write the root that you mean"
+        )
+    require_small_field([base, sympy.Pow(base, exponent, evaluate=False)])
     ask("field_degree", int(exponent.q), "a root")
     ask("degree", abs(int(exponent.p)), "a power")
     return sympy.Pow(base, exponent)

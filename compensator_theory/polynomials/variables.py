@@ -1,6 +1,6 @@
 """Which symbol is the variable: one rule for every function, and what the letters s, z, q mean."""
 
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Sequence, Set
 from typing import TypeAlias
 
 from sympy import Expr, Poly, Symbol
@@ -129,7 +129,7 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
     expressions = [part for part in known if not isinstance(part, Poly)]
     fixed = {part.gen for part in known if isinstance(part, Poly)}
     occurring = fixed.union(*(part.free_symbols for part in expressions))
-    what = " and ".join(_written(part) for part in known) or "a list of coefficients"
+    what = _Names(known)
     found = evident_variable(occurring, what, fixed)
     for part in expressions:
         if part.free_symbols and found not in part.free_symbols:
@@ -141,7 +141,9 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
     return found
 
 
-def evident_variable(occurring: Set[Symbol], what: str, fixed: Set[Symbol] = frozenset()) -> Symbol:
+def evident_variable(
+    occurring: Set[Symbol], what: object, fixed: Set[Symbol] = frozenset()
+) -> Symbol:
     """Return the only one of s, z, q that occurs, else the only symbol.
 
     Examples
@@ -206,6 +208,16 @@ def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:
                 f"two different symbols are called {symbol.name}: they were declared with "
                 "different assumptions, and a name in a text has none. Use one symbol in all places"
             )
+
+
+class _Names:
+    """The arguments in words, written only where a message needs them: that takes a while."""
+
+    def __init__(self, parts: Sequence[Poly | Expr]) -> None:
+        self.parts = parts
+
+    def __str__(self) -> str:
+        return " and ".join(map(_written, self.parts)) or "a list of coefficients"
 
 
 def _written(part: Poly | Expr) -> str:

@@ -6,10 +6,10 @@ from sympy import ImmutableMatrix, Matrix, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.flint_matrices import from_flint, is_rational_matrix, to_flint
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.poly import canonical, from_coefficients, scaled
-from compensator_theory.systems.certificates import Certificate
 from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
 from compensator_theory.systems.transfer_matrices import TransferMatrix
 

@@ -8,11 +8,11 @@ from sympy import Expr, Poly, Rational, Symbol
 from sympy.printing.pretty.stringpict import prettyForm
 
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
-from compensator_theory.systems.certificates import Certificate
 
 
 @dataclass(frozen=True, repr=False)

@@ -6,9 +6,9 @@ import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.systems.certificates import Certificate
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 

@@ -1,0 +1,335 @@
+"""What an audit of the doors found, each reproducer kept: misreadings, hangs, raw errors."""
+
+import time
+from decimal import Decimal
+
+import control
+import numpy as np
+import pytest
+import scipy.signal
+import scipy.sparse
+import sympy
+import sympy.physics.control as sympy_control
+from sympy import CRootOf, I, Poly, Rational, Symbol, exp, pi, sqrt
+
+import compensator_theory as exact
+from compensator_theory import BudgetError, InputError, NotCoprimeError
+
+a, s, x, z = sympy.symbols("a s x z")
+POSITIVE = Symbol("a", positive=True)
+PLANT = "1/(s**2 + 1)"
+BUTTERWORTH = [exp(I * pi * Rational(2 * k + 5, 8)) for k in range(4)]
+CONTINUOUS = "(s + 2)/((s + 1)*(s + 3))"
+
+
+# ---- parsers that cannot misread
+@pytest.mark.parametrize("text", ["-1 -2", "1 2", "-1 +2j -1 -2j", "2 i", "1. 5", "3 -j"])
+def test_two_numbers_are_not_one(text):
+    with pytest.raises(InputError):
+        exact.exact_number(text)
+
+
+@pytest.mark.parametrize("text", ["-1 -2", "-1, -2", "-1;-2", " -1 ,\t-2 ", "-1.0 -4/2"])
+def test_a_list_of_roots_in_a_text(text):
+    assert exact.read_roots(text) == (-1, -2)
+    placed = exact.place_poles("1/(s - 1)", exact.read_roots(text), feedback=-1)
+    assert placed.target == exact.polynomial("(s + 1)*(s + 2)")
+
+
+@pytest.mark.parametrize("text", ["-1 - 2", "-1 -2, -3", "-1,,-2", "", ",", "-1,", "-1; x y"])
+def test_a_list_that_is_not_clear(text):
+    with pytest.raises(InputError):
+        exact.read_roots(text)
+
+
+def test_i_after_a_number_is_the_imaginary_unit():
+    assert exact.exact_number("2i") == exact.exact_number("2j") == 2 * I
+    assert exact.read_roots("-1+2i -1-2i") == (-1 + 2 * I, -1 - 2 * I)
+
+
+@pytest.mark.parametrize(
+    "obj",
+    ["(s+1)*(s+.5)", "2i - .25", "1/s + 1/(s + 1)", "s/s", 0.1, sqrt(8), exp(I * pi / 4), 1j,
+     "sqrt(2)*s + a", "(s + 1)/((s + 1)*(s + a))", CRootOf(x**5 + x + 1, 0), "2**(1/3)", "0", a / s,
+     "sqrt(sqrt(2) + 2)", 10**30, "pi*s", control.tf([1], [1, 2])],
+)  # fmt: skip
+def test_what_was_read_is_echoed_and_reads_back(obj):
+    echo = exact.canonical(obj)
+    assert exact.canonical(echo) == echo
+
+
+# ---- one variable rule
+@pytest.mark.parametrize(
+    "function",
+    [exact.resultant, exact.number_of_common_roots, exact.bezout_identity, exact.sylvester_m1,
+     exact.sylvester_m2, exact.spectral_factor],
+)  # fmt: skip
+@pytest.mark.parametrize("pair", [("s + 1", "a"), ("s + 1", "z + 1"), ("s*(s + 1)", "k")])
+def test_ambiguity_is_refused_by_name(function, pair):
+    with pytest.raises(InputError, match="not evident"):
+        function(*pair)
+
+
+def test_the_variable_can_be_named():
+    assert exact.resultant("s + 1", "a", variable="s") == a == exact.resultant("s + 1", ["a"])
+    assert exact.resultant("s + a", "s + 2*a", variable="a") == -s
+    listed = exact.sylvester_m("s**2 + a*s", ["b"], 1, 1)
+    assert exact.sylvester_m("s**2 + a*s", "b", 1, 1, variable="s") == listed
+    with pytest.raises(InputError, match="not evident"):
+        exact.sylvester_m("s**2 + a*s", "b", 1, 1)
+    with pytest.raises(InputError, match="not evident"):
+        exact.transfer_function(("k", "s + 1"))
+    with pytest.raises(InputError, match="one variable"):
+        exact.place_poles(PLANT, "z**2 + 1", feedback=-1)
+    with pytest.raises(InputError, match="one variable"):
+        exact.closed_loop_polynomial(exact.standard_problem("1/q"), "z", "q")
+
+
+@pytest.mark.parametrize(
+    "call",
+    [lambda: exact.polynomial([POSITIVE, "a"], "s"),
+     lambda: exact.polynomial(POSITIVE**2 + a * a, "s"),
+     lambda: exact.Realisation([[POSITIVE]], [["a"]], [[1]]),
+     lambda: exact.is_controllable([[POSITIVE]], [["a"]]),
+     lambda: exact.sensitivity_function("1/(s + a)", (POSITIVE, Poly(s + 1, s)), feedback=-1),
+     lambda: exact.polynomial(Symbol("s", real=True) + 1, "s")],
+)  # fmt: skip
+def test_one_name_is_one_symbol(call):
+    with pytest.raises(InputError):
+        call()
+
+
+# ---- time
+@pytest.mark.parametrize(
+    "call",
+    [lambda: exact.high_authority_lqg(exact.standard_problem(CONTINUOUS)),
+     lambda: exact.lqg_poles(exact.standard_problem(CONTINUOUS)),
+     lambda: exact.high_authority_target(exact.standard_problem(CONTINUOUS)),
+     lambda: exact.lqg_poles(exact.standard_problem("1/(x - 2)")),
+     lambda: exact.solve_riccati([[2]], [[1]], [[1]], variable="s"),
+     lambda: exact.regulator_spectrum([[2]], [[1]], [[1]], [[0]], "s")],
+)  # fmt: skip
+def test_discrete_lqg_refuses_continuous_plants(call):
+    with pytest.raises(InputError, match="discrete"):
+        call()
+
+
+def test_a_variable_that_says_nothing_about_time():
+    with pytest.raises(InputError, match="what x means"):
+        exact.is_lqg_suboptimal("1/(x - 1)", "-3/(x + 2)", feedback=1)
+    with pytest.raises(InputError, match="what x means"):
+        exact.observer_forms("1/(x - 1)", "-6/(x + 4)").fastest_observer()
+    for letter, time_ in (("s", "continuous"), ("z", "discrete")):
+        found = exact.is_lqg_suboptimal(f"1/({letter} - 1)", f"-3/({letter} + 2)", feedback=1)
+        assert f"{time_} time" in found.question
+    assert exact.solve_riccati([[2]], [[1]], [[1]], variable="z").factor.polynomial.gen == z
+
+
+# ---- irrational roots
+@pytest.mark.parametrize(
+    "roots",
+    [[exp(I * pi / 4), exp(-I * pi / 4), -1], sympy.solve(x**3 + x + 1),
+     Poly(x**3 + x + 1).all_roots(), BUTTERWORTH, [sqrt(2), -sqrt(2), -3], ["1+sqrt(3)", -1],
+     [(-1) ** Rational(1, 3), -((-1) ** Rational(2, 3))], [CRootOf(x**3 + x + 1, 0), -1]],
+)  # fmt: skip
+def test_symmetric_irrational_roots_are_placed(roots):
+    start = time.process_time()
+    placed = exact.place_poles("1/(s + 3)", roots, feedback=-1)
+    assert placed.residual.is_zero
+    assert time.process_time() - start < 3
+    assert not any(c.has(I) for c in placed.target.all_coeffs())
+    values = [complex(sympy.N(placed.target.as_expr().subs(s, root))) for root in placed.roots]
+    assert max(map(abs, values)) < 1e-10
+
+
+@pytest.mark.parametrize(
+    "roots",
+    [[(-1) ** Rational(1, 3)], [CRootOf(x**3 + x + 1, 1)], [exp(I * pi / 4), exp(I * pi / 4)],
+     [*BUTTERWORTH[:2], *BUTTERWORTH[:2]], [sqrt(-2)], [I * pi]],
+)  # fmt: skip
+def test_a_complex_root_without_its_conjugate(roots):
+    with pytest.raises(InputError):
+        exact.place_poles("1/(s + 3)", roots, feedback=-1)
+
+
+# ---- misreadings
+@pytest.mark.parametrize("obj", [{2: 1, 0: 3}, {1, 2}, b"12", bytearray(b"1"), frozenset([1])])
+def test_what_has_no_order_is_no_polynomial(obj):
+    with pytest.raises(InputError):
+        exact.polynomial(obj, "s")
+
+
+def test_lists_of_roots_and_of_coefficients():
+    placed = exact.place_poles("1/(s**2 + s)", [1, 6, 11, 6], feedback=-1)
+    assert "ROOTS 1, 6, 11, 6" in repr(placed) and "polynomial=" in repr(placed)
+    asked = exact.place_poles("1/(s**2 + s)", polynomial=[1, 6, 11, 6], feedback=-1)
+    assert asked.target == exact.polynomial("(s + 1)*(s + 2)*(s + 3)") and "ROOTS" not in repr(
+        asked
+    )
+    for both in ({}, {"target": [1], "polynomial": [1, 2]}):
+        with pytest.raises(InputError):
+            exact.place_poles("1/s", feedback=-1, **both)
+
+
+@pytest.mark.parametrize(
+    "function", [exact.observer_forms, exact.realisation_is_observer_based, exact.youla_forms]
+)
+def test_the_sign_travels_with_the_compensator(function):
+    order = 2 if function is exact.youla_forms else 1
+    plant = "1/(s - 1)"
+    placed = exact.place_poles(plant, [-1, -2, -3][: order + 1], feedback=-1)
+    for part in (placed.compensator, exact.realisation(placed.compensator)):
+        with pytest.raises(InputError, match="designed for feedback = -1"):
+            function(plant, part)
+        with pytest.raises(InputError, match="designed for feedback = -1"):
+            function(plant, part, feedback=1)
+        assert function(plant, part, feedback=-1)
+    forms = exact.observer_forms(plant, placed.compensator, feedback=-1)
+    assert forms.characteristic_polynomial == placed.target
+    with pytest.raises(InputError, match="designed"):
+        exact.closed_loop_matrix(exact.realisation(plant), exact.realisation(placed.compensator))
+
+
+# ---- budget
+def nested(depth):
+    number = sympy.Integer(2)
+    for _ in range(depth):
+        number = sqrt(number + 1)
+    return number
+
+
+EIGHT = sum(sqrt(p) for p in (2, 3, 5, 7, 11, 13, 17, 19))
+
+
+@pytest.mark.parametrize(
+    "call",
+    [lambda: exact.exact_number(Decimal("1E+999999999")), lambda: exact.exact_number(10**5000),
+     lambda: exact.exact_number("1e999999999"), lambda: exact.exact_number("1" * 5000),
+     lambda: exact.polynomial(nested(90) + s, "s"), lambda: exact.polynomial(nested(40) + s, "s"),
+     lambda: exact.polynomial(s + EIGHT), lambda: exact.polynomial_from_roots([EIGHT], "s"),
+     lambda: exact.polynomial("s + " + "sqrt(1 + " * 40 + "2" + ")" * 40),
+     lambda: exact.parse_expression(f"sqrt({'7' * 3999})"), lambda: exact.polynomial(s ** (10**9)),
+     lambda: exact.polynomial(range(10**9), "s"), lambda: exact.polynomial(iter(range(10**9)), "s"),
+     lambda: exact.sylvester_m1("s + 1", "s", 3000, 3000),
+     lambda: exact.sylvester_m("s", "1", 10**4, 0),
+     lambda: exact.sylvester_m1("s + 1", "s", 10**9),
+     lambda: exact.check_proposition_3("s", "1", 10**7, 0),
+     lambda: exact.target_characteristic_polynomial(exact.standard_problem("1/q"), 10**8, "1/q"),
+     lambda: exact.parse_expression("sqrt(0.5-1e300**999)"), lambda: exact.read_roots("1 " * 9000),
+     lambda: exact.parse_expression("j**1e300**999"), lambda: exact.parse_expression("(" * 5000),
+     lambda: exact.exact_number(sympy.Float(10) ** 100000)],
+)  # fmt: skip
+def test_what_is_too_large_is_refused_at_once(call):
+    start = time.process_time()
+    with pytest.raises(InputError):
+        call()
+    assert time.process_time() - start < 2
+
+
+def test_a_refusal_says_what_to_do_and_a_limit_can_be_raised():
+    with pytest.raises(BudgetError, match=r"1500 as degree, and the limit is 1000.*budget\(degree"):
+        exact.polynomial("s**1500 + 1")
+    with exact.budget(degree=2000) as limits:
+        assert limits.degree == 2000 and exact.polynomial("s**1500 + 1").degree() == 1500
+    with pytest.raises(BudgetError):
+        exact.polynomial("s**1500 + 1")
+    for wrong in ({"degrees": 3}, {"degree": 0}, {"degree": True}, {"degree": 1.5}):
+        with pytest.raises(InputError), exact.budget(**wrong):
+            pass
+
+
+def test_what_is_long_but_small_simply_works():
+    start = time.process_time()
+    total = exact.transfer_function("+".join(f"1/(s + {i})" for i in range(300)))
+    assert (total.order, total.relative_degree, total.leading_coefficient) == (300, 1, 300)
+    product = exact.polynomial("*".join(f"(s + {i})" for i in range(900)))
+    assert product.degree() == 900 and product.eval(1) == sympy.factorial(900)
+    assert exact.polynomial(sympy.Mul(*(s + i for i in range(900)))) == product
+    assert exact.count_observer_forms("s + 1", 10**9) == 0
+    assert time.process_time() - start < 10
+
+
+# ---- raw errors
+def test_any_domain_is_read_at_the_door():
+    assert exact.number_of_real_roots(Poly(2 * s**2 + 3 * s + 1, s)) == 2
+    assert exact.reflection_coefficients(Poly(2 * z**2 + 3 * z + 1, z)) == (Rational(1, 2), 1)
+    for function in (exact.certified_roots, exact.count_half_plane_roots, exact.monic):
+        with pytest.raises(InputError):
+            function(Poly(s * a + 1, s, a))
+        with pytest.raises(InputError):
+            function(Poly(s + 1, s, modulus=5))
+
+
+def test_sympy_prints_a_compensator():
+    G = exact.transfer_function("1/(s + 1)")
+    assert sympy.latex(G) == r"\frac{1}{s + 1}" and sympy.sstr([G]) == "[(1)/(s + 1)]"
+    assert sympy.pretty(G) == "(1)/(s + 1)"
+
+
+FRACTION = sympy_control.TransferFunction(s + 1, s**2 + 1, s)
+STATES = sympy_control.StateSpace(
+    sympy.Matrix([[0, 1], [-1, -2]]), sympy.Matrix([0, 1]), sympy.Matrix([[1, 0]]), sympy.zeros(1)
+)
+
+
+@pytest.mark.parametrize(
+    ("system", "expected"),
+    [(FRACTION, "(s + 1)/(s**2 + 1)"), (STATES, "1/(s**2 + 2*s + 1)"),
+     (sympy_control.Series(FRACTION, FRACTION), "((s + 1)/(s**2 + 1))**2"),
+     (sympy_control.Parallel(FRACTION, FRACTION), "2*(s + 1)/(s**2 + 1)"),
+     (sympy_control.Feedback(FRACTION), "(s + 1)*(s**2 + 1)/((s**2 + 1)*(s**2 + s + 2))"),
+     (sympy_control.TransferFunctionMatrix([[FRACTION]]), "(s + 1)/(s**2 + 1)"),
+     (scipy.signal.lti([1], [1, 2]), "1/(s + 2)"),
+     (scipy.signal.lti([1], [2], 3), "3*(s - 1)/(s - 2)"),
+     (scipy.signal.lti([[2]], [[1]], [[1]], [[0]]), "1/(s - 2)"),
+     (scipy.signal.dlti([1], [1, 0.5], dt=0.1), "1/(z + 1/2)"),
+     (control.tf([1], [1, 2]), "1/(s + 2)"),
+     (control.ss(0.5, 1, 1, 0, True), "1/(z - 1/2)"),
+     (control.feedback(control.ss(1, 1, 1, 0), 1), "1/s")],
+)  # fmt: skip
+def test_foreign_systems_of_every_kind(system, expected):
+    found = exact.transfer_function(system)
+    assert found.reduced() == exact.transfer_function(expected).reduced()
+    realised = exact.realisation(system)
+    assert realised.transfer_function().reduced() == found.reduced()
+
+
+@pytest.mark.parametrize(
+    "obj",
+    [np.array(3), np.array([1, 2]), np.array([[1]]), scipy.sparse.eye(2), Poly(s * a + 1), object(),
+     sympy.MatrixSymbol("A", 1, 1), sympy.Function("f")(s), sympy.Eq(s, 1), sympy.sin(s), True,
+     b"1/s",
+     control.frd([1, 2], [1, 2]), control.NonlinearIOSystem(None, lambda *_: 0),
+     sympy_control.TransferFunctionMatrix([[FRACTION, FRACTION]]),
+     sympy_control.Series(STATES, FRACTION), control.tf([[[1], [2]]], [[[1, 1], [1, 2]]]),
+     (np.ones((2, 2)), [1, 2]), (object(), 1), ([[1]], [[1]], [[1]], 5), {"gain": [1]}, {1: 2}],
+)  # fmt: skip
+@pytest.mark.parametrize("read", [exact.transfer_function, exact.realisation])
+def test_what_is_no_system_is_our_error(read, obj):
+    with pytest.raises(InputError):
+        read(obj)
+
+
+def test_more_raw_errors():
+    one = exact.Realisation([[1]], [[1]], [[1]])
+    with pytest.raises(InputError, match="2 x 2"):
+        one.in_basis([[1, 0], [0, 1]])
+    with pytest.raises(InputError, match="sparse"):
+        exact.Realisation(*[scipy.sparse.eye(1)] * 3)
+    family = exact.place_poles("1/(s - 1)", [-1, -2], feedback=-1, numerator_degree=1)
+    with pytest.raises(InputError, match="variable"):
+        family.member(["s"])
+    with pytest.raises(NotCoprimeError):
+        exact.place_poles("(s + 1)/((s + 1)*(s + 2))", ["-3", "-4", "-5"], feedback=-1)
+
+
+# ---- conversions certify themselves
+@pytest.mark.parametrize("text", ["(s + 3)/(s**2 + 2*s)", "(s**2 + a)/((s + 1)*(s + b))", "2/3"])
+@pytest.mark.parametrize("form", ["controllable", "observable"])
+def test_conversions_carry_their_certificate(text, form):
+    G = exact.transfer_function(text, "s")
+    realised = exact.realisation(G, form=form)
+    assert realised.certificate.holds and "det(sI - A)" in str(realised.certificate)
+    back = realised.transfer_function()
+    assert back == G and back.certificate.holds
+    assert realised.transfer_matrix()[0, 0].certificate.holds
