@@ -4,6 +4,7 @@
 #include "bindings/bindings.hpp"
 #include "bindings/owned.hpp"
 #include "bindings/plan.hpp"
+#include "bindings/quick_read.hpp"
 #include "updates/covariance.hpp"
 #include "updates/memoryless.hpp"
 #include "updates/window.hpp"
@@ -76,18 +77,19 @@ std::unique_ptr<OwnedController> make_controller(
                                              std::move(theta));
 }
 
-// u(k), and whether the update stayed in the range of float64.
-std::pair<nb::ndarray<nb::numpy, double>, bool> step(OwnedController& owned, const Array& y,
-                                                     const Array& z, const Array& r,
-                                                     const Array& u_applied) {
+// u(k), and whether everything stayed in the range of float64; None where an argument is not of
+// the right size, not finite, or not to be read at once, and the controller has not moved.
+nb::object step(OwnedController& owned, nb::handle y_k, nb::handle z_k, nb::handle r_k,
+                nb::handle u_applied) {
     Controller& controller = owned.controller;
-    require(y.size(), controller.structure().l_y, "y");
-    require(r.size(), controller.structure().l_r, "r");
-    require(z.size(), controller.l_z(), "z");
-    if (u_applied.size() > 0) require(u_applied.size(), controller.l_u(), "u_applied");
+    std::vector<double> y(controller.structure().l_y), z(controller.l_z()),
+        r(controller.structure().l_r), applied(u_applied.is_none() ? 0 : controller.l_u());
+    if (!quick_read(y_k, y) || !quick_read(z_k, z) || !quick_read(r_k, r) ||
+        !quick_read(u_applied, applied))
+        return nb::none();
     const Hold hold(owned.use);
     controller.begin();
-    if (u_applied.size() > 0) controller.correct_previous(u_applied.data());
+    if (!applied.empty()) controller.correct_previous(applied.data());
     controller.measure(y.data(), r.data());
     bool done = true;
     if (controller.filter_form()) done = controller.adapt(z.data());
@@ -95,8 +97,9 @@ std::pair<nb::ndarray<nb::numpy, double>, bool> step(OwnedController& owned, con
     std::copy_n(controller.control(), u.size(), u.begin());
     if (!controller.adapted()) done = controller.adapt(z.data());
     controller.finish();
+    const bool in_range = done && finite(u.data(), u.size());
     const std::size_t size = u.size();
-    return {to_numpy(std::move(u), {size}), done};
+    return nb::make_tuple(to_numpy(std::move(u), {size}), in_range);
 }
 
 }  // namespace
@@ -106,7 +109,8 @@ void bind_controller(nb::module_& m) {
         return [of](const OwnedController& self) { return of(self.controller); };
     };
     nb::class_<OwnedController>(m, "Controller")
-        .def("step", &step, nb::arg("y"), nb::arg("z"), nb::arg("r"), nb::arg("u_applied"))
+        .def("step", &step, nb::arg("y").none(), nb::arg("z").none(), nb::arg("r").none(),
+             nb::arg("u_applied").none())
         .def("freeze",
              [](OwnedController& self, bool frozen) {
                  const Hold hold(self.use);

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,8 +19,6 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.states import SavedState, saved_state
-
-NOTHING = np.zeros(0)
 
 
 def _rebuilt(settings: ControllerSettings, state: SavedState) -> Controller:
@@ -101,46 +99,62 @@ class Controller:
         FunctionFailedError
             Where a weight that is a function failed.
         """
-        with self._alone():
-            return self._step(y, z, r, u_applied)
-
-    def _step(
-        self, y: ArrayLike, z: ArrayLike, r: ArrayLike | None, u_applied: ArrayLike | None
-    ) -> Array:
-        structure, target = self.settings.structure, self.settings.target
-        if self._broken:
-            raise DivergedError(self._broken)
-        y = vector(y, "y", structure.l_y)
-        z = vector(z, "z", target.l_z)
-        if (r is None) != (structure.l_r == 0):
-            raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
-        command = NOTHING if r is None else vector(r, "r", structure.l_r)
-        applied = NOTHING
-        if u_applied is not None:
-            applied = vector(u_applied, "u_applied", structure.l_u)
-            if self.k == 0:
-                raise InputError("u_applied belongs to the step before; at step 0 there is none.")
-            if any(t.relative_degree == 0 for t in self.settings.targets):
-                raise InputError("u_applied needs a strictly proper target model.")
+        if not self._at_work.acquire(blocking=False):
+            raise _busy()
         try:
-            u, finite = self._kernel.step(y, z, command, applied)
+            if self._broken:
+                raise DivergedError(self._broken)
+            if u_applied is not None:
+                self._require_u_applied_makes_sense()
+            answer = self._moved(y, z, r, u_applied) or self._moved(*self._read(y, z, r, u_applied))
+            if answer is None or not answer[1] or self._failures.error is not None:
+                self._fail()
+            return answer[0]
+        finally:
+            self._at_work.release()
+
+    def _moved(self, *arguments: object) -> tuple[Array, bool] | None:
+        """One step of the kernel; None where it could not read an argument and has not moved."""
+        k = self.k
+        try:
+            return self._kernel.step(*arguments)
         except BaseException:  # a key was pressed while a weight that is a function ran
             self._broken = (
-                f"step {self.k} was interrupted half-way; restore a saved state, or start anew."
+                f"step {k} was interrupted half-way; restore a saved state, or start anew."
             )
             raise
+
+    def _read(self, y: Any, z: Any, r: Any, u_applied: Any) -> tuple[Array | None, ...]:
+        """The arguments as arrays; raises where one is not what it should be."""
+        structure = self.settings.structure
+        if (r is None) != (structure.l_r == 0):
+            raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
+        widths = {"y": structure.l_y, "z": self.settings.target.l_z, "r": structure.l_r}
+        return (
+            vector(y, "y", widths["y"]),
+            vector(z, "z", widths["z"]),
+            None if r is None else vector(r, "r", widths["r"]),
+            None if u_applied is None else vector(u_applied, "u_applied", structure.l_u),
+        )
+
+    def _require_u_applied_makes_sense(self) -> None:
+        if self.k == 0:
+            raise InputError("u_applied belongs to the step before; at step 0 there is none.")
+        if any(t.relative_degree == 0 for t in self.settings.targets):
+            raise InputError("u_applied needs a strictly proper target model.")
+
+    def _fail(self) -> NoReturn:
+        """The last step did not succeed: say why."""
         if self._failures.error is not None:
             self._broken = "a weight of this controller has failed; start a new one."
             raise FunctionFailedError(
                 f"a weight that is a function failed at step {self.k - 1}: {self._failures.error}"
             ) from self._failures.error
-        if not (finite and np.isfinite(u).all()):
-            self._broken = (
-                f"the controller left the range of float64 at step {self.k - 1}; its coefficients "
-                "are no longer usable. Start a new one, with a larger R_theta or another target."
-            )
-            raise DivergedError(self._broken)
-        return np.asarray(u)
+        self._broken = (
+            f"the controller left the range of float64 at step {self.k - 1}; its coefficients "
+            "are no longer usable. Start a new one, with a larger R_theta or another target."
+        )
+        raise DivergedError(self._broken)
 
     def freeze(self) -> None:
         """Stop the adaptation: theta and P stay, signals are still recorded."""
@@ -227,11 +241,15 @@ class Controller:
     def _alone(self) -> Iterator[None]:
         """Refuse what a weight's function or another thread does in the middle of a step."""
         if not self._at_work.acquire(blocking=False):
-            raise InputError(
-                "the controller is in the middle of a step: neither a weight that is a function "
-                "nor another thread may drive it meanwhile. Use one controller for each loop."
-            )
+            raise _busy()
         try:
             yield
         finally:
             self._at_work.release()
+
+
+def _busy() -> InputError:
+    return InputError(
+        "the controller is in the middle of a step: neither a weight that is a function "
+        "nor another thread may drive it meanwhile. Use one controller for each loop."
+    )
