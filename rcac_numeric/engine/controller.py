@@ -57,6 +57,7 @@ class Controller:
         self.settings = settings
         self._failures = Failures()
         self._kernel = compiled_controller(settings, settings.target.l_z, self._failures)
+        self._is_strict = all(t.relative_degree > 0 for t in settings.targets)
         self._broken = ""
         self._at_work = Lock()
 
@@ -104,8 +105,8 @@ class Controller:
         try:
             if self._broken:
                 raise DivergedError(self._broken)
-            if u_applied is not None:
-                self._require_u_applied_makes_sense()
+            if u_applied is not None and (self.k == 0 or not self._is_strict):
+                self._refuse_u_applied(u_applied)
             answer = self._moved(y, z, r, u_applied) or self._moved(*self._read(y, z, r, u_applied))
             if answer is None or not answer[1] or self._failures.error is not None:
                 self._fail()
@@ -137,11 +138,11 @@ class Controller:
             None if u_applied is None else vector(u_applied, "u_applied", structure.l_u),
         )
 
-    def _require_u_applied_makes_sense(self) -> None:
+    def _refuse_u_applied(self, u_applied: ArrayLike) -> NoReturn:
+        vector(u_applied, "u_applied", self.settings.structure.l_u)
         if self.k == 0:
             raise InputError("u_applied belongs to the step before; at step 0 there is none.")
-        if any(t.relative_degree == 0 for t in self.settings.targets):
-            raise InputError("u_applied needs a strictly proper target model.")
+        raise InputError("u_applied needs a strictly proper target model.")
 
     def _fail(self) -> NoReturn:
         """The last step did not succeed: say why."""
