@@ -51,10 +51,11 @@ def statement(answer: str) -> str:
     Examples
     --------
     >>> from proofs.formal.types import statement
-    >>> print(statement("A.b\n     : 1 = 1\nnothing hidden:\nA.b : @eq nat (S O) (S O)"))
-    [e7bb6a2b9b0d]
-      A.b
-           : 1 = 1
+    >>> text = statement("A.b : 1 = 1\nnothing hidden:\nA.b : @eq nat (S O) (S O)")
+    >>> text.splitlines()[1]
+    '  A.b : 1 = 1'
+    >>> text != statement("A.b : 1 = 1\nnothing hidden:\nA.b : @eq Z (Zpos xH) (Zpos xH)")
+    True
     """
     shown, _, whole = (part.strip() for part in answer.partition(_WHOLE))
     if not shown or not whole:
