@@ -103,6 +103,9 @@ from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
 from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
+from .systems.canonical_forms import realisation as realisation
+from .systems.canonical_text import canonical as canonical
+from .systems.certificates import Certificate as Certificate
 from .systems.controllability import controllability_matrix as controllability_matrix
 from .systems.controllability import is_controllable as is_controllable
 from .systems.controllability import uncontrollable_polynomial as uncontrollable_polynomial
@@ -111,7 +114,6 @@ from .systems.difference_equations import compensator_polynomials as compensator
 from .systems.problems import servo_problem as servo_problem
 from .systems.problems import standard_problem as standard_problem
 from .systems.realisations import Realisation as Realisation
-from .systems.realisations import realisation as realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
 from .systems.transfer_functions import TransferFunction as TransferFunction
 from .systems.transfer_matrices import TransferMatrix as TransferMatrix

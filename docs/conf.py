@@ -3,6 +3,13 @@ from pathlib import Path
 
 # Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
 sys.path.append(str(Path(__file__).resolve().parents[1]))
+sys.path.append(str(Path(__file__).resolve().parent))
+
+from reference_pages import write_reference
+
+from tests.house.layers import LAYERS
+
+write_reference(Path(__file__).resolve().parent / "reference", LAYERS)
 
 project = "compensator-theory"
 author = "The compensator-theory developers"

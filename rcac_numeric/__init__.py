@@ -6,6 +6,8 @@ Every name below is imported when it is first used, so that the command line ans
 
 import lazy_loader
 
+import compensator_theory as _exact
+
 _public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 del lazy_loader
 
@@ -13,7 +15,5 @@ del lazy_loader
 def __getattr__(name: str) -> object:
     """Import a public name when it is first used."""
     if name == "__version__":
-        import compensator_theory
-
-        return compensator_theory.__version__
+        return _exact.__version__
     return _public(name)

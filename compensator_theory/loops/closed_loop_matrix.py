@@ -4,11 +4,14 @@ import sympy
 from sympy import ImmutableMatrix
 
 from compensator_theory.errors import InputError
+from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.systems.realisations import Realisation
 
 
-def closed_loop_matrix(plant: Realisation, compensator: Realisation) -> ImmutableMatrix:
-    r"""Return the dynamics matrix of plant and compensator with positive feedback.
+def closed_loop_matrix(
+    plant: Realisation, compensator: Realisation, *, feedback: int | None = None
+) -> ImmutableMatrix:
+    r"""Return the dynamics matrix of plant and compensator.
 
     .. math:: \tilde A = \begin{bmatrix} A & B C_c \\ B_c C & A_c + B_c D_0 C_c \end{bmatrix}
 
@@ -17,7 +20,9 @@ def closed_loop_matrix(plant: Realisation, compensator: Realisation) -> Immutabl
     plant : Realisation
         (A, B, C, D_0) with n states.
     compensator : Realisation
-        :math:`(A_c, B_c, C_c)`, strictly proper, with :math:`n_c` states; :math:`u = C_c x_c`.
+        :math:`(A_c, B_c, C_c)`, strictly proper, with :math:`n_c` states.
+    feedback : {+1, -1}, optional
+        The sign f in :math:`u = f C_c x_c`; default +1, as in the matrix above.
 
     Returns
     -------
@@ -27,7 +32,8 @@ def closed_loop_matrix(plant: Realisation, compensator: Realisation) -> Immutabl
     Raises
     ------
     InputError
-        If the numbers of signals or the variables differ, or the compensator has a direct term.
+        If the numbers of signals or the variables differ, the compensator has a direct term, or was
+        designed for the other sign.
 
     Notes
     -----
@@ -61,6 +67,7 @@ def closed_loop_matrix(plant: Realisation, compensator: Realisation) -> Immutabl
             f"the compensator has the direct term {compensator.D.tolist()}, which a state estimate "
             "does not produce; count it as part of the plant, (A + BdC, B, C), and give the rest"
         )
+    compensator = compensator.with_sign(agreed_sign(compensator, feedback))
     inner = compensator.A + compensator.B * plant.D * compensator.C
     return ImmutableMatrix(
         sympy.Matrix.vstack(

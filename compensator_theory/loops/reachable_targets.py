@@ -4,6 +4,7 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError, NotReachableTargetError
+from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -56,6 +57,7 @@ def target_characteristic_polynomial(
     N_zu, n = _scalar_numerator(plant)
     if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < 0:
         raise InputError(f"the compensator order n_c = {n_c!r} must be an integer of at least 0")
+    ask("degree", n + n_c, "the closed loop")
     G_f = transfer_function(target, N_zu.gen).reduced()
     reachable = N_zu * Poly(N_zu.gen**n_c, N_zu.gen)
     relative_degree = n - int(N_zu.degree())

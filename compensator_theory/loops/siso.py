@@ -34,6 +34,40 @@ def require_sign(feedback: object) -> None:
         raise InputError(f"feedback = {feedback!r} must be +1 (u = G_c y) or -1 (u = -G_c y)")
 
 
+def agreed_sign(compensator: TransferFunction | Realisation, feedback: int | None) -> int:
+    """Return the sign of a loop; a compensator that was designed for another one is refused.
+
+    Parameters
+    ----------
+    compensator : TransferFunction or Realisation
+        May carry the sign that it was designed for.
+    feedback : {+1, -1} or None
+        What was asked for; None means +1, u = G_c y.
+
+    Raises
+    ------
+    InputError
+        If the two contradict each other, or the sign is neither +1 nor -1.
+
+    Examples
+    --------
+    >>> from compensator_theory import realisation
+    >>> from compensator_theory.loops.siso import agreed_sign
+    >>> agreed_sign(realisation("1/s"), None)
+    1
+    """
+    sign = 1 if feedback is None else feedback
+    require_sign(sign)
+    designed = compensator.feedback
+    if designed is not None and designed != sign:
+        raise InputError(
+            f"this compensator was designed for feedback = {designed:+d} and the loop is to be "
+            f"closed with {sign:+d}, which would be another loop; write feedback={designed:+d}, or "
+            "change the sign of the compensator"
+        )
+    return int(sign)
+
+
 def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:
     r"""Return the closed-loop polynomial, every common factor kept.
 
@@ -120,6 +154,7 @@ def read_loop(
             f"the plant is written in the variable {G.variable} and the {name} in {G_c.variable}; "
             "they need the same variable"
         )
+    agreed_sign(G_c, feedback)
     return G, G_c
 
 

@@ -122,7 +122,7 @@ def high_authority_lqg(plant: StandardProblem, *, digits: int = 30) -> HighAutho
     NotControllableError
         If (A, B) is not controllable or (A, C) is not observable.
     InputError
-        If a signal is not scalar or an entry is symbolic.
+        If a signal is not scalar, an entry is symbolic, or the plant is not written in z or q.
 
     Notes
     -----

@@ -19,7 +19,7 @@ from compensator_theory.matrices.flint_matrices import rational, to_flint
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import as_symbol
+from compensator_theory.polynomials.variables import as_symbol, require_discrete
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
@@ -104,7 +104,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
         If a spectrum is zero, for instance with :math:`N_{zu} = 0` or with more inputs u than
         outputs z and :math:`R_2 = 0`.
     InputError
-        If an entry is symbolic.
+        If an entry is symbolic, or the plant is not written in z or q.
 
     Notes
     -----
@@ -123,6 +123,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     if not isinstance(plant, StandardProblem):
         raise InputError(f"{plant!r} is not a StandardProblem; make one with standard_problem(...)")
     q = plant.variable
+    require_discrete(q, "LQG")
     _require_stable_hidden_modes(plant)
     regulator = regulator_spectrum(plant.A, plant.B, plant.E_1, plant.E_2, q)
     estimator = regulator_spectrum(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, q)
@@ -144,7 +145,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
 
 
 def regulator_spectrum(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: Symbol
+    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol
 ) -> Poly:
     r"""Return the palindromic polynomial whose stable roots are the regulator's poles.
 
@@ -159,7 +160,8 @@ def regulator_spectrum(
     A, B, E_1, E_2 : matrix
         n x n, n x l_u, l_z x n, l_z x l_u, rational; :math:`R_1 = E_1^TE_1`,
         :math:`R_{12} = E_1^TE_2`, :math:`R_2 = E_2^TE_2`.
-    variable : Symbol
+    variable : str or Symbol
+        z or q: the equation is for discrete time.
 
     Returns
     -------
@@ -180,7 +182,8 @@ def regulator_spectrum(
     4*z
     """
     a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
-    variable = as_symbol(variable)
+    symbol = as_symbol(variable)
+    require_discrete(symbol, "the spectrum of an LQG regulator")
     n, l_u = b.shape
     constant = sympy.BlockMatrix(
         [[a, sympy.zeros(n, n), b],
@@ -198,7 +201,7 @@ def regulator_spectrum(
     ascending = _interpolated(points, values)
     sign = -1 if n % 2 else 1
     descending = [sign * rational(c) for c in reversed(ascending)]
-    return canonical(Poly(descending, variable))
+    return canonical(Poly(descending, symbol))
 
 
 def is_palindromic(poly: Poly) -> bool:

@@ -22,6 +22,7 @@ from compensator_theory.matrices.flint_matrices import from_flint, to_flint
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, require_discrete
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
 from compensator_theory.roots.spectral_factors import (
     SpectralFactor,
@@ -116,7 +117,7 @@ def solve_riccati(
     E_2: MatrixLike | None = None,
     *,
     digits: int = 30,
-    variable: Symbol = Symbol("q"),  # noqa: B008  (immutable)
+    variable: str | Symbol = "q",
 ) -> RiccatiSolution:
     r"""Solve the regulator's Riccati equation for one input through its spectral factor.
 
@@ -132,8 +133,8 @@ def solve_riccati(
         n x n, n x 1, l_z x n, l_z x 1, rational; E_2 defaults to zero.
     digits : int
         Where the factor is not rational, every radius is at most :math:`10^{-\mathrm{digits}}`.
-    variable : Symbol
-        Of the polynomials.
+    variable : str or Symbol
+        Of the polynomials, z or q: the equation is for discrete time.
 
     Returns
     -------
@@ -165,22 +166,22 @@ def solve_riccati(
     >>> found.K, found.factor.polynomial.as_expr(), found.factor.constant
     (Matrix([[1/4, -1/6]]), q**2 - 5*q/6, 36/25)
     """
+    q = as_symbol(variable)
+    require_discrete(q, "this Riccati equation")
     a, b, e_1, e_2 = matrices = regulator_data(A, B, E_1, E_2)
     if b.cols != 1:
         raise InputError(f"B has {b.cols} columns; one input is needed (see lqg_poles for several)")
-    states = transfer_matrix_of_realisation(
-        a, b, sympy.eye(a.rows), sympy.zeros(a.rows, 1), variable
-    )
+    states = transfer_matrix_of_realisation(a, b, sympy.eye(a.rows), sympy.zeros(a.rows, 1), q)
     n = a.rows
-    W = Matrix(n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(variable ** (n - 1 - i)))
+    W = Matrix(n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(q ** (n - 1 - i)))
     if rank(W) < n:
         raise NotControllableError(
             f"(A, B) has {n - rank(W)} uncontrollable mode(s), so the closed-loop polynomial does "
             "not determine the gain; remove them from the realisation first"
         )
-    outputs = transfer_matrix_of_realisation(a, b, e_1, e_2, variable)
+    outputs = transfer_matrix_of_realisation(a, b, e_1, e_2, q)
     palindrome = sum(
-        (spectrum_of(outputs[row, 0].numerator, n) for row in range(e_1.rows)), Poly(0, variable)
+        (spectrum_of(outputs[row, 0].numerator, n) for row in range(e_1.rows)), Poly(0, q)
     )
     if palindrome.is_zero:
         raise NoSolutionError("the transfer matrix from u to z is zero, so no gain is the best")
@@ -191,7 +192,7 @@ def solve_riccati(
         factor = factor_palindrome(canonical(palindrome), n, precision)
         if factor.polynomial is not None:
             difference = canonical(open_loop - factor.polynomial)
-            right = Matrix([difference.coeff_monomial(variable**k) for k in range(n - 1, -1, -1)])
+            right = Matrix([difference.coeff_monomial(q**k) for k in range(n - 1, -1, -1)])
             K, P = _gain_and_cost(to_flint, matrices, W, to_flint(right))
             exact_K, exact_P = from_flint(K), from_flint(P)
             return RiccatiSolution(

@@ -7,6 +7,7 @@ from sympy import Expr, Poly
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import require_discrete
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.roots.unit_circle import require_none_on_circle
 from compensator_theory.roots.unit_circle_enclosures import (
@@ -90,7 +91,7 @@ def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAu
     NoSolutionError
         If :math:`N_{zu} = 0` or :math:`N_{yw} = 0`.
     InputError
-        If a signal is not scalar or an entry is symbolic.
+        If a signal is not scalar, an entry is symbolic, or the plant is not written in z or q.
 
     Notes
     -----
@@ -144,6 +145,7 @@ def scalar_numerators(plant: StandardProblem) -> tuple[Poly, Poly]:
     """
     if not isinstance(plant, StandardProblem):
         raise InputError(f"{plant!r} is not a StandardProblem; see standard_problem()")
+    require_discrete(plant.variable, "high-authority LQG")
     sizes = (plant.l_u, plant.l_w, plant.l_y, plant.l_z)
     if sizes != (1, 1, 1, 1):
         raise InputError(

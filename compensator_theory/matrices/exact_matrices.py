@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, MatrixBase
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 
@@ -41,6 +42,7 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     Matrix([[1/10, a]])
     """
     rows, shape = _rows_of(value, name)
+    ask("entries", shape[0] * shape[1], f"the matrix {name}")
     entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows]
     flat = [entry for row in entries for entry in row]
     require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))

@@ -60,6 +60,9 @@ def number_of_selections(factors: Iterable[tuple[int, int]], n: int) -> int:
     >>> number_of_selections([(1, 2), (2, 1)], 2)
     2
     """
+    factors = list(factors)
+    if n > sum(degree * multiplicity for degree, multiplicity in factors):
+        return 0
     ways = [1] + [0] * n
     for degree, multiplicity in factors:
         ways = [

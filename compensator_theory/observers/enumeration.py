@@ -7,6 +7,7 @@ from sympy import ImmutableMatrix, Poly, Symbol, symbols
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.matrices.invariant_subspaces import (
     PrimaryComponent,
     divisors,
@@ -19,11 +20,16 @@ from compensator_theory.observers.counting import number_of_selections
 from compensator_theory.observers.form import ObserverForm, form_of_subspace
 from compensator_theory.observers.form_lists import ObserverForms
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
 
 
 def observer_forms(
-    plant: RealisationLike, compensator: RealisationLike, *, limit: int = 20_000
+    plant: RealisationLike,
+    compensator: RealisationLike,
+    *,
+    feedback: int | None = None,
+    limit: int = 20_000,
 ) -> ObserverForms:
     r"""Find every observer-based form of a compensator whose regulator polynomial is rational.
 
@@ -39,6 +45,10 @@ def observer_forms(
         :math:`(A_c, B_c, C_c)` with :math:`u = C_c x_c`, strictly proper, of any order
         :math:`n_c \ge 1`, in any basis, hidden modes included. A transfer function is realised in
         controllable canonical form.
+    feedback : {+1, -1}, optional
+        The sign f in :math:`u = f C_c x_c`; default +1. With -1 the compensator of the result has
+        the sign in its output matrix. A compensator of :func:`place_poles` knows its sign, and
+        another one is refused.
     limit : int
         Largest number of regulator polynomials to test.
 
@@ -76,7 +86,8 @@ def observer_forms(
     Matrix([[-1, -3]]) Matrix([[6, 3/4]])
     Matrix([[-3/4, -2]]) Matrix([[7, 3/2]])
     """
-    system, controller = realisation(plant), realisation(compensator)
+    system, given = realisation(plant), realisation(compensator)
+    controller = given.with_sign(agreed_sign(given, feedback))
     loop = closed_loop_matrix(system, controller)
     if not (system.n and controller.n):
         raise InputError(

@@ -13,6 +13,7 @@ from compensator_theory.observers.form import ObserverForm
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import certified_roots
 from compensator_theory.systems.realisations import Realisation
 
@@ -79,15 +80,18 @@ class ObserverForms(ExactValue):
     def fastest_observer(self) -> ObserverForm:
         """Return the form whose slowest observer root is fastest.
 
-        Slow is a large real part, and in the variables z and q a large modulus.
+        Slow is a large real part in the variable s (continuous time), and a large modulus in z and
+        q (discrete time); another variable says neither and is refused.
 
         Raises
         ------
         NoSolutionError
             If there is no form.
+        InputError
+            If the variable is none of s, z and q.
         """
-        is_discrete = self.plant.variable.name in ("z", "q")
-        measure: Callable[[complex], float] = abs if is_discrete else lambda root: root.real
+        discrete = is_discrete(self.plant.variable, "which observer is fastest")
+        measure: Callable[[complex], float] = abs if discrete else lambda root: root.real
 
         def slowest(form: ObserverForm) -> float:
             return max((measure(root.value) for root in certified_roots(form.observer)), default=0)

@@ -9,6 +9,7 @@ from compensator_theory.observers.questions import (
     transfer_function_is_observer_based,
 )
 from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.systems.conversions import TransferFunctionLike
@@ -46,7 +47,8 @@ def is_lqg_suboptimal(
     Raises
     ------
     NotCoprimeError, ImproperError, InputError
-        See :func:`pair_is_observer_based`.
+        See :func:`pair_is_observer_based`; also if the variable is none of s (continuous time), z
+        and q (discrete time).
 
     Notes
     -----
@@ -64,14 +66,16 @@ def is_lqg_suboptimal(
     >>> is_lqg_suboptimal(plant, (f"4*{g}", f"(s + 1)*{g}"), feedback=-1).answer
     False
     """
-    question = "Is it suboptimal for every LQG problem?"
     G, G_c = siso_loop(plant, compensator, feedback)
+    discrete = is_discrete(G.variable, "LQG")
+    time = "discrete" if discrete else "continuous"
+    question = f"Is it suboptimal for every LQG problem in {time} time?"
     Dtilde = well_posed_loop(G, G_c.reduced(), feedback)
     stable = _is_stable(Dtilde)
     if stable is False:
         return ObserverDecision(question, True, "the closed loop is unstable", None, Dtilde)
     if not G_c.reduced().is_strictly_proper:
-        if G.variable.name == "s":
+        if not discrete:
             reason = "it is not strictly proper and passes white sensor noise on to u unfiltered"
             return ObserverDecision(question, True, reason, 0, Dtilde)
         reason = "it uses the current measurement, which LQG with one step of delay does not"
@@ -93,10 +97,9 @@ def is_lqg_suboptimal(
 
 
 def _is_stable(poly: Poly) -> bool | None:
-    """Decide exactly; None on the boundary, with symbols and in other variables."""
-    counters = {"s": count_half_plane_roots}
-    counters |= dict.fromkeys(("z", "q"), count_unit_disk_roots)
-    if not is_rational(poly) or poly.gen.name not in counters:
+    """Decide exactly; None on the boundary and with symbols."""
+    if not is_rational(poly):
         return None
-    count = counters[poly.gen.name](poly)
+    discrete = is_discrete(poly.gen, "stability")
+    count = count_unit_disk_roots(poly) if discrete else count_half_plane_roots(poly)
     return False if count.unstable else None if count.boundary else True

@@ -5,6 +5,7 @@ from dataclasses import replace
 from sympy import Poly
 
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.observers.counting import (
@@ -19,13 +20,14 @@ from compensator_theory.observers.youla import youla_forms
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, is_rational, monic
 from compensator_theory.roots.real_factors import real_multiplicities
-from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
 
 QUESTION = "Is the realisation observer-based?"
 
 
 def realisation_is_observer_based(
-    plant: RealisationLike, compensator: RealisationLike
+    plant: RealisationLike, compensator: RealisationLike, *, feedback: int | None = None
 ) -> ObserverDecision:
     r"""Decide whether some change of basis turns a realisation into an observer with feedback.
 
@@ -39,6 +41,10 @@ def realisation_is_observer_based(
         :math:`(A_c, B_c, C_c)` with :math:`u = C_c x_c`. For :math:`n_c < n` the question is
         whether it observes a function Tx of the state, for :math:`n_c > n` whether it is an
         observer with a Youla parameter.
+    feedback : {+1, -1}, optional
+        The sign f in :math:`u = f C_c x_c`; default +1. With -1 the compensator of the result has
+        the sign in its output matrix. A compensator of :func:`place_poles` knows its sign, and
+        another one is refused.
 
     Returns
     -------
@@ -73,7 +79,8 @@ def realisation_is_observer_based(
     uncontrollable and unobservable, and the closed loop has them only once. Forms: 0.
     Closed loop: s**4 + 16*s**3 + 83*s**2 + 140*s
     """
-    system, controller = realisation(plant), realisation(compensator)
+    system, given = realisation(plant), realisation(compensator)
+    controller = given.with_sign(agreed_sign(given, feedback))
     if controller.is_strictly_proper is False:
         return ObserverDecision(
             QUESTION, False,

@@ -8,6 +8,7 @@ from sympy import ImmutableMatrix, Matrix, Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.matrices.invariant_subspaces import (
     PrimaryComponent,
     divisors,
@@ -19,7 +20,8 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.systems.realisations import Realisation, RealisationLike, realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
 
 
 @dataclass(frozen=True)
@@ -109,7 +111,9 @@ class YoulaForm(ExactValue):
         )
 
 
-def youla_forms(plant: RealisationLike, compensator: RealisationLike) -> tuple[YoulaForm, ...]:
+def youla_forms(
+    plant: RealisationLike, compensator: RealisationLike, *, feedback: int | None = None
+) -> tuple[YoulaForm, ...]:
     r"""Find every rational three-way form of a compensator with more states than the plant.
 
     .. math:: \tilde D = p_R\,p_Q\,p_O, \qquad
@@ -121,6 +125,10 @@ def youla_forms(plant: RealisationLike, compensator: RealisationLike) -> tuple[Y
         Of order n; anything :func:`realisation` reads.
     compensator : realisation
         Of order :math:`n_c > n`, strictly proper, :math:`u = C_c x_c`.
+    feedback : {+1, -1}, optional
+        The sign f in :math:`u = f C_c x_c`; default +1. With -1 the compensator of the result has
+        the sign in its output matrix. A compensator of :func:`place_poles` knows its sign, and
+        another one is refused.
 
     Returns
     -------
@@ -147,7 +155,8 @@ def youla_forms(plant: RealisationLike, compensator: RealisationLike) -> tuple[Y
     >>> len(forms), all(form.is_verified for form in forms)
     (6, True)
     """
-    system, controller = realisation(plant), realisation(compensator)
+    system, given = realisation(plant), realisation(compensator)
+    controller = given.with_sign(agreed_sign(given, feedback))
     n, n_c = system.n, controller.n
     if n_c <= n:
         raise InputError(f"the compensator has n_c = {n_c} <= n = {n} states; use observer_forms")

@@ -1,9 +1,11 @@
 """Every compensator of given order that places the closed-loop poles at given points."""
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import cast
 
 import sympy
-from sympy import ImmutableMatrix, Poly
+from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
 from compensator_theory.loops.siso import require_sign
@@ -11,18 +13,33 @@ from compensator_theory.matrices.linear_algebra import AffineSolution, solve_aff
 from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
-from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
+from compensator_theory.polynomials.from_roots import (
+    SpectrumLike,
+    polynomial_from_roots,
+    read_roots,
+)
+from compensator_theory.polynomials.numbers import NumberLike
+from compensator_theory.polynomials.poly import (
+    PolynomialLike,
+    canonical,
+    from_coefficients,
+    monic,
+    scaled,
+)
+from compensator_theory.polynomials.poly import polynomial as read_polynomial
+from compensator_theory.polynomials.shared import is_list
+from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
 
 
 def place_poles(
     plant: TransferFunctionLike,
-    target: SpectrumLike,
+    target: SpectrumLike | None = None,
     n_c: int | None = None,
     *,
     feedback: int,
+    polynomial: PolynomialLike | None = None,
     numerator_degree: int | None = None,
     properness: str | None = None,
 ) -> PolePlacement:
@@ -37,11 +54,14 @@ def place_poles(
     plant : transfer function
         :math:`N/D` of order n; anything :func:`transfer_function` reads; symbols allowed.
     target : polynomial or list of roots
-        :math:`\tilde D` of degree :math:`n + n_c`, up to a factor. A list holds its *roots*.
+        :math:`\tilde D` of degree :math:`n + n_c`, up to a factor. A list holds its *roots*, and
+        the result says so; coefficients go to `polynomial`. Roots may be irrational.
     n_c : int, optional
         Order of the compensator; default deg(target) - n.
     feedback : {+1, -1}
         The sign f. Chapters 2 and 4 use +1, Section 7.3 and after -1.
+    polynomial : polynomial, optional
+        :math:`\tilde D` in place of `target`; here a list holds *coefficients*, descending.
     numerator_degree : int, optional
         :math:`\hat m_c \le n_c`, default min(n - 1, n_c).
     properness : {"strictly proper", "exactly proper"}, optional
@@ -87,7 +107,7 @@ def place_poles(
     require_sign(feedback)
     G = transfer_function(plant)
     require_proper(G, "plant")
-    goal = _target(target, G)
+    goal, roots = _goal(target, polynomial, G)
     n = G.order
     n_c = goal.degree() - n if n_c is None else n_c
     for name, value in (("n_c", n_c), ("numerator_degree", numerator_degree)):
@@ -102,12 +122,26 @@ def place_poles(
     _check_degrees(G, n_c, m_hat)
     _check_fixed_poles(G, goal)
     solution = _solve(G, goal, n_c, m_hat, feedback)
-    placement = _placement(G, goal, n_c, feedback, solution)
+    placement = replace(_placement(G, goal, n_c, feedback, solution), roots=roots)
     return _exactly_proper(placement) if properness == "exactly proper" else placement
 
 
-def _target(target: SpectrumLike, G: TransferFunction) -> Poly:
-    return monic(polynomial_or_roots(target, G.variable))
+def _goal(
+    target: SpectrumLike | None, coefficients: PolynomialLike | None, G: TransferFunction
+) -> tuple[Poly, tuple[Expr, ...] | None]:
+    """Return the monic target, and its roots if a list of them was given."""
+    if (target is None) == (coefficients is None):
+        raise InputError("give either the target (a polynomial or a list of roots) or polynomial=")
+    roots = None
+    if coefficients is not None:
+        goal = read_polynomial(coefficients, G.variable)
+    elif is_list(target):
+        roots = read_roots(cast(Iterable[NumberLike], target))
+        goal = polynomial_from_roots(roots, G.variable)
+    else:
+        goal = read_polynomial(cast(PolynomialLike, target), G.variable)
+    require_no_other_operator(goal)
+    return monic(goal), roots
 
 
 def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | None) -> int:

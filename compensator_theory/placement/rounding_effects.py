@@ -9,11 +9,11 @@ from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
 from compensator_theory.systems.transfer_functions import TransferFunction
 
-DISCRETE = ("z", "q")
 DANGEROUS_SHARE = 0.1
 
 
@@ -129,7 +129,12 @@ def rounded_polynomial(poly: Poly) -> Poly:
 
 
 def is_stable(poly: Poly) -> bool:
-    """Tell whether a closed-loop polynomial is Schur in z or q, Hurwitz in any other variable.
+    """Tell whether a closed-loop polynomial is Schur in z or q, Hurwitz in s.
+
+    Raises
+    ------
+    InputError
+        In another variable, which says neither.
 
     Examples
     --------
@@ -138,7 +143,8 @@ def is_stable(poly: Poly) -> bool:
     >>> is_stable(polynomial("s + 2")), is_stable(polynomial("z + 2"))
     (True, False)
     """
-    locate = locate_unit_disk_roots if poly.gen.name in DISCRETE else locate_half_plane_roots
+    discrete = is_discrete(poly.gen, "stability")
+    locate = locate_unit_disk_roots if discrete else locate_half_plane_roots
     return bool(locate(poly).stable == poly.degree())
 
 
@@ -146,11 +152,12 @@ def _largest_move(
     before: tuple[Root, ...], after: tuple[Root, ...], variable: Symbol
 ) -> tuple[float, float]:
     displacement = share = 0.0
+    discrete = is_discrete(variable, "the distance to the stability boundary")
     for root in after:
         nearest = min(before, key=lambda old: abs(old.value - root.value))
         distance = max(0.0, abs(nearest.value - root.value) - nearest.radius - root.radius)
-        value, is_discrete = nearest.value, variable.name in DISCRETE
-        room = abs(1 - abs(value)) if is_discrete else abs(value.real)
+        value = nearest.value
+        room = abs(1 - abs(value)) if discrete else abs(value.real)
         displacement = max(displacement, distance)
         if room > 0:
             share = max(share, distance / room)

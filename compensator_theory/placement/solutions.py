@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import sympy
@@ -12,6 +12,7 @@ from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.placement.rounding_effects import rounding_effect
+from compensator_theory.polynomials.budget import long_integers
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, scaled
@@ -19,7 +20,7 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PolePlacement(ExactValue):
     r"""Every compensator that :func:`place_poles` found.
 
@@ -38,6 +39,8 @@ class PolePlacement(ExactValue):
         :math:`N_c` and the monic :math:`D_c` of one solution.
     homogeneous : tuple of pairs of sympy.Poly
         :math:`(\delta N_i, \delta D_i)`; empty if the solution is unique.
+    roots : tuple of sympy.Expr or None
+        The list that was given, read as roots; None if a polynomial was given.
 
     Notes
     -----
@@ -59,6 +62,7 @@ class PolePlacement(ExactValue):
     numerator: Poly
     denominator: Poly
     homogeneous: tuple[tuple[Poly, Poly], ...] = ()
+    roots: tuple[Expr, ...] | None = field(default=None, compare=False)
 
     @property
     def is_unique(self) -> bool:
@@ -67,8 +71,8 @@ class PolePlacement(ExactValue):
 
     @property
     def compensator(self) -> TransferFunction:
-        """The pair (N_c, D_c) as an unreduced transfer function."""
-        return TransferFunction(self.numerator, self.denominator)
+        """The pair (N_c, D_c) as an unreduced transfer function, which knows its sign."""
+        return TransferFunction(self.numerator, self.denominator, feedback=self.feedback)
 
     @property
     def leading_coefficient(self) -> Expr:
@@ -100,19 +104,23 @@ class PolePlacement(ExactValue):
         Raises
         ------
         InputError
-            If their number is wrong.
+            If their number is wrong, or one contains the variable.
         """
         if len(parameters) != len(self.homogeneous):
             raise InputError(
                 f"there are {len(parameters)} parameters; this family has {len(self.homogeneous)}"
             )
+        values = [sympy.sympify(exact_number(parameter)) for parameter in parameters]
+        if any(self.plant.variable in value.free_symbols for value in values):
+            raise InputError(
+                f"the parameters {values} contain {self.plant.variable}, the variable of the "
+                "transfer function; give numbers or other symbols"
+            )
         numerator, denominator = self.numerator, self.denominator
-        for parameter, (d_numerator, d_denominator) in zip(
-            map(exact_number, parameters), self.homogeneous, strict=True
-        ):
+        for parameter, (d_numerator, d_denominator) in zip(values, self.homogeneous, strict=True):
             numerator = canonical(numerator + scaled(d_numerator, parameter))
             denominator = canonical(denominator + scaled(d_denominator, parameter))
-        return TransferFunction(numerator, denominator)
+        return TransferFunction(numerator, denominator, feedback=self.feedback)
 
     @property
     def sensitivity(self) -> TransferFunction:
@@ -147,6 +155,14 @@ class PolePlacement(ExactValue):
                 stacklevel=2,
             )
         return system
+
+    def __repr__(self) -> str:
+        asked = f"polynomial {format_polynomial(self.target)}"
+        if self.roots is not None:
+            with long_integers():
+                listed = ", ".join(map(str, self.roots))
+            asked = f"ROOTS {listed} (a list holds roots; coefficients go to polynomial=)"
+        return f"<PolePlacement with feedback {self.feedback:+d} of the {asked}: {self}>"
 
     def __str__(self) -> str:
         count = len(self.homogeneous)

@@ -241,6 +241,26 @@ def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
     return from_expression(poly.as_expr(), symbol)
 
 
+def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
+    """Return numerator and denominator of a quotient as polynomials, common factors kept.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.expressions import read_text
+    >>> from compensator_theory.polynomials.poly import sides_in
+    >>> sides_in(read_text("2/(2*s)"), s)[1]
+    Poly(2*s, s, domain='QQ')
+    """
+    sides = quotient.polynomials(variable)
+    if sides is not None:
+        return sides
+    top, bottom = (_by_powers(side, variable) for side in quotient.sides())
+    if top is None or bottom is None:
+        raise InputError(f"{_short(quotient.value())} is no quotient of polynomials in {variable}")
+    return _from_powers(top, variable), _from_powers(bottom, variable)
+
+
 def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
     """Return a quotient that is a polynomial; what divides it is cancelled first."""
     reduced = quotient.reduced()

@@ -1,6 +1,6 @@
 """Which symbol is the variable: one rule for every function, and what the letters s, z, q mean."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from typing import TypeAlias
 
 from sympy import Expr, Poly, Symbol
@@ -129,16 +129,8 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
     expressions = [part for part in known if not isinstance(part, Poly)]
     fixed = {part.gen for part in known if isinstance(part, Poly)}
     occurring = fixed.union(*(part.free_symbols for part in expressions))
-    operators = fixed | {symbol for symbol in occurring if is_operator(symbol)}
-    candidates = operators or occurring
     what = " and ".join(_written(part) for part in known) or "a list of coefficients"
-    if len(candidates) != 1:
-        names = ", ".join(sorted(symbol.name for symbol in occurring)) or "none"
-        raise InputError(
-            f"the variable of {what} is not evident (symbols: {names}); name it, for instance "
-            "variable='s'"
-        )
-    (found,) = candidates
+    found = evident_variable(occurring, what, fixed)
     for part in expressions:
         if part.free_symbols and found not in part.free_symbols:
             raise InputError(
@@ -146,6 +138,28 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
                 f"{found}, so that it may be a constant or a polynomial in another variable; name "
                 f"the variable, for instance variable='{found}'"
             )
+    return found
+
+
+def evident_variable(occurring: Set[Symbol], what: str, fixed: Set[Symbol] = frozenset()) -> Symbol:
+    """Return the only one of s, z, q that occurs, else the only symbol.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials.variables import evident_variable
+    >>> evident_variable({a, s}, "a*s")
+    s
+    """
+    operators = fixed | {symbol for symbol in occurring if is_operator(symbol)}
+    candidates = operators or occurring
+    if len(candidates) != 1:
+        names = ", ".join(sorted(symbol.name for symbol in occurring)) or "none"
+        raise InputError(
+            f"the variable of {what} is not evident (symbols: {names}); name it, for instance "
+            "variable='s'"
+        )
+    (found,) = candidates
     return found
 
 

@@ -13,6 +13,7 @@ from compensator_theory.matrices.linear_algebra import (
     solve,
 )
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.variables import require_one_symbol_a_name
 
 
 def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
@@ -54,6 +55,7 @@ def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
             f"A is {A.rows} x {A.cols} and B is {B.rows} x {B.cols}; A must be square and B have "
             "as many rows"
         )
+    require_one_symbol_a_name(A.free_symbols | B.free_symbols)
     if not A.rows:
         return ImmutableMatrix.zeros(0, 0)
     a, block = DomainMatrix.from_Matrix(A).unify(DomainMatrix.from_Matrix(B), fmt="dense")

@@ -1,31 +1,51 @@
 """Everything that describes a SISO transfer function, to an exact one."""
 
-from collections.abc import Mapping
-from typing import Any, TypeAlias
+from collections.abc import Iterable, Mapping
+from typing import TypeAlias
 
-import sympy
-from sympy import Expr, Symbol
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.expressions import parse_quotient
+from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import polynomial, scaled
-from compensator_theory.polynomials.variables import OPERATORS, as_symbol
-from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import PolynomialLike, polynomial, scaled, sides_in
+from compensator_theory.polynomials.quotients import Quotient, multiplied_out
+from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.sympy_trees import tree_of
+from compensator_theory.polynomials.variables import as_symbol, evident_variable
+from compensator_theory.systems.foreign import (
+    Contents,
+    ForeignSystem,
+    Fraction,
+    Matrices,
+    ZerosAndPoles,
+    contents_of,
+    is_foreign,
+)
+from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
 
-TransferFunctionLike: TypeAlias = Any
+TransferFunctionLike: TypeAlias = (
+    TransferFunction
+    | TransferMatrix
+    | Realisation
+    | PolynomialLike
+    | tuple[PolynomialLike, PolynomialLike]
+    | Mapping[str, object]
+    | ForeignSystem
+)
 """What :func:`transfer_function` reads."""
 
 
 def transfer_function(
-    obj: TransferFunctionLike = None,
+    obj: TransferFunctionLike | None = None,
     variable: str | Symbol | None = None,
     *,
-    zeros: Any = None,
-    poles: Any = None,
-    gain: Any = None,
+    zeros: Iterable[NumberLike] | None = None,
+    poles: Iterable[NumberLike] | None = None,
+    gain: NumberLike | None = None,
 ) -> TransferFunction:
     r"""Make an exact transfer function out of any usual description.
 
@@ -33,9 +53,11 @@ def transfer_function(
 
     Parameters
     ----------
-    obj : TransferFunction, str, Expr, pair, mapping, SymPy or python-control system
+    obj : TransferFunction, Realisation, str, Expr, pair, mapping, or foreign system
         A pair is (numerator, denominator), each of which :func:`polynomial` reads. A mapping has
-        the keys ``zeros``, ``poles``, ``gain``. Floats are read by their shortest decimal.
+        the keys ``zeros``, ``poles``, ``gain``. Foreign systems are the transfer functions, state
+        spaces and connections of python-control, SciPy and SymPy. Floats are read by their shortest
+        decimal.
     variable : str or Symbol, optional
         Default: evident from the symbols; for python-control ``s`` or ``z`` from its time base.
     zeros, poles : iterable, optional
@@ -65,7 +87,7 @@ def transfer_function(
     (3*s + 3)/(s**2 + 4*s + 5)
     """
     if isinstance(obj, Mapping):
-        unknown = sorted(set(obj) - {"zeros", "poles", "gain"})
+        unknown = sorted(map(str, set(obj) - {"zeros", "poles", "gain"}))
         if unknown:
             raise InputError(f"unknown keys {unknown}; a transfer function has zeros, poles, gain")
         return transfer_function(None, variable, **obj)
@@ -73,24 +95,29 @@ def transfer_function(
         return _from_roots(zeros, poles, gain, variable)
     if not (zeros is None and poles is None and gain is None):
         raise InputError("give either a transfer function or zeros, poles and gain, not both")
+    if isinstance(obj, Realisation):
+        obj = obj.transfer_function() if obj.is_siso else obj.transfer_matrix()
+    if isinstance(obj, TransferMatrix):
+        obj = obj.scalar()
     if isinstance(obj, TransferFunction):
         return _in_variable(obj, variable)
     if isinstance(obj, str):
-        numerator, denominator = parse_quotient(obj)
-        return _from_pair(numerator, denominator, variable)
+        return _from_quotient(read_text(obj), variable)
+    if isinstance(obj, Poly):
+        return TransferFunction(polynomial(obj, variable), polynomial(1, obj.gen))
     if isinstance(obj, tuple | list) and len(obj) == 2:
-        return _from_pair(obj[0], obj[1], variable)
-    if type(obj).__module__.startswith("sympy.physics.control"):
-        return _from_pair(obj.num, obj.den, variable or obj.var)
-    if type(obj).__module__.split(".")[0] == "control":
-        return _from_control(obj, variable)
-    expression = exact_number(obj)
-    numerator, denominator = sympy.fraction(sympy.together(expression))
-    return _from_pair(numerator, denominator, variable)
+        return TransferFunction(*in_one_variable(obj[0], obj[1], variable=variable))
+    if is_foreign(obj):
+        return _from_foreign(contents_of(obj, variable))
+    tree = tree_of(exact_number(obj))
+    return _from_quotient(multiplied_out(tree, least_denominators=True), variable)
 
 
 def _from_roots(
-    zeros: Any, poles: Any, gain: Any, variable: str | Symbol | None
+    zeros: Iterable[NumberLike] | None,
+    poles: Iterable[NumberLike] | None,
+    gain: NumberLike | None,
+    variable: str | Symbol | None,
 ) -> TransferFunction:
     if poles is None:
         raise InputError("give a transfer function, or at least its poles")
@@ -102,27 +129,14 @@ def _from_roots(
     return TransferFunction(scaled(numerator, factor), polynomial_from_roots(poles, symbol))
 
 
-def _from_pair(numerator: Any, denominator: Any, variable: str | Symbol | None) -> TransferFunction:
-    symbol = as_symbol(variable) if variable is not None else _variable_of(numerator, denominator)
-    return TransferFunction(polynomial(numerator, symbol), polynomial(denominator, symbol))
-
-
-def _variable_of(*sides: Any) -> Symbol:
-    symbols: set[Symbol] = set()
-    for side in sides:
-        if isinstance(side, sympy.Poly):
-            return side.gen
-        if isinstance(side, str | Expr):
-            symbols |= exact_number(side).free_symbols
-    usual = [symbol for symbol in symbols if symbol.name in OPERATORS]
-    candidates = usual or list(symbols)
-    if len(candidates) != 1:
-        names = ", ".join(sorted(symbol.name for symbol in symbols)) or "none"
-        raise InputError(
-            f"the variable of the transfer function is not evident (symbols: {names}); name it, "
-            "for instance variable='s'"
-        )
-    return candidates[0]
+def _from_quotient(quotient: Quotient, variable: str | Symbol | None) -> TransferFunction:
+    if variable is not None:
+        return TransferFunction(*sides_in(quotient, as_symbol(variable)))
+    top, bottom = quotient.sides()
+    occurring = top.free_symbols | bottom.free_symbols
+    return TransferFunction(
+        *sides_in(quotient, evident_variable(occurring, "the transfer function"))
+    )
 
 
 def _in_variable(G: TransferFunction, variable: str | Symbol | None) -> TransferFunction:
@@ -133,22 +147,13 @@ def _in_variable(G: TransferFunction, variable: str | Symbol | None) -> Transfer
     )
 
 
-def _from_control(system: Any, variable: str | Symbol | None) -> TransferFunction:
-    if (system.ninputs, system.noutputs) != (1, 1):
-        raise InputError(
-            f"the system has {system.ninputs} inputs and {system.noutputs} outputs; "
-            "pick one of each, as in system[0, 0]"
-        )
-    if variable is None:
-        if system.dt is None:
-            raise InputError("the system's time base is unspecified; name the variable, 's' or 'z'")
-        variable = "s" if system.isctime() else "z"
-    if hasattr(system, "num"):
-        return _from_pair(list(system.num[0][0]), list(system.den[0][0]), variable)
-    if not hasattr(system, "A"):
-        raise InputError(f"a {type(system).__name__} has no rational transfer function")
-    A, B, C, D = (
-        sympy.Matrix(*m.shape, [exact_number(x) for x in m.flat])
-        for m in (system.A, system.B, system.C, system.D)
-    )
-    return transfer_matrix_of_realisation(A, B, C, D, as_symbol(variable)).scalar()
+def _from_foreign(found: Contents) -> TransferFunction:
+    match found:
+        case Fraction(numerator, denominator, variable):
+            return TransferFunction(
+                polynomial(numerator, variable), polynomial(denominator, variable)
+            )
+        case ZerosAndPoles(zeros, poles, gain, variable):
+            return _from_roots(zeros, poles, gain, variable)
+        case Matrices(A, B, C, D, variable):
+            return Realisation(A, B, C, D, variable).transfer_function()

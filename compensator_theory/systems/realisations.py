@@ -1,7 +1,6 @@
 """State-space realisations with exact data, their hidden modes and their transfer functions."""
 
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, field, replace
 
 import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
@@ -11,17 +10,11 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
+from compensator_theory.systems.certificates import Certificate
 from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
-from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.state_space import (
-    controllable_canonical_form,
-    transfer_matrix_of_realisation,
-)
+from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.systems.transfer_functions import TransferFunction
 from compensator_theory.systems.transfer_matrices import TransferMatrix
-
-RealisationLike = Any
-"""What :func:`realisation` reads."""
 
 
 @dataclass(frozen=True, init=False)
@@ -37,6 +30,10 @@ class Realisation(ExactValue):
     variable : str or Symbol
         Variable of the transfer functions; default ``s``. For ``z`` and ``q`` read
         :math:`x(k+1)` for :math:`\dot x`.
+    certificate : Certificate, optional
+        Where it was made from a transfer function: that the two are the same.
+    feedback : {+1, -1}, optional
+        Of a compensator: the sign of the loop that it was designed for.
 
     Raises
     ------
@@ -60,6 +57,8 @@ class Realisation(ExactValue):
     C: ImmutableMatrix
     D: ImmutableMatrix
     variable: Symbol
+    certificate: Certificate | None = field(default=None, compare=False)
+    feedback: int | None = field(default=None, compare=False)
 
     def __init__(
         self,
@@ -68,9 +67,13 @@ class Realisation(ExactValue):
         C: MatrixLike,
         D: MatrixLike | None = None,
         variable: str | Symbol = "s",
+        certificate: Certificate | None = None,
+        feedback: int | None = None,
     ) -> None:
         symbol = as_symbol(variable)
         object.__setattr__(self, "variable", symbol)
+        object.__setattr__(self, "certificate", certificate)
+        object.__setattr__(self, "feedback", feedback)
         a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
         d = ImmutableMatrix.zeros(c.rows, b.cols) if D is None else exact_matrix(D, "D")
         needed = {"A": (a.rows, a.rows), "B": (a.rows, b.cols), "C": (c.rows, a.rows)}
@@ -147,15 +150,23 @@ class Realisation(ExactValue):
 
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""
-        return self.transfer_matrix().scalar()
+        return replace(self.transfer_matrix().scalar(), feedback=self.feedback)
 
     def in_basis(self, T: MatrixLike) -> "Realisation":
         """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""
         basis = exact_matrix(T, "T")
+        if basis.shape != (self.n, self.n):
+            raise InputError(
+                f"T is {basis.rows} x {basis.cols}, but a basis for {self.n} states is "
+                f"{self.n} x {self.n}"
+            )
         both = solve(basis, (self.A * basis).row_join(self.B))
-        return Realisation(
-            both[:, : self.n], both[:, self.n :], self.C * basis, self.D, self.variable
-        )
+        A, B, C = both[:, : self.n], both[:, self.n :], self.C * basis
+        return Realisation(A, B, C, self.D, self.variable, feedback=self.feedback)
+
+    def with_sign(self, feedback: int) -> "Realisation":
+        """Return the compensator of u = G_c y for one of u = f G_c y: (A, B, f C, f D)."""
+        return Realisation(self.A, self.B, feedback * self.C, feedback * self.D, self.variable)
 
     def __str__(self) -> str:
         names = ("A", "B", "C") if self.is_strictly_proper else ("A", "B", "C", "D")
@@ -166,68 +177,28 @@ class Realisation(ExactValue):
         return rf"$\displaystyle {sympy.latex(blocks)}$"
 
 
-def realisation(
-    obj: RealisationLike,
-    variable: str | Symbol | None = None,
-    *,
-    form: Literal["controllable", "observable"] = "controllable",
+def verified_realisation(
+    A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike, G: TransferFunction
 ) -> Realisation:
-    r"""Make an exact realisation out of matrices, a transfer function or a python-control system.
-
-    .. math:: G = C(sI - A)^{-1}B + D
-
-    Parameters
-    ----------
-    obj : Realisation, (A, B, C), (A, B, C, D), python-control system or transfer function
-        A transfer function, anything :func:`transfer_function` reads, is realised in canonical
-        form with its common factors; a state-space system keeps its basis.
-    variable : str or Symbol, optional
-        Default: that of the transfer function; ``s`` for matrices.
-    form : {"controllable", "observable"}
-        Which canonical form: a common factor is unobservable in the first, uncontrollable in the
-        second.
-
-    Returns
-    -------
-    Realisation
-
-    Raises
-    ------
-    InputError, ImproperError
-        If the description cannot be read, or the transfer function is improper.
-
-    Notes
-    -----
-    Source: (7.26), (7.29).
+    """Return the realisation of a transfer function, whose transfer function was compared with it.
 
     Examples
     --------
-    >>> from compensator_theory import realisation
-    >>> realisation("4/(s**2 + 4*s + 3)", form="observable").A
-    Matrix([
-    [0, -3],
-    [1, -4]])
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems.realisations import verified_realisation
+    >>> found = verified_realisation([[0]], [[1]], [[2]], [[0]], transfer_function("2/s"))
+    >>> print(found.certificate)
+    C adj(sI - A) B + D det(sI - A) = N, det(sI - A) = D: holds exactly
     """
-    if form not in ("controllable", "observable"):
-        raise InputError(f"form is 'controllable' or 'observable', not {form!r}")
-    if isinstance(obj, Realisation):
-        if variable is not None and as_symbol(variable) != obj.variable:
-            raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")
-        return obj
-    if isinstance(obj, tuple | list) and len(obj) in (3, 4):
-        symbol = as_symbol("s" if variable is None else variable)
-        A, B, C = obj[:3]
-        return Realisation(A, B, C, obj[3] if len(obj) == 4 else None, symbol)
-    if all(hasattr(obj, name) for name in ("A", "B", "C", "D", "dt")):
-        if variable is None:
-            variable = "s" if obj.isctime() else "z"
-        return Realisation(obj.A, obj.B, obj.C, obj.D, as_symbol(variable))
-    return _canonical(obj, variable, form)
-
-
-def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: str) -> Realisation:
-    G = transfer_function(obj, variable)
-    A, B, C, D = controllable_canonical_form(G)
-    if form == "observable":
-        A, B, C = A.T, C.T, B.T
-    return Realisation(A, B, C, D, G.variable)
+    s = G.variable
+    found = Realisation(A, B, C, D, s, feedback=G.feedback)
+    back = found.transfer_function()
+    residual = ImmutableMatrix([
+        [(back.numerator - G.numerator).as_expr(), (back.denominator - G.denominator).as_expr()]
+    ])  # fmt: skip
+    identity = f"C adj({s}I - A) B + D det({s}I - A) = N, det({s}I - A) = D"
+    certificate = Certificate(identity, residual)
+    if not certificate.holds:
+        raise InputError(f"{certificate}: these matrices do not realise {G}")
+    object.__setattr__(found, "certificate", certificate)  # reading the matrices again is slow
+    return found

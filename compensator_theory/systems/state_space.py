@@ -1,13 +1,19 @@
 """Exact realisations and the transfer matrices they realise."""
 
+import flint
 import sympy
-from sympy import ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import ImmutableMatrix, Matrix, Symbol
 from sympy.polys.matrices import DomainMatrix
 
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.matrices.flint_matrices import from_flint, is_rational_matrix, to_flint
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.polynomials.poly import canonical, from_coefficients, scaled
+from compensator_theory.systems.certificates import Certificate
 from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
 from compensator_theory.systems.transfer_matrices import TransferMatrix
+
+IDENTITY = "adj({0}I - A) B by ({0}I - A) adj({0}I - A) B = det({0}I - A) B"
 
 
 def transfer_matrix_of_realisation(
@@ -27,13 +33,15 @@ def transfer_matrix_of_realisation(
     Returns
     -------
     TransferMatrix
-        p x m, of order n.
+        p x m, of order n, with its certificate.
 
     Notes
     -----
     The adjugate is never formed: with :math:`\det(qI-A) = \sum_k c_k q^k` the coefficients of
     :math:`\mathrm{adj}(qI-A)B` are :math:`V_1 = B`, :math:`V_{j+1} = A V_j + c_{n-j} B`
-    (Faddeev and LeVerrier). Source: (2.6), (2.7).
+    (Faddeev and LeVerrier), and :math:`V_{n+1} = 0` proves
+    :math:`(qI - A)\,\mathrm{adj}(qI-A)B = \det(qI-A)B` for all q. That is the certificate of the
+    result. Source: (2.6), (2.7).
 
     Examples
     --------
@@ -44,26 +52,34 @@ def transfer_matrix_of_realisation(
     >>> print(G.scalar())
     (2)/(q - a)
     """
-    order = A.rows
     denominator = characteristic_polynomial(A, variable)
     descending = denominator.all_coeffs()
     coefficients = [D * c for c in descending]
-    if order:
+    if is_rational_matrix(ImmutableMatrix([*A, *B, *C])):
+        a, b, c = map(to_flint, (A, B, C))
+        scalars, back = [flint.fmpq(int(k.p), int(k.q)) for k in descending], from_flint
+    else:
         a, b, c = DomainMatrix.from_Matrix(A).unify(
             DomainMatrix.from_Matrix(B), DomainMatrix.from_Matrix(C), fmt="dense"
         )
-        v = b
-        for power in range(1, order + 1):
-            coefficients[power] += (c * v).to_Matrix()
-            v = a * v + b * b.domain.from_sympy(sympy.sympify(descending[power]))
+        scalars = [b.domain.from_sympy(sympy.sympify(k)) for k in descending]
+        back = DomainMatrix.to_Matrix
+    v = b
+    for power in range(1, A.rows + 1):
+        coefficients[power] += back(c * v)
+        v = a * v + b * scalars[power]
+    residual = ImmutableMatrix(back(v)) if A.rows else ImmutableMatrix.zeros(0, B.cols)
+    certificate = Certificate(IDENTITY.format(variable), residual)
+    if not certificate.holds:
+        raise NoSolutionError(f"{certificate}; the conversion is wrong, please report it")
     entries = tuple(
         tuple(
-            canonical(Poly([matrix[row, column] for matrix in coefficients], variable))
+            from_coefficients([matrix[row, column] for matrix in coefficients], variable)
             for column in range(D.cols)
         )
         for row in range(D.rows)
     )
-    return TransferMatrix(entries, denominator)
+    return TransferMatrix(entries, denominator, certificate)
 
 
 def controllable_canonical_form(

@@ -1,16 +1,18 @@
 """Exact SISO transfer functions that keep the common factors they were given."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
+from sympy.printing.pretty.stringpict import prettyForm
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
+from compensator_theory.systems.certificates import Certificate
 
 
 @dataclass(frozen=True, repr=False)
@@ -24,6 +26,11 @@ class TransferFunction(ExactValue):
     numerator, denominator : sympy.Poly
         In the same variable. Both are divided by the leading coefficient of the denominator,
         which, if symbolic, is taken to be nonzero.
+    certificate : Certificate, optional
+        Where it was converted from a realisation: the identity that was checked.
+    feedback : {+1, -1}, optional
+        Of a compensator: the sign of the loop that it was designed for. Functions that close a loop
+        refuse another one.
 
     Raises
     ------
@@ -51,6 +58,8 @@ class TransferFunction(ExactValue):
 
     numerator: Poly
     denominator: Poly
+    certificate: Certificate | None = field(default=None, compare=False)
+    feedback: int | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         numerator, denominator = polynomial(self.numerator), polynomial(self.denominator)
@@ -118,7 +127,9 @@ class TransferFunction(ExactValue):
         """Return the same transfer function without its common factor."""
         factor = self.common_factor()
         return TransferFunction(
-            canonical(self.numerator.exquo(factor)), canonical(self.denominator.exquo(factor))
+            canonical(self.numerator.exquo(factor)),
+            canonical(self.denominator.exquo(factor)),
+            feedback=self.feedback,
         )
 
     def zeros(self) -> tuple[Root, ...]:
@@ -163,9 +174,19 @@ class TransferFunction(ExactValue):
     def __repr__(self) -> str:
         return f"transfer_function('{self}', '{self.variable}')"
 
-    def _repr_latex_(self) -> str:
+    def _latex(self, printer: object = None) -> str:
+        """Answer SymPy's printer, which takes our class for its own namesake."""
         top, bottom = sympy.latex(self.numerator.as_expr()), sympy.latex(self.denominator.as_expr())
-        return rf"$\displaystyle \frac{{{top}}}{{{bottom}}}$"
+        return rf"\frac{{{top}}}{{{bottom}}}"
+
+    def _sympystr(self, printer: object = None) -> str:
+        return str(self)
+
+    def _pretty(self, printer: object = None) -> prettyForm:
+        return prettyForm(str(self))
+
+    def _repr_latex_(self) -> str:
+        return rf"$\displaystyle {self._latex()}$"
 
     def _degree_excess_at_most(self, bound: int) -> bool | None:
         if self.numerator.is_zero or self.numerator.degree() - self.order <= bound:

@@ -1,6 +1,6 @@
 """Matrices of exact transfer functions over one common denominator that is never reduced."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
@@ -8,6 +8,7 @@ from sympy import ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.systems.certificates import Certificate
 from compensator_theory.systems.transfer_functions import TransferFunction
 
 
@@ -23,6 +24,8 @@ class TransferMatrix(ExactValue):
         One tuple for each output.
     denominator : sympy.Poly
         Not zero; everything is divided by its leading coefficient.
+    certificate : Certificate, optional
+        The identity that a conversion checked.
 
     Raises
     ------
@@ -43,6 +46,7 @@ class TransferMatrix(ExactValue):
 
     numerators: tuple[tuple[Poly, ...], ...]
     denominator: Poly
+    certificate: Certificate | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         rows = self.numerators
@@ -66,7 +70,7 @@ class TransferMatrix(ExactValue):
 
     def __getitem__(self, index: tuple[int, int]) -> TransferFunction:
         row, column = index
-        return TransferFunction(self.numerators[row][column], self.denominator)
+        return TransferFunction(self.numerators[row][column], self.denominator, self.certificate)
 
     def scalar(self) -> TransferFunction:
         """Return the only entry; InputError if there are several."""

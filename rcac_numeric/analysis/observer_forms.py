@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 import numpy as np
+from scipy.linalg import matrix_balance
 from sympy import ImmutableMatrix
 
 from compensator_theory import (
@@ -22,6 +23,9 @@ from rcac_numeric.analysis.invariant_subspaces import kernel_bases, rounded_root
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.arrays.values import Value
+
+# Largest relative residual of a form that is handed out.
+RESOLVED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,12 +48,16 @@ class NumericObserverForms(Value):
         forms x n and forms x n_c.
     residual : array
         For each form :math:`\|B_cC + A_cT - T(A + BC_cT)\|_F` over the sum of the norms of the
-        terms.
+        terms, with the states of the loop balanced.
     condition : array
         2-norm condition number of T; for :math:`n_c \ne n` of its rectangular shape.
     rejected : int
         Number of subspaces without a form: the basis of their plant part, or T, is numerically
         singular.
+    unresolved_roots : array of complex
+        Regulator roots, subspaces x n, of the forms that float64 does not resolve: T is singular
+        to working precision, or the residual is above 1e-6. `compensator_theory.observer_forms`
+        has them where they are rational.
     """
 
     plant: Realisation
@@ -62,6 +70,7 @@ class NumericObserverForms(Value):
     residual: Array
     condition: Array
     rejected: int
+    unresolved_roots: ComplexArray
 
     def __len__(self) -> int:
         return int(self.T.shape[0])
@@ -114,12 +123,18 @@ class NumericObserverForms(Value):
             raise NoSolutionError("there is no form to choose from; see rejected")
         return int(np.argmin(cost))
 
+    @property
+    def _unresolved(self) -> str:
+        count = len(self.unresolved_roots)
+        return f", {count} that float64 does not resolve (unresolved_roots)" if count else ""
+
     def __str__(self) -> str:
         if not len(self):
-            return f"no observer-based form; {self.rejected} subspaces give none"
+            return f"no observer-based form; {self.rejected} subspaces give none{self._unresolved}"
         low, middle, high = np.quantile(self.condition, [0, 0.5, 1])
         return (
-            f"{len(self)} observer-based forms, {self.rejected} subspaces without one; "
+            f"{len(self)} observer-based forms, {self.rejected} subspaces without one"
+            f"{self._unresolved}; "
             f"cond(T) {low:.2g} / {middle:.2g} / {high:.2g} (least / median / largest), "
             f"largest residual {self.residual.max():.1e}"
         )
@@ -186,26 +201,51 @@ def numeric_observer_forms(
             f"the closed loop has several Jordan blocks for the roots of {repeated.as_expr()}, so "
             "that its forms make up a continuum; compensator_theory.observer_forms parametrises it"
         )
-    loop = _rounded(exact_loop)
+    loop, scale = matrix_balance(_rounded(exact_loop), permute=False, separate=True)
     columns, roots, choices = kernel_bases(loop, rounded_roots(Dtilde))
     regulator, observer = selections(choices, n, n_c)
     V = np.linalg.qr(np.moveaxis(columns[:, regulator], 1, 0)).Q  # forms x (n + n_c) x n
     V_1, V_2 = V[:, :n, :], V[:, n:, :]
     kept = np.flatnonzero((_least_sine(V_1) > singular) & (_least_sine(V_2) > singular))
-    T = np.linalg.solve(V_1[kept].transpose(0, 2, 1), V_2[kept].transpose(0, 2, 1))
-    T = T.transpose(0, 2, 1)
-    condition = np.linalg.cond(T) if len(T) else np.zeros(0)
-    A, B, C = (_rounded(m) for m in (system.A, system.B, system.C))
+    # T of the balanced loop, and from it T itself: powers of two, so that nothing is rounded.
+    T = _solved(V_1[kept].transpose(0, 2, 1), V_2[kept].transpose(0, 2, 1)).transpose(0, 2, 1)
+    own, other = scale[0][:n], scale[0][n:]
     B_c, C_c = _rounded(controller.B), _rounded(controller.C)
-    K = C_c @ T
-    F = np.linalg.solve(T, np.broadcast_to(B_c, (len(T), *B_c.shape))) if n == n_c else None
-    left, right = loop[n:, :n] + loop[n:, n:] @ T, T @ (A + B @ K)
-    scale = np.linalg.norm(B_c @ C) + _norms(loop[n:, n:] @ T) + _norms(right)
+    F = None
+    if n == n_c:
+        inputs = np.broadcast_to(B_c / other[:, None], (len(T), *B_c.shape))
+        F = own[:, None] * _solved(T, inputs)
+    left = loop[n:, :n] + loop[n:, n:] @ T
+    right = T @ (loop[:n, :n] + loop[:n, n:] @ T)
+    terms = np.linalg.norm(loop[n:, :n]) + _norms(loop[n:, n:] @ T) + _norms(right)
+    T = other[:, None] * T / own
+    residual = _norms(left - right) / np.where(terms > 0, terms, 1.0)
+    with np.errstate(all="ignore"):
+        good = (residual <= RESOLVED) & np.isfinite(T).all(axis=(1, 2))
+        if F is not None:
+            off = _norms(T @ F - B_c) / (np.linalg.norm(B_c) + _norms(T) * _norms(F))
+            good &= np.isfinite(F).all(axis=(1, 2)) & (off <= RESOLVED)
+    which = kept[good]
     return NumericObserverForms(
-        system, controller, T, K, F,
-        roots[regulator[kept]], roots[observer[kept]],
-        _norms(left - right) / np.where(scale > 0, scale, 1.0), condition, len(V) - len(kept),
+        system, controller, T[good], C_c @ T[good], None if F is None else F[good],
+        roots[regulator[which]], roots[observer[which]],
+        residual[good], np.linalg.cond(T[good]) if len(which) else np.zeros(0),
+        len(V) - len(kept), roots[regulator[kept[~good]]],
     )  # fmt: skip
+
+
+def _solved(matrices: Array, right: Array) -> Array:
+    """Solutions of many systems of equations; not a number where a matrix is singular."""
+    try:
+        return np.asarray(np.linalg.solve(matrices, right))
+    except np.linalg.LinAlgError:
+        found = np.full(right.shape, np.nan)
+        for i, (matrix, column) in enumerate(zip(matrices, right, strict=True)):
+            try:
+                found[i] = np.linalg.solve(matrix, column)
+            except np.linalg.LinAlgError:
+                continue
+        return found
 
 
 def _rounded(matrix: ImmutableMatrix) -> Array:

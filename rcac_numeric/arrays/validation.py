@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from numbers import Real
 from types import UnionType
 from typing import Any
@@ -156,3 +156,13 @@ def one_of(value: str, name: str, choices: Sequence[str]) -> str:
     if value not in choices:
         raise InputError(f"{name} = {value!r} is not known; choose one of {', '.join(choices)}.")
     return value
+
+
+def by_step(changes: object, name: str) -> dict[int, Any]:
+    """A mapping from steps to values, sorted by step."""
+    if changes is None:
+        return {}
+    if not isinstance(changes, Mapping):
+        raise InputError(f"{name} = {changes!r} must map steps to values, such as {{1000: ...}}.")
+    read = {integer(k, f"a step of {name}", at_least=1): v for k, v in changes.items()}
+    return dict(sorted(read.items()))

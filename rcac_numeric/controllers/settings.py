@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import instance_of, integer, items, one_of, real_array
+from rcac_numeric.arrays.validation import by_step, instance_of, integer, items, one_of, real_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.controllers.rules import SignalWeight, changes_by_step
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.controllers.updates import Update
+from rcac_numeric.controllers.updates.update import Update
+from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.targets.model import TargetModel
 
 FORMS = ("predictor", "filter")
@@ -116,7 +116,7 @@ class ControllerSettings(Value):
             raise InputError(f"update = {update!r}: use UD(R_theta=...) or another update.")
         set_("structure", structure)
         set_("target", target)
-        set_("target_changes", changes_by_step(target_changes, "target_changes"))
+        set_("target_changes", by_step(target_changes, "target_changes"))
         for model in self.targets:
             _require_target(model, structure, target)
         update.require_size(structure.l_theta)

@@ -11,7 +11,7 @@ from rcac_numeric.arrays.validation import instance_of, integer, number, real_ar
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.controllers.updates import RecursiveLeastSquares
+from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compatibility import (
     AnyController,

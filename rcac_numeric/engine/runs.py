@@ -49,9 +49,9 @@ class Run(Value):
         update was decided by rounding and the settings ask to stop there); "interrupted" (Ctrl-C).
         The arrays end before the failed step.
     guard_count, guard_first_step : int
-        Updates decided by rounding and the first such step (-1: none): for "ud", a direction
+        Updates decided by rounding and the first such step (-1: none): for UD, a direction
         that the data excite by no more than their rounding errors while R_theta is so small that
-        theta follows them; for "covariance", Upsilon not positive. Not zero: the data cannot
+        theta follows them; for Covariance, Upsilon not positive. Not zero: the data cannot
         support this R_theta in this arithmetic.
     reflections, resets : int
         Updates after which poles were reflected (6.2.2), and covariance resets.

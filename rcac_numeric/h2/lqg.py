@@ -25,6 +25,8 @@ from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.plants.linear import Plant
 
 FORMS = ("predictor", "filter")
+# Largest distance of the cost of the loop to that of the Riccati solutions.
+LARGEST_GAP = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +115,12 @@ class LQG(Value):
         inputs = noise_inputs(self.plant, self.noise)
         return exact_agreement(self.plant, inputs, self.regulator, self.estimator)
 
+    @property
+    def cost_gap(self) -> float:
+        """Distance of `cost` and `cost_from_riccati`, over the sizes of the terms of the cost."""
+        size = sum(map(abs, self.cost.terms.values()))
+        return abs(self.cost.value - self.cost_from_riccati) / size if size else 0.0
+
     def __repr__(self) -> str:
         return (
             f"LQG({self.form}, n={self.plant.n}, J={self.cost.value:.6g}, "
@@ -158,6 +166,9 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     NoSolutionError
         Where the inputs outnumber what z sees of them, or the measurements the noises, with R_2
         or V_2 singular; the rank is named.
+    IllConditionedError
+        Where rounding decides the cost of the loop, or the loop's own cost and that of the Riccati
+        solutions differ by more than 1e-6: the controller is then not what was designed.
     ImproperError
         Where D_0 lets no exactly proper controller of the filter form exist.
 
@@ -198,16 +209,30 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     if form == "filter":
         D_f = _filter_gain(plant, inputs, regulator, estimator)
     parts = _state_space(plant, regulator.gain, -estimator.gain.T, D_f)
-    return LQG(
-        plant=plant,
-        noise=noise,
-        form=form,
-        regulator=regulator,
-        estimator=estimator,
-        state_space=parts,
-        cost=h2_cost(plant, parts, noise=noise),
-        cost_from_riccati=_cost(inputs, regulator, estimator, D_f),
+    return _verified(
+        LQG(
+            plant=plant,
+            noise=noise,
+            form=form,
+            regulator=regulator,
+            estimator=estimator,
+            state_space=parts,
+            cost=h2_cost(plant, parts, noise=noise),
+            cost_from_riccati=_cost(inputs, regulator, estimator, D_f),
+        )
     )
+
+
+def _verified(design: LQG) -> LQG:
+    """The design, where its loop costs what its Riccati solutions say."""
+    if np.isfinite(design.cost_from_riccati) and not design.cost_gap <= LARGEST_GAP:
+        raise IllConditionedError(
+            f"the loop of this LQG controller costs {design.cost.value:.6g}, its Riccati solutions "
+            f"say {design.cost_from_riccati:.6g}: rounding decides (condition of the regulator "
+            f"{design.regulator.condition:.1e}, of the estimator {design.estimator.condition:.1e})."
+            " Scale states and signals to like size."
+        )
+    return design
 
 
 def _weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:

@@ -31,8 +31,9 @@ class TargetModel(Value):
     Raises
     ------
     InputError
-        If sizes do not fit, the filter is zero, or a pole lies outside the unit circle, which is
-        decided exactly: Phi_f of (2.40) would grow without bound. A pole on the circle is allowed.
+        If sizes do not fit, the filter is zero or not what `exact` is, or a pole lies outside the
+        unit circle, which is decided exactly: Phi_f of (2.40) would grow without bound. A pole on
+        the circle is allowed.
 
     Examples
     --------
@@ -81,6 +82,7 @@ class TargetModel(Value):
         if exact is not None:
             kinds = exact_theory.TransferFunction | exact_theory.TransferMatrix
             instance_of(exact, "exact", kinds)
+            _require_same(self.numerator, self.denominator, exact)
         object.__setattr__(self, "exact", exact)
         require_no_pole_outside(self.denominator, exact)
 
@@ -110,6 +112,44 @@ class TargetModel(Value):
         numerator = np.einsum("wi,izu->wzu", powers, self.numerator)
         return np.asarray(
             np.linalg.solve(np.einsum("wi,izy->wzy", powers, self.denominator), numerator)
+        )
+
+
+def _require_same(
+    numerator: Array,
+    denominator: Array,
+    exact: exact_theory.TransferFunction | exact_theory.TransferMatrix,
+) -> None:
+    """Refuse coefficients that are not those of `exact`, but for rounding.
+
+    N_f d = D_f N for G = N / d, at points where no power of q^{-1} is lost.
+    """
+    if isinstance(exact, exact_theory.TransferFunction):
+        entries, shape = [exact.numerator], (1, 1)
+    else:
+        entries, shape = [n for row in exact.numerators for n in row], exact.shape
+    if shape != numerator.shape[1:]:
+        raise InputError(
+            f"the target model is {numerator.shape[1]} x {numerator.shape[2]}, and its exact form "
+            f"{shape[0]} x {shape[1]}."
+        )
+    degree = exact.denominator.degree()
+    d, *N = (
+        rounded([entry.nth(degree - i) for i in range(degree + 1)], "the target model")
+        for entry in (exact.denominator, *entries)
+    )
+    z = np.exp(1j * np.array([0.3, 1.3, 2.3]))
+    left = np.einsum("iab,zi->zab", numerator, z[:, None] ** -np.arange(len(numerator)))
+    right = np.einsum("iab,zi->zab", denominator, z[:, None] ** -np.arange(len(denominator)))
+    powers = z[:, None] ** -np.arange(degree + 1)
+    wanted = np.stack([powers @ part for part in N], axis=-1).reshape(len(z), *shape)
+    gap = np.abs(left * (powers @ d)[:, None, None] - right @ wanted)
+    size = np.abs(numerator).sum() * np.abs(d).sum()
+    size += np.abs(denominator).sum() * sum(np.abs(part).sum() for part in N)
+    if not gap.max() <= 1e-12 * size:
+        raise InputError(
+            "the coefficients of the target model are not those of its exact form; leave `exact` "
+            "out, or build the target from the exact filter with target_model."
         )
 
 

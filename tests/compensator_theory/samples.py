@@ -74,6 +74,9 @@ def transfer_matrices(draw):
 
 
 SAMPLES = {
+    exact.Certificate: minimal_plants().map(
+        lambda plant: exact.realisation(plant).transfer_function().certificate
+    ),
     exact.Budget: st.builds(exact.Budget, degree=st.integers(1, 10**6)),
     exact.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
     | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),

@@ -8,46 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.house.layers import LAYERS
+
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = ("compensator_theory", "rcac_numeric", "proofs")
 
-# From the ground up: a folder imports itself and what stands above it in this list, late imports
-# and those for type checking counted.
-LAYERS = {
-    "compensator_theory": [
-        "polynomials",
-        "matrices",
-        "roots",
-        "systems",
-        "loops",
-        "lqg",
-        "placement",
-        "observers",
-        "strategies",
-    ],
-    "rcac_numeric": [
-        "arrays",
-        "plants",
-        "signals",
-        "targets",
-        "identification",
-        "controllers",
-        "engine.compiled",
-        "engine",
-        "engine.reference",
-        "analysis",
-        "margins",
-        "h2",
-        "experiments.format",
-        "experiments",
-        "experiments.dissertation",
-        "experiments.files",
-        "checks",
-        "plots",
-        "reports",
-        "cli",
-    ],
-}
 # What a fixed controller does to a loop is computed from its data, never by running it.
 WITHOUT_ENGINE = ("analysis", "margins", "h2")
 # A result's own methods that show it may ask for what stands above it, and nothing else may.

@@ -1,9 +1,12 @@
 """Random structures with their regressors from the text, and random settings for them."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import strategies as st
 
 from rcac_numeric import (
+    UD,
     ControllerSettings,
     DerivedSignal,
     Plant,
@@ -74,6 +77,11 @@ def structures(draw, l_u, l_y, l_r=0, kinds=KINDS):
     return structure, book.iir_regressor(n_c, k_c, lags_of_u, first_r)
 
 
+def with_update(settings, **changes):
+    """The settings with other settings of the same update."""
+    return replace(settings, update=replace(settings.update, **changes))
+
+
 @st.composite
 def cases(draw, l_u, l_y, l_z, l_r=0, kinds=KINDS, **fixed):
     """(settings, regressor) with a random structure, target model, weights and start-up."""
@@ -82,7 +90,8 @@ def cases(draw, l_u, l_y, l_z, l_r=0, kinds=KINDS, **fixed):
 
 
 @st.composite
-def settings_for(draw, structure, l_z, strictly_proper=False, **fixed):
+def settings_for(draw, structure, l_z, strictly_proper=False, update=UD, **fixed):
+    """Settings with an update that the function `update` makes of R_theta."""
     rng = np.random.default_rng(draw(seeds))
     target = draw(targets(l_z, structure.l_u))
     if strictly_proper:
@@ -96,7 +105,7 @@ def settings_for(draw, structure, l_z, strictly_proper=False, **fixed):
         root = rng.standard_normal((size, size)) / np.sqrt(size)
         R_theta = R_theta + root @ root.T
     chosen = {
-        "R_theta": (R_theta + R_theta.T) / 2,
+        "update": update((R_theta + R_theta.T) / 2),
         "R_z": np.eye(l_z) + positive(rng, l_z) / 4,
         "R_u": draw(st.sampled_from([0.0, 0.5])) * positive(rng, l_z),
         "k_w": k_w,

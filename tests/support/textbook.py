@@ -10,7 +10,16 @@ from collections import defaultdict
 
 import numpy as np
 
-from rcac_numeric import SignalWeight
+from rcac_numeric import (
+    UD,
+    Covariance,
+    Gradient,
+    Instantaneous,
+    ScheduledForgetting,
+    SignalWeight,
+    SlidingWindow,
+    VariableRateForgetting,
+)
 
 
 class Signals:
@@ -85,14 +94,15 @@ def root(weight):
 
 class Book:
     def __init__(self, settings, regressor):
-        self.c, self.regressor = settings, regressor
+        self.c, self.regressor, self.rule = settings, regressor, settings.update
         s = settings.structure
         self.s = Signals(u=s.l_u, y=s.l_y, r=s.l_r, z=settings.target.l_z)
         self.theta, self.k = settings.theta_0.copy(), 0
         self.Phi, self.Phi_f, self.u_f = [], [], []
         self.stages, self.lambdas = [], []  # since the prior was set
-        self.prior = (settings.R_theta, settings.theta_0)
-        self.P = np.linalg.inv(settings.R_theta)
+        if not isinstance(self.rule, Gradient):
+            self.R_theta = matrix(self.rule.R_theta, self.theta.size)
+            self.prior, self.P = (self.R_theta, self.theta), np.linalg.inv(self.R_theta)
         self.last_reset, self.first = -1, settings.k_update
         self.resets = self.reflections = 0
 
@@ -119,7 +129,7 @@ class Book:
 
     def filtered(self, past_in, past_out):
         """G_f of a sequence of matrices up to step k, (2.40); zero inputs before k_filter."""
-        target = self.latest(self.c.target, self.c.later_targets)
+        target = self.latest(self.c.target, self.c.target_changes)
         N, D, out = target.numerator, target.denominator, 0.0
         for i in range(min(self.k, len(N) - 1) + 1):
             if N[i].any() and self.k - i >= self.c.k_filter:
@@ -137,12 +147,13 @@ class Book:
             self.filtered(self.Phi.__getitem__, self.Phi_f) + np.zeros((l_z, self.theta.size))
         )
         self.u_f.append(self.filtered(lambda i: self.s("u", i), self.u_f) + np.zeros(l_z))
-        if k in (c.reset.at if c.reset else ()):
+        reset = self.rule.reset if isinstance(self.rule, UD | Covariance) else None
+        if k in (reset.at if reset else ()):
             self.reset()
         frozen = any(a <= k and (b is None or k < b) for a, b in c.freeze)
         if k < c.k_update or frozen:
             return
-        if c.reset and self.reset_is_due():
+        if reset and self.reset_is_due(reset):
             self.last_reset = k
             self.reset()
         R_z, R_u = self.weight(c.R_z), self.weight(c.R_u)
@@ -165,9 +176,11 @@ class Book:
         return R(k, self.s("y", k), z, u) * np.eye(l_z)
 
     def forgetting(self):
-        rule = self.c.forgetting
-        if rule is None:
-            return self.latest(self.c.lambda_, self.c.later_lambdas)
+        rule = self.rule.lambda_
+        if isinstance(rule, ScheduledForgetting):
+            return self.latest(rule.initial, rule.changes)
+        if not isinstance(rule, VariableRateForgetting):
+            return rule
         excess = self.growth(rule.short, rule.long) - 1
         return max(rule.smallest, 1 / (1 + rule.gain * max(0.0, excess)))
 
@@ -179,26 +192,26 @@ class Book:
         return rms(short) / rms(long) if rms(long) > 0 else 1.0
 
     def update(self, rows, goal):
-        c, R_theta = self.c, self.c.R_theta
-        if c.update == "gradient":
+        rule = self.rule
+        if isinstance(rule, Gradient):
             cost = lambda theta: np.sum((rows @ theta - goal) ** 2)  # noqa: E731
             steps = 1e-3 * np.eye(self.theta.size)  # differences of a quadratic are exact
             slope = [(cost(self.theta + d) - cost(self.theta - d)) / 2e-3 for d in steps]
-            self.theta = self.theta - c.step_size * np.array(slope) / 2
-        elif c.update == "instantaneous":
-            self.theta = least_squares([(1.0, rows, goal)], R_theta, self.theta)
-        elif c.update == "sliding window":
+            self.theta = self.theta - rule.step_size * np.array(slope) / 2
+        elif isinstance(rule, Instantaneous):
+            self.theta = least_squares([(1.0, rows, goal)], self.R_theta, self.theta)
+        elif isinstance(rule, SlidingWindow):
             self.stages.append((rows, goal))
-            kept = self.stages[-c.window :][::-1]
-            aged = [(c.lambda_**age, *stage) for age, stage in enumerate(kept)]
-            self.theta = least_squares(aged, R_theta, c.theta_0)
-        elif c.process_noise is not None:
+            kept = self.stages[-rule.window :][::-1]
+            aged = [(rule.lambda_**age, *stage) for age, stage in enumerate(kept)]
+            self.theta = least_squares(aged, self.R_theta, self.c.theta_0)
+        elif rule.process_noise is not None:
             kept = np.abs(rows).any(axis=1) | (goal != 0)
             C, y = rows[kept], goal[kept]  # measurements y = C theta + v, v of variance I
             gain = self.P @ C.T @ np.linalg.inv(np.eye(len(C)) + C @ self.P @ C.T)
             self.theta = self.theta + gain @ (y - C @ self.theta)
             left = np.eye(len(self.P)) - gain @ C
-            self.P = left @ self.P @ left.T + gain @ gain.T + c.process_noise
+            self.P = left @ self.P @ left.T + gain @ gain.T + matrix(rule.process_noise, len(C.T))
         else:
             self.stages.append((rows, goal))
             self.lambdas.append(self.forgetting())
@@ -213,13 +226,13 @@ class Book:
     def reset(self):
         """P <- P(0), theta stays: a new prior around the present theta, and no data."""
         self.resets += 1
-        self.prior, self.P = (self.c.R_theta, self.theta), np.linalg.inv(self.c.R_theta)
+        self.prior, self.P = (self.R_theta, self.theta), np.linalg.inv(self.R_theta)
         self.stages, self.lambdas = [], []
 
-    def reset_is_due(self):
-        rule, age = self.c.reset, self.k - max(self.first, self.last_reset)
+    def reset_is_due(self, rule):
+        age = self.k - max(self.first, self.last_reset)
         every = rule.every and age > 0 and (self.k - self.first) % rule.every == 0
-        trace = np.trace(self.P) < rule.trace_below * np.trace(np.linalg.inv(self.c.R_theta))
+        trace = np.trace(self.P) < rule.trace_below * np.trace(np.linalg.inv(self.R_theta))
         growing = (
             rule.growth and age >= rule.long and self.growth(rule.short, rule.long) > rule.growth
         )
@@ -236,8 +249,13 @@ class Book:
         self.reflections += 1
         self.theta = self.theta.copy()
         self.theta[of_u] = -np.real(np.poly(poles))[1:]
-        if self.c.update in ("ud", "covariance") and self.c.process_noise is None:
+        if isinstance(self.rule, UD | Covariance) and self.rule.process_noise is None:
             self.prior, self.stages, self.lambdas = (self.H, self.theta), [], []
+
+
+def matrix(weight, size):
+    """A number stands for that multiple of the identity."""
+    return weight * np.eye(size) if np.ndim(weight) == 0 else weight
 
 
 def least_squares(stages, H, centre):

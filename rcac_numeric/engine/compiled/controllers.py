@@ -15,9 +15,9 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.controllers.fixed import FixedController
-from rcac_numeric.controllers.rules import SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings, Weight
-from rcac_numeric.controllers.updates import Gradient
+from rcac_numeric.controllers.updates.memoryless import Gradient
+from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.updates import Event, KernelUpdate, kernel_update

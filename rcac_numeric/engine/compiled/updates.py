@@ -1,32 +1,30 @@
 """From an update as data to the arguments that the kernel makes it from.
 
-A new update is registered here: `@kernel_update.register(YourUpdate)`.
+A new update is registered here: a line in `ARGUMENTS`. What is not written here is refused, also
+subclasses of what is: the engine would run them without what they add.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from functools import singledispatch
+from typing import Any
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, inverse, square_root_columns
-from rcac_numeric.controllers.rules import (
-    CovarianceReset,
+from rcac_numeric.controllers.updates.forgetting import (
     Forgetting,
     ScheduledForgetting,
     VariableRateForgetting,
 )
-from rcac_numeric.controllers.updates import (
-    UD,
-    Covariance,
-    Gradient,
-    Instantaneous,
-    RecursiveLeastSquares,
-    SlidingWindow,
-)
+from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers.updates.recursive import UD, Covariance, RecursiveLeastSquares
+from rcac_numeric.controllers.updates.resets import CovarianceReset
+from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
+from rcac_numeric.controllers.updates.update import Update
 
 Event = tuple[int, str, float]
 
@@ -61,31 +59,29 @@ class KernelUpdate:
     step_size: float = 0.0
 
 
-@singledispatch
-def kernel_update(update: object, l_theta: int) -> KernelUpdate:
+def kernel_update(update: Update, l_theta: int) -> KernelUpdate:
     """The kernel's arguments for an update of l_theta coefficients.
 
     Raises
     ------
     InputError
-        Where the update is of no kind that is registered.
+        Where the update, its forgetting or its reset is of no kind that is registered.
     """
-    kinds = [kind.__name__ for kind in kernel_update.registry if kind is not object]
-    raise InputError(f"update = {update!r} is none that the engine runs: {', '.join(kinds)}.")
+    require_kind(update, "update", ARGUMENTS)
+    return ARGUMENTS[type(update)](update, l_theta)
 
 
-@kernel_update.register(UD)
-def _(update: UD, l_theta: int) -> KernelUpdate:
-    return _recursive(update, l_theta)
+def require_kind(value: object, name: str, kinds: Iterable[type]) -> None:
+    """Raise unless `value` is of exactly one of the kinds."""
+    known = list(kinds)
+    if type(value) not in known:
+        raise InputError(
+            f"{name} = {value!r} is a {type(value).__name__}, which the engine does not run; it "
+            f"runs {', '.join(kind.__name__ for kind in known)}."
+        )
 
 
-@kernel_update.register(Covariance)
-def _(update: Covariance, l_theta: int) -> KernelUpdate:
-    return _recursive(update, l_theta)
-
-
-@kernel_update.register(SlidingWindow)
-def _(update: SlidingWindow, l_theta: int) -> KernelUpdate:
+def _window(update: SlidingWindow, l_theta: int) -> KernelUpdate:
     return KernelUpdate(
         update.name,
         P_0=initial_covariance(update.R_theta, l_theta),
@@ -94,13 +90,11 @@ def _(update: SlidingWindow, l_theta: int) -> KernelUpdate:
     )
 
 
-@kernel_update.register(Instantaneous)
-def _(update: Instantaneous, l_theta: int) -> KernelUpdate:
+def _instantaneous(update: Instantaneous, l_theta: int) -> KernelUpdate:
     return KernelUpdate(update.name, P_0=initial_covariance(update.R_theta, l_theta))
 
 
-@kernel_update.register(Gradient)
-def _(update: Gradient, l_theta: int) -> KernelUpdate:
+def _gradient(update: Gradient, l_theta: int) -> KernelUpdate:
     return KernelUpdate(update.name, P_0=np.zeros((l_theta, l_theta)), step_size=update.step_size)
 
 
@@ -118,6 +112,8 @@ def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
 
 def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
     rule, reset = update.lambda_, update.reset or CovarianceReset()
+    require_kind(rule, "lambda_", (float, ScheduledForgetting, VariableRateForgetting))
+    require_kind(reset, "reset", (CovarianceReset,))
     events: list[Event] = [(k, "reset", 0.0) for k in reset.at]
     if isinstance(rule, ScheduledForgetting):
         events += [(k, "forgetting", value) for k, value in rule.changes.items()]
@@ -137,3 +133,12 @@ def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
         noise=noise,
         events=tuple(events),
     )
+
+
+ARGUMENTS: dict[type[Update], Callable[[Any, int], KernelUpdate]] = {
+    UD: _recursive,
+    Covariance: _recursive,
+    SlidingWindow: _window,
+    Instantaneous: _instantaneous,
+    Gradient: _gradient,
+}

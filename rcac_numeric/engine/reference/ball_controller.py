@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 from flint import arb, arb_mat
 
-from rcac_numeric.controllers.rules import SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings, Weight
+from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.reference.ball_updates import BallData, ball_update
 from rcac_numeric.engine.reference.balls import balls, latest
 

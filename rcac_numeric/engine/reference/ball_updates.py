@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import singledispatch
-from typing import Protocol
+from typing import Any, Protocol
 
 from flint import arb, arb_mat
 
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.controllers.rules import ScheduledForgetting, VariableRateForgetting
-from rcac_numeric.controllers.updates import (
-    UD,
-    Covariance,
-    Gradient,
-    Instantaneous,
-    RecursiveLeastSquares,
-)
+from rcac_numeric.controllers.updates.forgetting import ScheduledForgetting, VariableRateForgetting
+from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers.updates.recursive import UD, Covariance, RecursiveLeastSquares
+from rcac_numeric.controllers.updates.resets import CovarianceReset
+from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.engine.reference.balls import balls, inverse_weight, latest
 
 
@@ -52,8 +49,7 @@ class BallUpdate(Protocol):
         """theta(k+1) from theta(k)."""
 
 
-@singledispatch
-def ball_update(update: object, l_theta: int) -> BallUpdate:
+def ball_update(update: Update, l_theta: int) -> BallUpdate:
     """An update in balls.
 
     Raises
@@ -61,11 +57,13 @@ def ball_update(update: object, l_theta: int) -> BallUpdate:
     InputError
         Where the reference does not know the update or one of its rules.
     """
-    known = [kind.__name__ for kind in ball_update.registry if kind is not object]
-    raise InputError(
-        f"the reference does not know the update {type(update).__name__}; it knows "
-        f"{', '.join(known)}."
-    )
+    # The very type: of a subclass it would leave out what that adds.
+    if type(update) not in BALL_UPDATES:
+        raise InputError(
+            f"the reference does not know the update {type(update).__name__}; it knows "
+            f"{', '.join(kind.__name__ for kind in BALL_UPDATES)}."
+        )
+    return BALL_UPDATES[type(update)](update, l_theta)
 
 
 class BallRecursion:
@@ -73,8 +71,15 @@ class BallRecursion:
 
     def __init__(self, update: RecursiveLeastSquares, l_theta: int) -> None:
         rule, reset = update.lambda_, update.reset
-        if isinstance(rule, VariableRateForgetting):
-            raise InputError("the reference does not know variable-rate forgetting; leave it out.")
+        known = type(rule) in (float, ScheduledForgetting)
+        if isinstance(rule, VariableRateForgetting) or not known:
+            raise InputError(
+                f"the reference does not know the forgetting {type(rule).__name__}; leave it out."
+            )
+        if reset is not None and type(reset) is not CovarianceReset:
+            raise InputError(
+                f"the reference does not know the reset {type(reset).__name__}; leave it out."
+            )
         if reset and (reset.trace_below or reset.growth):
             raise InputError(
                 "the reference does not know a covariance reset by trace_below or growth; leave "
@@ -142,20 +147,12 @@ class BallGradient:
         return theta - slope * self._step_size
 
 
-@ball_update.register(UD)
-@ball_update.register(Covariance)
-def _(update: RecursiveLeastSquares, l_theta: int) -> BallUpdate:
-    return BallRecursion(update, l_theta)
-
-
-@ball_update.register(Instantaneous)
-def _(update: Instantaneous, l_theta: int) -> BallUpdate:
-    return BallInstantaneous(update, l_theta)
-
-
-@ball_update.register(Gradient)
-def _(update: Gradient, l_theta: int) -> BallUpdate:
-    return BallGradient(update, l_theta)
+BALL_UPDATES: dict[type[Update], Callable[[Any, int], BallUpdate]] = {
+    UD: BallRecursion,
+    Covariance: BallRecursion,
+    Instantaneous: BallInstantaneous,
+    Gradient: BallGradient,
+}
 
 
 def _corrected(P: arb_mat, lam: arb, data: BallData, theta: arb_mat) -> tuple[arb_mat, arb_mat]:

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, signal_array
-from rcac_numeric.controllers.rules import SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController, command_position, require_fit
 from rcac_numeric.engine.reference.ball_controller import BallController
 from rcac_numeric.engine.reference.ball_plants import BallPlant

@@ -143,8 +143,8 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         for run, override in zip(runs, overrides, strict=True)
     ]
     pairs = list(zip(runs, plants, strict=True))
-    made = {run.name: run.build(plant, budget) for run, plant in pairs}
-    budget.require_operations(sum(run.operations(plant, budget) for run, plant in pairs))
+    budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
+    made = {run.name: run.build(plant) for run, plant in pairs}
     text = {key: read.arguments.get(key, "") for key in ("title", "id", "source", "notes")}
     return Experiment(
         id=text["id"] or Path(file).stem,

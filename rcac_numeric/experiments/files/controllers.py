@@ -10,8 +10,8 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
-from rcac_numeric.controllers.rules import SignalWeight
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.experiments.files.structures import STRUCTURES, sizes_of
 from rcac_numeric.experiments.files.targets import TARGET

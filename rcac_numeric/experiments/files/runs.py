@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.compatibility import controllers_of, require_fit
 from rcac_numeric.engine.reference.run import require_supported
-from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import RunSpecification
 from rcac_numeric.experiments.files.controllers import (
@@ -136,10 +134,10 @@ class RunTables(Value):
     course: Course
     folder: Path
 
-    def build(self, plant: Plant | PlantSchedule, budget: Budget) -> RunSpecification:
-        """The run, its plant being made already."""
-        course = self.course
-        structures = [s for part in self.controller.parts if (s := _structure(part, plant))]
+    def cost(self, plant: Plant | PlantSchedule, budget: Budget) -> float:
+        """About how many multiplications it takes; raises where it takes too much memory."""
+        course, parts = self.course, self.controller.parts
+        structures = [s for part in parts if (s := _structure(part, plant))]
         budget.require_memory(
             self.name,
             plant,
@@ -147,8 +145,18 @@ class RunTables(Value):
             steps=course.steps,
             stride=course.stride,
             repetitions=course.repetitions,
-            window=max((_window(part) for part in self.controller.parts), default=0),
+            window=max(map(_window, parts), default=0),
         )
+        return budget.operations_of(
+            structures,
+            steps=course.steps,
+            repetitions=course.repetitions,
+            reference=course.arithmetic == "reference",
+        )
+
+    def build(self, plant: Plant | PlantSchedule) -> RunSpecification:
+        """The run, its plant being made already."""
+        course = self.course
         controller, target = self.controller.build(plant)
         made = RunSpecification(
             name=self.name,
@@ -167,16 +175,6 @@ class RunTables(Value):
         )
         _require_sense(made)
         return made
-
-    def operations(self, plant: Plant | PlantSchedule, budget: Budget) -> float:
-        """About how many multiplications it takes."""
-        course = self.course
-        return budget.operations_of(
-            [s for part in self.controller.parts if (s := _structure(part, plant))],
-            steps=course.steps,
-            repetitions=course.repetitions,
-            reference=course.arithmetic == "reference",
-        )
 
 
 def read_run(base: Raw, override: Raw, file: str) -> RunTables:
@@ -243,7 +241,14 @@ def _window(part: Part[Any]) -> int:
 
 def _require_sense(run: RunSpecification) -> None:
     """Refuse a run that does not fit together or could not adapt."""
-    simulate(run.plant, run.settings, np.zeros((0, run.plant.l_w)), saturation=run.saturation)
+    require_fit(run.plant, run.settings)
+    if run.saturation is not None:
+        run.saturation.bounds(run.plant.l_u)
+        if isinstance(run.settings, Decentralized) and not run.settings.shared_u:
+            raise InputError(
+                "with saturation, controllers that hold their own u cannot know which part of it "
+                "was applied. Set shared_u = true in [controller]."
+            )
     if run.reference:
         require_supported(run.plant, run.settings, run.saturation)
     for controller in controllers_of(run.settings):

@@ -18,7 +18,8 @@ def json_schema() -> dict[str, Any]:
 
     Whatever `load_experiment` accepts is valid. Where nothing is joined, that is without [[runs]]
     and [[controllers]], the schema says also which keys are needed and which do not go together;
-    sizes, ranges that depend on each other, and mathematics are beyond it.
+    sizes, ranges that depend on each other, and mathematics are beyond it. A file without [run]
+    is one for `rcac check`, which reads [plant], and as much of the rest as there is.
 
     Examples
     --------
@@ -36,8 +37,11 @@ def json_schema() -> dict[str, Any]:
         "title": "Experiment of rcac",
         **schema,
         "required": ["plant"],
-        "if": {"not": {"anyOf": [{"required": ["runs"]}, {"required": ["controllers"]}]}},
-        "then": {"properties": alone, "required": ["target", "controller", "run"]},
+        "if": {
+            "required": ["run"],
+            "not": {"anyOf": [{"required": ["runs"]}, {"required": ["controllers"]}]},
+        },
+        "then": {"properties": alone, "required": ["target", "controller"]},
         "$defs": {
             SIGNAL.what.split()[-1]: SIGNAL.definition(),
             **{name: strict_schema(TABLES[name].table) for name in alone},

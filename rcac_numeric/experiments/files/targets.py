@@ -8,7 +8,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.experiments.format.deferred import Deferred
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
-from rcac_numeric.experiments.format.values import Exact, Numbers
+from rcac_numeric.experiments.format.values import Exact, Integer, Numbers
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.high_authority import high_authority_target_model
@@ -112,6 +112,8 @@ def _output_subspace(plant: Plant) -> TargetModel:
     return output_subspace_target(plant)
 
 
+# Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
+LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT = 200, 600, 80
 TOLD = {"H": Exact(), "nmp_zeros": ListOf(Exact())}
 GIVEN = ("plant",)
 
@@ -124,7 +126,13 @@ TARGETS: Kinds[TargetModel] = Kinds(
                 Table(_markov, given=GIVEN, forms={"markov_parameters": Numbers()}),
                 "markov_parameters",
             ),
-            Variant(Table(_markov_of_plant, given=GIVEN)),
+            Variant(
+                Table(
+                    _markov_of_plant,
+                    given=GIVEN,
+                    forms={"n_bar": Integer(at_most=LARGEST_N_BAR)},
+                )
+            ),
         ),
         "high authority": _high_authority,
         "output subspace": _output_subspace,
@@ -133,7 +141,7 @@ TARGETS: Kinds[TargetModel] = Kinds(
                 Table(
                     _coefficients,
                     given=GIVEN,
-                    forms={"numerator": Numbers(), "denominator": Numbers()},
+                    forms={"numerator": Numbers(), "denominator": Numbers(LARGEST_ORDER + 1)},
                 ),
                 "numerator",
             ),
@@ -165,7 +173,7 @@ def _told(
     zeros = None if nmp_zeros is None else tuple(nmp_zeros)
     if d_zu is not None and H is not None:
         return ModellingInformation(d_zu, H, zeros or ())
-    known = modelling_information(plant)
+    known = _information(plant)
     return ModellingInformation(
         known.d_zu if d_zu is None else d_zu,
         known.H if H is None else H,
@@ -173,11 +181,20 @@ def _told(
     )
 
 
+def _information(plant: Plant) -> ModellingInformation:
+    if plant.n > LARGEST_PLANT:
+        raise InputError(
+            f"the plant has {plant.n} states; its relative degree and zeros are found exactly up "
+            f"to {LARGEST_PLANT}. Say d_zu, H and nmp_zeros in [target]."
+        )
+    return modelling_information(plant)
+
+
 def _with_relative_degree_of(plant: Plant, target: TargetModel) -> TargetModel:
     """The target itself, if its relative degree is that of a scalar G_zu."""
     if (plant.l_z, plant.l_u) != (1, 1):
         return target
-    if target.relative_degree != (wanted := modelling_information(plant).d_zu):
+    if target.relative_degree != (wanted := _information(plant).d_zu):
         raise InputError(
             f"the target model G_f has relative degree {target.relative_degree}, the plant's "
             f"G_zu has {wanted}; the intercalated transfer function always has that of G_zu "

@@ -31,7 +31,7 @@ class Key:
     Attributes
     ----------
     name, parameter : str
-        In the file and in Python; lambda is written lambda_ there.
+        In the file and in Python, where lambda is written `lambda_`.
     form : Form
     is_required : bool
     default : object

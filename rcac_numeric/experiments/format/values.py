@@ -146,12 +146,17 @@ class Flag(Form):
 class Numbers(Form):
     """A number, or lists of numbers nested up to three deep: a vector, a matrix, several."""
 
+    longest: int | None = None  # of the outermost list
+
     words = "a number or an array of real numbers"
 
     def read(self, value: object, place: Place) -> Any:
         """A number as a float, anything else as an array of float64."""
         if isinstance(value, list):
             _require_depth(value, place, self.words)
+            if self.longest is not None and len(value) > self.longest:
+                raise place.error(f"{place} has {len(value)} entries; at most {self.longest} are "
+                                  "allowed.")  # fmt: skip
             return real_array(value, str(place))
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise place.refuse(value, self.words)

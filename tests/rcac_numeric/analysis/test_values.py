@@ -131,7 +131,7 @@ def test_what_reads_its_arguments_can_be_replaced(name):
         assert replace(value, H=2).H == 2
         assert replace(value, nmp_zeros=[]).nmp_zeros == ()
     else:
-        assert replace(value, numerator=[0.0, 0.0, 3.0]).relative_degree == 2
+        assert replace(value, numerator=[0.0, 0.0, 3.0], exact=None).relative_degree == 2
 
 
 def test_in_a_fresh_process():

@@ -8,6 +8,7 @@ from rcac_numeric import (
     UD,
     Controller,
     ControllerSettings,
+    Covariance,
     Decentralized,
     Plant,
     Saturation,
@@ -19,7 +20,7 @@ from rcac_numeric import (
     standard_plant,
 )
 
-GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
+GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "update": UD(R_theta=1.0)}
 SETTINGS = ControllerSettings(**GOOD)
 PLANT = standard_plant("1/(q - 0.5)")
 BOTH = Decentralized([SETTINGS] * 2)
@@ -34,8 +35,11 @@ def with_r(**change):
 @pytest.mark.parametrize(
     ("run", "message"),
     [
-        (lambda: simulate(5, SETTINGS, ONES), "plant = 5 is not a Plant or PlantSchedule"),
-        (lambda: simulate(PLANT, 5, ONES), "settings = 5 is not a ControllerSettings or Dece"),
+        (
+            lambda: simulate(5, SETTINGS, ONES),
+            "plant = 5 is not a Plant or PlantSchedule or FunctionPlant",
+        ),
+        (lambda: simulate(PLANT, 5, ONES), "settings = 5 is not a ControllerSettings or Fixe"),
         (lambda: simulate(PLANT, SETTINGS, None), "w must be an array of real numbers"),
         (lambda: simulate(PLANT, SETTINGS, ONES, stride=0), "stride = 0 must be at least 1"),
         (lambda: simulate(PLANT, SETTINGS, ONES, divergence_limit=-1), "must be positive"),
@@ -78,10 +82,10 @@ def test_the_filter_form_needs_a_plant_without_feedthrough():
         ({"R_z": lambda k, y, z, u: NAN}, r"R_z\(3\) has the entry nan"),
     ],
 )
-@pytest.mark.parametrize("update", ["ud", "covariance"])
+@pytest.mark.parametrize("update", [UD, Covariance])
 def test_a_weight_that_fails_keeps_the_steps_before(change, message, update):
     """The first update is that of step 3."""
-    settings = ControllerSettings(**GOOD, k_update=3, update=update, **change)
+    settings = ControllerSettings(**{**GOOD, "update": update(R_theta=1.0)}, k_update=3, **change)
     with np.errstate(all="ignore"), pytest.raises(FunctionFailedError, match=message) as caught:
         simulate(PLANT, settings, ONES)
     run = caught.value.run

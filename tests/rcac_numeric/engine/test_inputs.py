@@ -10,16 +10,22 @@ from hypothesis import strategies as st
 
 from compensator_theory import ImproperError, InputError
 from rcac_numeric import (
+    UD,
     ControllerSettings,
+    Covariance,
     CovarianceReset,
     Decentralized,
     DerivedSignal,
     FunctionPlant,
+    Gradient,
+    Instantaneous,
     Plant,
     PlantChange,
     PlantSchedule,
     Saturation,
+    ScheduledForgetting,
     SignalWeight,
+    SlidingWindow,
     Structure,
     Tap,
     TargetModel,
@@ -38,7 +44,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.arrays.definite_matrices import constant_weight, inverse
 
-GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
+GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "update": UD(R_theta=1.0)}
 SETTINGS = ControllerSettings(**GOOD)
 PLANT = standard_plant("1/(q - 0.5)")
 TWO = Plant(A=np.eye(2) / 2, B=np.ones((2, 1)), D_1=np.ones((2, 1)), C=np.ones((1, 2)))
@@ -56,36 +62,17 @@ NAN = float("nan")
         ({"freeze": [(3, 3)]}, r"empty interval \(3, 3\)"),
         ({"freeze": [(-1, 2)]}, "start of freeze = -1"),
         ({"freeze": [(1, 2.5)]}, "stop of freeze must be an integer, not 2.5"),
-        ({"reset": 5}, "reset = 5 is not a CovarianceReset"),
-        ({"forgetting": 0.9}, "forgetting = 0.9 is not a VariableRateForgetting"),
-        ({"forgetting": RATE, "lambda_": 0.9}, "either forgetting or lambda"),
-        ({"forgetting": RATE, "lambda_changes": {3: 0.9}}, "either forgetting or lambda"),
-        ({"lambda_": "0.9"}, "lambda must be a real number"),
-        ({"lambda_changes": 5}, "lambda_changes = 5 must map steps to values"),
-        ({"lambda_changes": {0: 0.9}}, "a step of lambda_changes = 0 must be at least 1"),
-        ({"lambda_changes": {"a": 0.9, 1: 0.5}}, "a step of lambda_changes must be an integer"),
-        ({"lambda_changes": {3: 2.0}}, r"lambda = 2.0 is not in \(0, 1\]"),
         ({"target_changes": {3: 5}}, "target = 5: use fir_target"),
         ({"target_changes": {3: TargetModel(np.ones((2, 2, 1)))}}, "have 1 and 2 rows"),
         ({"target_changes": {3: TargetModel([0, 0, 1.0])}, "k_w": 1}, "k_w = 1 is shorter than"),
         ({"R_z": None}, "R_z must be an array of real numbers, not None"),
         ({"R_z": SignalWeight(1.0)}, "not positive definite at z = 0"),
-        ({"R_theta": SignalWeight(1.0)}, "R_theta must be an array"),
-        ({"process_noise": -1.0}, "process_noise has the eigenvalue -1"),
-        ({"process_noise": np.eye(3)}, r"process_noise has shape \(3, 3\)"),
-        ({"process_noise": 1.0, "lambda_": 0.9}, r"process_noise belongs to \(2.46\)"),
-        ({"process_noise": 1.0, "lambda_changes": {3: 0.9}}, "process_noise belongs"),
-        ({"process_noise": 1.0, "update": "instantaneous"}, "process_noise belongs"),
-        ({"update": "gradient"}, "step_size > 0 belong together"),
-        ({"update": "gradient", "step_size": np.inf}, "step_size has the entry inf"),
-        ({"step_size": 1.0}, "step_size > 0 belong together"),
-        ({"window": 3}, "window >= 1 belong together"),
-        ({"update": "sliding window"}, "window >= 1 belong together"),
-        ({"update": "sliding window", "window": -2}, "window = -2 must be at least 0"),
-        ({"update": "sliding window", "window": 2, "lambda_changes": {1: 0.9}}, "constant lambda"),
-        ({"update": "sliding window", "window": 2, "reset": CovarianceReset(every=2)}, "no covar"),
-        ({"update": "instantaneous", "lambda_": 0.9}, "keeps no past"),
-        ({"update": ["ud"]}, "is not known; choose one of ud"),
+        ({"update": UD(R_theta=np.eye(3))}, r"R_theta has shape \(3, 3\)"),
+        ({"update": SlidingWindow(np.eye(3), window=2)}, r"R_theta has shape \(3, 3\)"),
+        ({"update": Instantaneous(np.eye(3))}, r"R_theta has shape \(3, 3\)"),
+        ({"update": UD(1.0, process_noise=np.eye(3))}, r"process_noise has shape \(3, 3\)"),
+        ({"update": UD}, r"update = <class .*UD'>: use UD\(R_theta=...\)"),
+        ({"update": "ud"}, r"update = 'ud': use UD\(R_theta=...\)"),
         ({"form": "smoother"}, "form = 'smoother' is not known; choose one of predictor, filter"),
         ({"form": "filter", "target": TargetModel([1.0])}, "must be strictly proper"),
         ({"form": "filter", "target_changes": {3: TargetModel([1.0])}}, "must be strictly proper"),
@@ -101,9 +88,81 @@ def test_a_setting_that_does_not_fit(change, message):
         ControllerSettings(**{**GOOD, **change})
 
 
+@pytest.mark.parametrize("kind", [UD, Covariance])
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"R_theta": SignalWeight(1.0)}, "R_theta must be an array"),
+        ({"R_theta": np.ones(3)}, r"R_theta has shape \(3,\)"),
+        ({"reset": 5}, "reset = 5 is not a CovarianceReset"),
+        ({"lambda_": "0.9"}, "lambda_ must be a real number"),
+        ({"lambda_": None}, "lambda_ must be a real number"),
+        ({"lambda_": {3: 0.9}}, "lambda_ must be a real number"),
+        ({"process_noise": -1.0}, "process_noise has the eigenvalue -1"),
+        ({"process_noise": 1.0, "lambda_": 0.9}, r"process_noise belongs to \(2.46\)"),
+        (
+            {"process_noise": 1.0, "lambda_": ScheduledForgetting({3: 0.9})},
+            "process_noise belongs",
+        ),
+        ({"process_noise": 1.0, "lambda_": RATE}, "process_noise belongs"),
+        ({"stop_where_unsupported": 1}, "stop_where_unsupported = 1 is not a bool"),
+    ],
+)
+def test_a_setting_of_a_recursion_that_does_not_fit(kind, change, message):
+    with pytest.raises(InputError, match=message):
+        kind(**{"R_theta": 1.0, **change})
+
+
+@pytest.mark.parametrize(
+    ("make", "setting"),
+    [
+        (
+            lambda **given: SlidingWindow(1.0, window=2, **given),
+            {"reset": CovarianceReset(every=2)},
+        ),
+        (lambda **given: SlidingWindow(1.0, window=2, **given), {"process_noise": 1.0}),
+        (lambda **given: Instantaneous(1.0, **given), {"lambda_": 0.9}),
+        (lambda **given: Instantaneous(1.0, **given), {"process_noise": 1.0}),
+        (lambda **given: Gradient(1.0, **given), {"R_theta": 1.0}),
+        (lambda **given: UD(1.0, **given), {"step_size": 1.0}),
+        (lambda **given: Covariance(1.0, **given), {"window": 3}),
+        (lambda **given: ControllerSettings(**GOOD, **given), {"R_theta": 1.0}),
+        (lambda **given: ControllerSettings(**GOOD, **given), {"lambda_": 0.9}),
+    ],
+)
+def test_a_setting_that_belongs_elsewhere_cannot_be_given(make, setting):
+    make()
+    with pytest.raises(TypeError, match=f"unexpected keyword argument '{next(iter(setting))}'"):
+        make(**setting)
+
+
+@pytest.mark.parametrize("make", [UD, Covariance, Instantaneous, Gradient, SlidingWindow])
+def test_an_update_needs_its_own_settings(make):
+    with pytest.raises(TypeError, match=r"missing 1 required positional argument"):
+        make(**({"window": 3} if make is SlidingWindow else {}))
+    if make is SlidingWindow:
+        with pytest.raises(TypeError, match="'window'"):
+            make(1.0)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
+        (lambda: ScheduledForgetting(5), "changes = 5 must map steps to values"),
+        (lambda: ScheduledForgetting({0: 0.9}), "a step of changes = 0 must be at least 1"),
+        (lambda: ScheduledForgetting({"a": 0.9, 1: 0.5}), "a step of changes must be an integer"),
+        (lambda: ScheduledForgetting({3: 2.0}), r"lambda_ = 2.0 is not in \(0, 1\]"),
+        (lambda: ScheduledForgetting({3: 0.9}, 0.0), r"lambda_ = 0.0 is not in \(0, 1\]"),
+        (lambda: Gradient(np.inf), "step_size has the entry inf"),
+        (lambda: Gradient(0.0), "step_size = 0.0 must be positive"),
+        (lambda: SlidingWindow(1.0, window=0), "window = 0 must be at least 1"),
+        (lambda: SlidingWindow(1.0, window=-2), "window = -2 must be at least 1"),
+        (
+            lambda: SlidingWindow(1.0, window=2, lambda_=ScheduledForgetting({1: 0.9})),
+            "lambda_ must be a real number",
+        ),
+        (lambda: SlidingWindow(-1.0, window=2), "R_theta has the eigenvalue -1"),
+        (lambda: Instantaneous(0.0), "R_theta has the eigenvalue 0"),
         (lambda: CovarianceReset(at=5), "at = 5 must be a list"),
         (lambda: CovarianceReset(at=[1.5]), "the step of a covariance reset must be an integer"),
         (lambda: CovarianceReset(every=-1), "every = -1"),
@@ -173,10 +232,12 @@ def test_a_rule_or_a_structure_that_does_not_fit(make, message):
 )
 def test_a_weight_whose_definiteness_is_decided_by_rounding(name, weight):
     """Its inverse has no UD factors, or none that mean anything."""
-    change = {name: weight, "structure": iir(6)}
+    change = {"structure": iir(6)}
     if name == "R_z":
-        change["target"] = TargetModel(np.ones((2, 12, 1)))
+        change |= {"R_z": weight, "target": TargetModel(np.ones((2, 12, 1)))}
     with pytest.raises(InputError, match=f"{name} (cannot be told from a singular|has the eigenv)"):
+        if name == "R_theta":
+            change["update"] = UD(weight)
         ControllerSettings(**{**GOOD, **change})
 
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
+    UD,
     SignalWeight,
     SimulationCase,
     TargetModel,
@@ -49,13 +50,15 @@ def batches(draw, most=10):
             )
         settings = replace(
             common,
-            R_theta=np.asarray(common.R_theta) * 10 ** rng.uniform(-1, 1),
+            update=UD(
+                R_theta=common.update.R_theta * 10 ** rng.uniform(-1, 1),
+                lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
+            ),
             theta_0=0.1 * rng.standard_normal(structure.l_theta),
             target=TargetModel(
                 np.asarray(common.target.numerator) * rng.uniform(0.5, 1),
                 common.target.denominator,
             ),
-            lambda_=draw(st.sampled_from([1.0, 0.97, 0.9])),
         )
         w = rng.standard_normal((int(rng.integers(1, 40)), plant.l_w))
         options = {"stride": draw(st.integers(1, 4)), "x_0": rng.standard_normal(n)}
@@ -67,10 +70,11 @@ def perturbed(case, rng, relative):
     """The case with every number that it begins with moved by about `relative` of its size."""
     move = lambda a: a * (1 + relative * rng.choice([-1.0, 1.0], np.shape(a)))  # noqa: E731
     matrices = {name: move(getattr(case.plant, name)) for name in MATRICES}
+    update = case.settings.update
     settings = replace(
         case.settings,
         theta_0=move(case.settings.theta_0),
-        R_theta=np.asarray(case.settings.R_theta) * move(1.0),
+        update=replace(update, R_theta=update.R_theta * move(1.0)),
     )
     options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
     return SimulationCase(
@@ -127,7 +131,10 @@ def test_a_case_is_the_same_in_any_company(data, cases, threads, seed):
     wild = [
         replace(case, settings=replace(case.settings, **change), options={"divergence_limit": 1e12})
         for case in cases[:3]
-        for change in ({"R_theta": 1e-25}, {"theta_0": 1e3 * np.ones_like(case.settings.theta_0)})
+        for change in (
+            {"update": UD(R_theta=1e-25)},
+            {"theta_0": 1e3 * np.ones_like(case.settings.theta_0)},
+        )
     ]
     everything = [*cases, *wild]
     order = np.random.default_rng(seed).permutation(len(everything))
@@ -190,7 +197,7 @@ def test_eligible_runs_are_not_the_ordinary_loop():
 
 @pytest.mark.parametrize("R_theta", [1.0, 1e-10, 1e-20])
 def test_lanes_beside_ball_arithmetic(R_theta):
-    settings = replace(GOOD, R_theta=R_theta)
+    settings = replace(GOOD, update=UD(R_theta=R_theta))
     cases = [SimulationCase(PLANT, settings, white(40, seed)) for seed in range(3)]
     for case, run in zip(cases, simulate_many(cases, lanes=True), strict=True):
         exact, bounds = simulate_reference(**arguments(case)), uncertainty(case, run, np.inf)

@@ -8,14 +8,19 @@ import pytest
 from rcac_numeric import (
     UD,
     ControllerSettings,
+    Covariance,
     CovarianceReset,
     Decentralized,
+    Gradient,
+    Instantaneous,
     Plant,
     PlantChange,
     PlantSchedule,
     Saturation,
+    ScheduledForgetting,
     SignalWeight,
     SimulationCase,
+    SlidingWindow,
     TargetModel,
     VariableRateForgetting,
     fir,
@@ -31,26 +36,30 @@ from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments
 from tests.support.signals import white
 
 REFUSED = {
-    "covariance": {"update": "covariance"},
-    "sliding window": {"update": "sliding window", "window": 5},
-    "instantaneous": {"update": "instantaneous"},
-    "gradient": {"update": "gradient", "step_size": 1e-3},
+    "covariance": {"update": Covariance(R_theta=1.0)},
+    "sliding window": {"update": SlidingWindow(R_theta=1.0, window=5)},
+    "instantaneous": {"update": Instantaneous(R_theta=1.0)},
+    "gradient": {"update": Gradient(step_size=1e-3)},
     "filter form": {"form": "filter"},
-    "process noise": {"process_noise": 1e-3},
-    "variable-rate forgetting": {"forgetting": VariableRateForgetting(5, 20, 1.0)},
-    "lambda changes": {"lambda_changes": {20: 0.95}},
+    "process noise": {"update": UD(R_theta=1.0, process_noise=1e-3)},
+    "variable-rate forgetting": {
+        "update": UD(R_theta=1.0, lambda_=VariableRateForgetting(5, 20, 1.0))
+    },
+    "scheduled forgetting": {"update": UD(R_theta=1.0, lambda_=ScheduledForgetting({20: 0.95}))},
     "target changes": {"target_changes": {20: TargetModel([0, 2.0])}},
-    "reset at": {"reset": CovarianceReset(at=[10])},
-    "reset every": {"reset": CovarianceReset(every=20)},
-    "reset by trace": {"reset": CovarianceReset(trace_below=0.5)},
-    "reset by growth": {"reset": CovarianceReset(growth=1.1, short=5, long=20)},
+    "reset at": {"update": UD(R_theta=1.0, reset=CovarianceReset(at=[10]))},
+    "reset every": {"update": UD(R_theta=1.0, reset=CovarianceReset(every=20))},
+    "reset by trace": {"update": UD(R_theta=1.0, reset=CovarianceReset(trace_below=0.5))},
+    "reset by growth": {
+        "update": UD(R_theta=1.0, reset=CovarianceReset(growth=1.1, short=5, long=20))
+    },
     "freeze": {"freeze": [(10, 20)]},
     "reflected poles": {"reflect_poles": True},
-    "stop where unsupported": {"stop_where_unsupported": True},
+    "stop where unsupported": {"update": UD(R_theta=1.0, stop_where_unsupported=True)},
     "k_filter": {"k_filter": 2},
     "R_z function": {"R_z": lambda k, y, z, u: 1.0 + z[0] ** 2},
     "R_u function": {"R_u": lambda k, y, z, u: 0.1},
-    "PID": {"structure": pid("PID"), "R_theta": 1.0, "theta_0": None},
+    "PID": {"structure": pid("PID"), "theta_0": None},
 }
 SWITCHED = PlantSchedule(
     [
@@ -125,10 +134,16 @@ FAILING = {
     ),
     "no limit": (SimulationCase(UNSTABLE, FIXED, white(2000), {"divergence_limit": 1e308}), None),
     "theta": (
-        SimulationCase(PLANT, replace(GOOD, R_theta=1e-30, theta_0=np.full(6, 0.3)), white(40),
-             {"divergence_limit": 0.2}), "diverged",
+        SimulationCase(
+            PLANT, replace(GOOD, update=UD(R_theta=1e-30), theta_0=np.full(6, 0.3)), white(40),
+            {"divergence_limit": 0.2},
+        ),
+        "diverged",
     ),
-    "overflow": (SimulationCase(PLANT, replace(GOOD, R_theta=1e-300), 1e8 * white(40)), "overflow"),
+    "overflow": (
+        SimulationCase(PLANT, replace(GOOD, update=UD(R_theta=1e-300)), 1e8 * white(40)),
+        "overflow",
+    ),
     "plant": (
         SimulationCase(replace(PLANT, exact=None, E_0=[[1e308]]), GOOD,
              np.r_[1e-300 * white(20), [[1e3]], white(9)]),
@@ -180,7 +195,7 @@ def test_data_that_support_no_R_theta_are_counted():
         structure=fir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1e-30), k_w=5
     )
     constant = SimulationCase(plant, settings, np.ones((40, 1)))
-    healthy = SimulationCase(plant, replace(settings, R_theta=1.0), white(40))
+    healthy = SimulationCase(plant, replace(settings, update=UD(R_theta=1.0)), white(40))
     run, other = simulate_many([constant, healthy], lanes=True)
     single = simulate(**arguments(constant))
     assert single.guard_count > 0 and run.guard_first_step == single.guard_first_step

@@ -19,9 +19,12 @@ from rcac_numeric import (
     Controller,
     ControllerSettings,
     CovarianceReset,
+    Gradient,
+    Instantaneous,
     PlantChange,
     PlantSchedule,
     SavedState,
+    SlidingWindow,
     TargetModel,
     VariableRateForgetting,
     frozen_twin,
@@ -42,10 +45,13 @@ SCHEDULE = PlantSchedule(
 )
 RULES = [
     {},
-    {"update": "sliding window", "window": 7},
+    {"update": SlidingWindow(R_theta=1.0, window=7)},
     {
-        "forgetting": VariableRateForgetting(3, 9, 0.1),
-        "reset": CovarianceReset(at=[3, 30], growth=1.5),
+        "update": UD(
+            R_theta=1.0,
+            lambda_=VariableRateForgetting(3, 9, 0.1),
+            reset=CovarianceReset(at=[3, 30], growth=1.5),
+        )
     },
     {"target_changes": {5: TargetModel([0, 2.0])}, "k_filter": 3, "freeze": [(3, 6)]},
 ]
@@ -110,10 +116,11 @@ def test_a_step_that_was_interrupted_is_not_gone_on_from():
     assert controller.k == 4
 
 
-@pytest.mark.parametrize("update", ["sliding window", "instantaneous", "gradient"])
+@pytest.mark.parametrize(
+    "update", [SlidingWindow(R_theta=1.0, window=3), Instantaneous(R_theta=1.0), Gradient(0.1)]
+)
 def test_only_a_covariance_can_be_reset(update):
-    more = {"sliding window": {"window": 3}, "gradient": {"step_size": 0.1}}.get(update, {})
-    controller = Controller(replace(SETTINGS, update=update, **more))
+    controller = Controller(replace(SETTINGS, update=update))
     with pytest.raises(InputError, match="no covariance that could be reset"):
         controller.reset_covariance()
 

@@ -8,7 +8,7 @@ from flint import arb, arb_mat, ctx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, fir, iir
+from rcac_numeric import UD, Controller, ControllerSettings, Covariance, TargetModel, fir, iir
 from tests.support.strategies import controllers, seeds, sizes
 
 
@@ -41,12 +41,12 @@ def batch_minimiser(settings, u, y, z):
     """argmin of (2.41) by its normal equations in 300-bit ball arithmetic."""
     Phi_f = filtered(settings, list(regressors(settings, u, y)))
     u_f = filtered(settings, list(u[:, :, None]))
-    R_z, R_theta = settings.R_z, settings.R_theta
+    R_z, R_theta = settings.R_z, settings.update.R_theta
     start, steps = settings.k_update, len(u)
     precision, ctx.prec = ctx.prec, 300
     try:
         balls = lambda a: arb_mat(*np.shape(a), [arb(float(v)) for v in np.ravel(a)])  # noqa: E731
-        lam = arb(settings.lambda_)
+        lam = arb(settings.update.lambda_)
         H = balls(R_theta) * lam ** max(steps - start, 0)
         g = H * balls(settings.theta_0[:, None])
         for i in range(start, steps):
@@ -64,8 +64,10 @@ def test_recursion_is_the_batch_minimiser(data, l_u, l_y, l_z, seed):
     settings = data.draw(controllers(l_u, l_y, l_z))
     rng = np.random.default_rng(seed)
     y, z = 0.3 * rng.standard_normal((12, l_y)), rng.standard_normal((12, l_z))
-    for update in ("ud", "covariance"):
-        chosen = replace(settings, update=update)
+    for kind in (UD, Covariance):
+        chosen = replace(
+            settings, update=kind(settings.update.R_theta, lambda_=settings.update.lambda_)
+        )
         controller = Controller(chosen)
         u = np.array([controller.step(*signals) for signals in zip(y, z, strict=True)])
         exact = batch_minimiser(chosen, u, y, z)
@@ -111,13 +113,11 @@ def test_the_covariance_is_the_inverse_information(seed):
     rng = np.random.default_rng(seed)
     root = rng.standard_normal((4, 4))
     R_theta = root @ root.T + np.eye(4)
-    settings = ControllerSettings(
-        structure=iir(2),
-        target=TargetModel([0.0, 1.0]),
-        update=UD(R_theta=(R_theta + R_theta.T) / 2),
-    )
-    for update in ("ud", "covariance"):
-        assert (
-            pytest.approx(np.linalg.inv(R_theta), rel=1e-10, abs=1e-12)
-            == Controller(replace(settings, update=update)).P
+    for kind in (UD, Covariance):
+        settings = ControllerSettings(
+            structure=iir(2),
+            target=TargetModel([0.0, 1.0]),
+            update=kind(R_theta=(R_theta + R_theta.T) / 2),
         )
+        inverse = np.linalg.inv(R_theta)
+        assert pytest.approx(inverse, rel=1e-10, abs=1e-12) == Controller(settings).P

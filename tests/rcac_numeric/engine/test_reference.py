@@ -1,6 +1,6 @@
 """The reference in ball arithmetic does what the engine does, or says that it does not."""
 
-from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -12,9 +12,14 @@ from compensator_theory import InputError
 from rcac_numeric import (
     UD,
     ControllerSettings,
+    Covariance,
     CovarianceReset,
     Decentralized,
+    Gradient,
+    Instantaneous,
+    ScheduledForgetting,
     SignalWeight,
+    SlidingWindow,
     TargetModel,
     VariableRateForgetting,
     fir,
@@ -24,19 +29,19 @@ from rcac_numeric import (
     standard_plant,
 )
 from tests.support.changing_plants import schedules
-from tests.support.engine_cases import cases, engine_plants, positive
+from tests.support.engine_cases import cases, engine_plants, positive, with_update
 from tests.support.function_plants import TWO_STATES, as_functions
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
 
 RULES = [
     {},
-    {"update": "covariance", "lambda_": 0.95, "lambda_changes": {5: 1.0, 8: 0.9}},
+    {"update": partial(Covariance, lambda_=ScheduledForgetting({5: 1.0, 8: 0.9}, initial=0.95))},
     {"freeze": ((3, 6), (5, 8))},
-    {"reset": CovarianceReset(at=[4, 9], every=5)},
+    {"update": partial(UD, reset=CovarianceReset(at=[4, 9], every=5))},
     {"R_u": SignalWeight(0.3), "R_z": SignalWeight(0.1, 1.0)},
-    {"update": "instantaneous"},
-    {"update": "gradient", "step_size": 0.01},
+    {"update": Instantaneous},
+    {"update": lambda R_theta: Gradient(step_size=0.01)},
 ]
 
 
@@ -50,7 +55,7 @@ def test_the_engine_follows_the_reference(data, l_u, l_y, l_z, rule, filter_form
     settings, _ = data.draw(cases(l_u, l_y, l_z, l_r, **rule, **form))
     if data.draw(st.booleans()) and not rule:
         Q = positive(np.random.default_rng(seed), settings.structure.l_theta) / 50
-        settings = replace(settings, process_noise=Q)
+        settings = with_update(settings, process_noise=Q)
     l_r = settings.structure.l_r
     plant = data.draw(schedules(l_u, l_y, l_z) if l_r == 0 else engine_plants(l_u, l_y, l_z, l_r))
     w, x_0 = noise(seed, 12, plant.l_w), np.ones(plant.n)
@@ -65,33 +70,42 @@ def test_the_engine_follows_the_reference(data, l_u, l_y, l_z, rule, filter_form
 
 
 PLANT = standard_plant("1/(q - 0.5)")
-GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0}
+GOOD = {"structure": iir(1), "target": TargetModel([0, 1.0]), "update": UD(R_theta=1.0)}
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"R_u": lambda k, y, z, u: 1.0}, "a weight that is a function"),
-        ({"R_z": lambda k, y, z, u: 1.0}, "a weight that is a function"),
-        ({"update": "sliding window", "window": 3}, 'update = "sliding window"'),
-        ({"forgetting": VariableRateForgetting(1, 2, 1.0)}, "variable-rate forgetting"),
+        ({"R_u": lambda k, y, z, u: 1.0}, "R_u as a weight that is a function"),
+        ({"R_z": lambda k, y, z, u: 1.0}, "R_z as a weight that is a function"),
         (
-            {"reset": CovarianceReset(trace_below=0.5)},
+            {"update": SlidingWindow(R_theta=1.0, window=3)},
+            "the update SlidingWindow; it knows UD, Covariance, Instantaneous, Gradient",
+        ),
+        (
+            {"update": UD(1.0, lambda_=VariableRateForgetting(1, 2, 1.0))},
+            "the forgetting VariableRateForgetting",
+        ),
+        (
+            {"update": UD(1.0, reset=CovarianceReset(trace_below=0.5))},
             "a covariance reset by trace_below or growth",
         ),
-        ({"reset": CovarianceReset(growth=2.0)}, "a covariance reset by trace_below or growth"),
+        (
+            {"update": UD(1.0, reset=CovarianceReset(growth=2.0))},
+            "a covariance reset by trace_below or growth",
+        ),
         ({"reflect_poles": True}, "reflect_poles"),
     ],
 )
 def test_what_the_reference_does_not_do_is_refused_by_name(change, message):
-    settings = ControllerSettings(**GOOD, **change)
+    settings = ControllerSettings(**{**GOOD, **change})
     with pytest.raises(InputError, match=f"does not know {message}"):
         simulate_reference(PLANT, settings, np.ones((3, 1)))
 
 
 def test_the_reference_runs_one_controller_on_a_linear_plant():
     settings = ControllerSettings(**GOOD)
-    with pytest.raises(InputError, match="one controller"):
+    with pytest.raises(InputError, match="one adaptive controller, not a Decentralized"):
         simulate_reference(PLANT, Decentralized([settings]), np.ones((3, 1)))
     with pytest.raises(InputError, match="needs a linear plant"):
         simulate_reference(as_functions(TWO_STATES), settings, np.ones((3, 1)))

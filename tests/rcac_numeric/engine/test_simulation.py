@@ -14,6 +14,7 @@ from rcac_numeric import (
     UD,
     Controller,
     ControllerSettings,
+    Covariance,
     Plant,
     Simulator,
     Step,
@@ -64,7 +65,8 @@ def test_both_updates_agree_with_300_digits(data, seed):
         reject()  # a wildly unstable loop, in which the balls grow past everything
     assume(exact.digits > 50)
     size = np.abs(exact.theta_final).max() * max(1.0, np.abs(exact.u).max() ** 2)
-    for update in ("ud", "covariance"):
+    for kind in (UD, Covariance):
+        update = kind(settings.update.R_theta, lambda_=settings.update.lambda_)
         run = simulate(plant, replace(settings, update=update), w)
         assert np.abs(run.theta_final - exact.theta_final).max() <= 1e-11 * size
 
@@ -73,19 +75,19 @@ def test_both_updates_agree_with_300_digits(data, seed):
 def test_ud_keeps_ten_digits_where_the_covariance_loses_them(R_theta):
     """Example 4.6 from k_w = n_f = 5: the float64 covariance fails from R_theta = 1e-20 on."""
     specification = load_example("4.6").main_run
-    settings = replace(specification.settings, k_w=5, k_update=5, R_theta=R_theta)
+    settings = replace(specification.settings, k_w=5, k_update=5, update=UD(R_theta=R_theta))
     w = exogenous(specification.signals, specification.steps)
     exact = simulate_reference(specification.plant, settings, w, digits=250)
     assert exact.digits > 50
     size = np.abs(exact.theta_final).max()
 
-    def error(update):
-        run = simulate(specification.plant, replace(settings, update=update), w)
+    def error(kind):
+        run = simulate(specification.plant, replace(settings, update=kind(R_theta=R_theta)), w)
         return np.abs(run.theta_final - exact.theta_final).max() / size
 
-    assert error("ud") < 1e-10
+    assert error(UD) < 1e-10
     if R_theta <= 1e-20:
-        assert error("covariance") > 1e-2
+        assert error(Covariance) > 1e-2
 
 
 def test_the_guard_speaks_where_the_data_cannot_support_the_weight():
@@ -93,10 +95,10 @@ def test_the_guard_speaks_where_the_data_cannot_support_the_weight():
     specification = load_example("4.6").main_run
     w = exogenous(specification.signals, specification.steps)
     settings = replace(
-        specification.settings, k_w=5, k_update=5, k_filter=5, R_theta=1e-40 * np.eye(8)
+        specification.settings, k_w=5, k_update=5, k_filter=5, update=UD(R_theta=1e-40 * np.eye(8))
     )
     assert simulate(specification.plant, settings, w).guard_count > 0
-    mild = replace(settings, R_theta=1e-6 * np.eye(8))
+    mild = replace(settings, update=UD(R_theta=1e-6 * np.eye(8)))
     assert simulate(specification.plant, mild, w).guard_count == 0
 
 
@@ -148,8 +150,8 @@ def test_what_was_checked_cannot_be_changed_from_outside():
     )
     run = simulate(plant, settings, w)
     A[:], R_theta[:], w[:] = 7.0, -1.0, 9.0
-    assert plant.A.item() == 0.5 and settings.R_theta[0, 0] == 1.0 and run.w[0, 0] == 1.0
-    for array in (plant.A, settings.R_theta, settings.theta_0, settings.target.numerator):
+    assert plant.A.item() == 0.5 and settings.update.R_theta[0, 0] == 1.0 and run.w[0, 0] == 1.0
+    for array in (plant.A, settings.update.R_theta, settings.theta_0, settings.target.numerator):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
 
@@ -231,27 +233,28 @@ def test_bad_input_is_named():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"R_theta": -1.0}, "R_theta has the eigenvalue -1; it must be positive definite"),
-        ({"R_theta": 1e-320}, "no float64 inverse"),
-        ({"R_theta": np.nan}, "R_theta has the entry nan"),
-        ({"R_theta": np.eye(3)}, r"R_theta has shape \(3, 3\)"),
-        ({"R_theta": [[1.0, 0.5], [0.0, 1.0]]}, "R_theta is not symmetric"),
+        ({"update": {"R_theta": -1.0}}, "R_theta has the eigenvalue -1; it must be positive defin"),
+        ({"update": {"R_theta": 1e-320}}, "no float64 inverse"),
+        ({"update": {"R_theta": np.nan}}, "R_theta has the entry nan"),
+        ({"update": {"R_theta": np.eye(3)}}, r"R_theta has shape \(3, 3\)"),
+        ({"update": {"R_theta": [[1.0, 0.5], [0.0, 1.0]]}}, "R_theta is not symmetric"),
         ({"R_z": 0.0}, "R_z has the eigenvalue 0"),
         ({"R_u": -0.1}, "R_u has the eigenvalue -0.1"),
-        ({"lambda_": 0.0}, r"lambda = 0.0 is not in \(0, 1\]"),
-        ({"lambda_": 1.1}, r"lambda = 1.1 is not in \(0, 1\]"),
+        ({"update": {"lambda_": 0.0}}, r"lambda_ = 0.0 is not in \(0, 1\]"),
+        ({"update": {"lambda_": 1.1}}, r"lambda_ = 1.1 is not in \(0, 1\]"),
         ({"k_w": 0}, r"k_w = 0 is shorter than max\(n_c, n_f\) = max\(1, 1\) = 1"),
         ({"k_w": 1.5}, "k_w must be an integer"),
         ({"k_update": -1}, "k_update = -1 must be at least 0"),
-        ({"update": "qr"}, "update = 'qr' is not known; choose one of ud, covariance"),
         ({"theta_0": [1.0]}, "theta_0 has 1 entries"),
         ({"target": TargetModel(np.ones((2, 1, 2)))}, "target model has 2 columns"),
     ],
 )
 def test_a_setting_out_of_range_is_named(change, message):
-    valid = {"structure": iir(1), "target": TargetModel([0.0, 1.0]), "R_theta": 1.0}
+    valid = {"structure": iir(1), "target": TargetModel([0.0, 1.0])}
+    of_update = change.get("update", {})
     with pytest.raises(CompensatorError, match=message):
-        ControllerSettings(**{**valid, **change})
+        update = UD(**{"R_theta": 1.0, **of_update})
+        ControllerSettings(**{**valid, **change, "update": update})
 
 
 def test_the_controller_object_refuses_bad_signals_and_does_not_move():

@@ -1,6 +1,7 @@
 """Runs that are cut, saved, restored, frozen or driven step by step are the same runs."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,10 +15,15 @@ from rcac_numeric import (
     UD,
     Controller,
     ControllerSettings,
+    Covariance,
     CovarianceReset,
     Decentralized,
+    Gradient,
+    Instantaneous,
     Saturation,
     SavedState,
+    ScheduledForgetting,
+    SlidingWindow,
     TargetModel,
     VariableRateForgetting,
     frozen_twin,
@@ -26,7 +32,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from tests.support.changing_plants import schedules
-from tests.support.engine_cases import cases, engine_plants, positive
+from tests.support.engine_cases import cases, engine_plants, positive, with_update
 from tests.support.function_plants import as_functions
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes
@@ -37,27 +43,26 @@ SIGNALS = ("w", "u", "u_applied", "y", "z", "theta")
 @st.composite
 def rules(draw):
     """Every update with something that it must remember."""
-    update = draw(
-        st.sampled_from(["ud", "covariance", "sliding window", "instantaneous", "gradient"])
-    )
-    if update == "sliding window":
-        return {"update": update, "window": draw(st.integers(1, 6)), "lambda_": 0.9}
-    if update == "instantaneous":
+    update = draw(st.sampled_from([UD, Covariance, SlidingWindow, Instantaneous, Gradient]))
+    if update is SlidingWindow:
+        return {"update": partial(update, window=draw(st.integers(1, 6)), lambda_=0.9)}
+    if update is Instantaneous:
         return {"update": update, "form": "filter", "strictly_proper": True}
-    if update == "gradient":
-        return {"update": update, "step_size": 0.01, "freeze": ((5, 9), (14, None))}
+    if update is Gradient:
+        return {"update": lambda R_theta: Gradient(0.01), "freeze": ((5, 9), (14, None))}
+    if draw(st.integers(0, 4)) == 0:
+        return {"update": update, "freeze": ((4, 7), (11, 15))}
     extra = draw(
         st.sampled_from(
             [
-                {"lambda_changes": {6: 0.9, 12: 1.0}},
-                {"forgetting": VariableRateForgetting(2, 7, 0.5)},
+                {"lambda_": ScheduledForgetting({6: 0.9, 12: 1.0})},
+                {"lambda_": VariableRateForgetting(2, 7, 0.5)},
                 {"reset": CovarianceReset(at=[8, 13], every=5, trace_below=0.3)},
                 {"reset": CovarianceReset(growth=1.2, short=2, long=5)},
-                {"freeze": ((4, 7), (11, 15))},
             ]
         )
     )
-    return {"update": update, **extra}
+    return {"update": partial(update, **extra)}
 
 
 @given(st.data(), sizes, sizes, sizes, st.sampled_from(["linear", "schedule", "functions"]), seeds)
@@ -66,11 +71,11 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
     settings, _ = data.draw(cases(l_u, l_y, l_z, l_r, **data.draw(rules())))
     if (
         data.draw(st.booleans())
-        and settings.update == "ud"
-        and not (settings.later_lambdas or settings.forgetting)
+        and isinstance(settings.update, UD)
+        and settings.update.lambda_ == 1.0
     ):
         Q = positive(np.random.default_rng(seed), settings.structure.l_theta) / 50
-        settings = replace(settings, process_noise=Q)
+        settings = with_update(settings, process_noise=Q)
     plant = data.draw(
         schedules(l_u, l_y, l_z)
         if kind == "schedule"
@@ -174,7 +179,11 @@ def test_a_state_of_another_controller_or_loop_is_refused():
     longer = ControllerSettings(
         structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)
     )
-    changes = [{"R_theta": 2.0}, {"update": "covariance"}, {"freeze": ((3, 4),)}]
+    changes = [
+        {"update": UD(R_theta=2.0)},
+        {"update": Covariance(R_theta=1.0)},
+        {"freeze": ((3, 4),)},
+    ]
     for other in (longer, *(replace(SIMPLE, **change) for change in changes)):
         fresh = Controller(other)
         with pytest.raises(InputError, match="belongs to a controller with other settings"):

@@ -9,6 +9,7 @@ from rcac_numeric import (
     UD,
     Controller,
     ControllerSettings,
+    Covariance,
     Decentralized,
     TargetModel,
     pid,
@@ -78,7 +79,7 @@ def test_decentralised_controllers_follow_the_text(data, l_u, l_y, l_z, shared_u
     """Figure 2.16: each controller's Phi and G_f hold its own u, or the sum."""
     parts = [
         data.draw(cases(l_u, l_y, l_z, l_r, [kind], update=update))
-        for l_r, kind, update in ((0, "fir", "ud"), (1, "ff", "covariance"))
+        for l_r, kind, update in ((0, "fir", UD), (1, "ff", Covariance))
     ]
     plant = data.draw(engine_plants(l_u, l_y, l_z, 1))
     both = Decentralized([settings for settings, _ in parts], shared_u=shared_u)

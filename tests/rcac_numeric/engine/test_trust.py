@@ -10,6 +10,7 @@ from rcac_numeric import (
     UD,
     Controller,
     ControllerSettings,
+    Covariance,
     TargetModel,
     exogenous,
     iir,
@@ -71,14 +72,14 @@ def example(name, k_w):
 def test_ud_keeps_ten_digits_for_every_R_theta(name, k_w, lost_at_1e_10, lost_at_1e_20):
     plant, settings, w = example(name, k_w)
     for R_theta, lost in ((1.0, None), (1e-10, lost_at_1e_10), (1e-20, lost_at_1e_20)):
-        chosen = replace(settings, R_theta=R_theta, update="ud")
+        chosen = replace(settings, update=UD(R_theta=R_theta))
         exact = simulate_reference(plant, chosen, w, digits=400)
         assert 50 < exact.digits < 450
         size = np.abs(exact.theta_final).max()
         run = simulate(plant, chosen, w)
         assert np.abs(run.theta_final - exact.theta_final).max() < 1e-10 * size
         if lost is not None:
-            plain = simulate(plant, replace(chosen, update="covariance"), w)
+            plain = simulate(plant, replace(chosen, update=Covariance(R_theta=R_theta)), w)
             assert (
                 plain.outcome != "completed"
                 or np.abs(plain.theta_final - exact.theta_final).max() > lost * size

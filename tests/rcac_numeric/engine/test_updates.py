@@ -1,17 +1,24 @@
 """Every update and every rule that changes it, against batch minimisers of the stated costs."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from rcac_numeric import (
+    UD,
     Controller,
     ControllerSettings,
+    Covariance,
     CovarianceReset,
     Gradient,
+    Instantaneous,
     Saturation,
+    ScheduledForgetting,
     SignalWeight,
+    SlidingWindow,
     TargetModel,
     VariableRateForgetting,
     fir,
@@ -25,9 +32,14 @@ from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
 from tests.support.textbook_loop import assert_follows
 
-RECURSIVE = st.sampled_from(["ud", "covariance"])
+RECURSIVE = st.sampled_from([UD, Covariance])
 PLAIN = ["iir", "fir", "pid"]
 STEPS = 18
+
+
+def step_of(size):
+    """An update that needs no R_theta."""
+    return lambda R_theta: Gradient(step_size=size)
 
 
 def follows(data, seed, l_u, l_y, l_z, kinds=PLAIN, l_r=0, saturation=None, **fixed):
@@ -39,20 +51,20 @@ def follows(data, seed, l_u, l_y, l_z, kinds=PLAIN, l_r=0, saturation=None, **fi
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, st.sampled_from([1.0, 0.98, 0.8]), seeds)
 def test_the_recursions_minimise_2_41(data, l_u, l_y, l_z, update, lambda_, seed):
-    follows(data, seed, l_u, l_y, l_z, update=update, lambda_=lambda_)
+    follows(data, seed, l_u, l_y, l_z, update=partial(update, lambda_=lambda_))
 
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
 def test_forgetting_may_change_on_schedule(data, l_u, l_y, l_z, update, seed):
-    changes = {7: 0.9, 12: 1.0, 15: 0.95}
-    follows(data, seed, l_u, l_y, l_z, update=update, lambda_=0.97, lambda_changes=changes)
+    rule = ScheduledForgetting({7: 0.9, 12: 1.0, 15: 0.95}, initial=0.97)
+    follows(data, seed, l_u, l_y, l_z, update=partial(update, lambda_=rule))
 
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
 def test_variable_rate_forgetting_is_its_formula(data, l_u, l_y, l_z, update, seed):
     short = data.draw(st.integers(1, 3))
     rule = VariableRateForgetting(short, data.draw(st.integers(short + 1, 9)), gain=0.3)
-    follows(data, seed, l_u, l_y, l_z, update=update, forgetting=rule)
+    follows(data, seed, l_u, l_y, l_z, update=partial(update, lambda_=rule))
 
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, seeds)
@@ -85,7 +97,7 @@ def test_a_covariance_reset_is_a_new_prior(data, l_u, l_y, l_z, update, seed):
             ]
         )
     )
-    run, book = follows(data, seed, l_u, l_y, l_z, update=update, lambda_=0.95, reset=rule)
+    run, book = follows(data, seed, l_u, l_y, l_z, update=partial(update, lambda_=0.95, reset=rule))
     assert run.resets == book.resets
 
 
@@ -102,13 +114,10 @@ def test_frozen_steps_are_no_data(data, l_u, l_y, l_z, seed):
             ]
         )
     )
-    update, extra = data.draw(
-        st.sampled_from(
-            [("ud", {}), ("sliding window", {"window": 4}), ("instantaneous", {}),
-             ("gradient", {"step_size": 0.01})]
-        )
-    )  # fmt: skip
-    run, _ = follows(data, seed, l_u, l_y, l_z, update=update, freeze=freeze, **extra)
+    update = data.draw(
+        st.sampled_from([UD, partial(SlidingWindow, window=4), Instantaneous, step_of(0.01)])
+    )
+    run, _ = follows(data, seed, l_u, l_y, l_z, update=update, freeze=freeze)
     for start, stop in freeze:
         end = STEPS if stop is None else stop
         assert (run.theta[start:end] == run.theta[start]).all()
@@ -123,8 +132,8 @@ def test_process_noise_is_a_random_walk_of_theta(data, l_u, l_y, l_z, update, fo
     if data.draw(st.booleans()):
         Q[0], Q[:, 0] = 0, 0
     settings = data.draw(
-        settings_for(structure, l_z, strictly_proper=form == "filter", update=update, form=form,
-                     process_noise=Q)
+        settings_for(structure, l_z, strictly_proper=form == "filter", form=form,
+                     update=partial(update, process_noise=Q))
     )  # fmt: skip
     plant = data.draw(engine_plants(l_u, l_y, l_z))
     run = tame(simulate(plant, settings, noise(seed, STEPS, plant.l_w)))
@@ -133,38 +142,36 @@ def test_process_noise_is_a_random_walk_of_theta(data, l_u, l_y, l_z, update, fo
 
 @given(st.data(), sizes, sizes, sizes, st.sampled_from([1.0, 0.9]), seeds)
 def test_the_filter_form_uses_z_before_u(data, l_u, l_y, l_z, lambda_, seed):
-    update = data.draw(st.sampled_from(["ud", "covariance", "instantaneous"]))
-    lambda_ = 1.0 if update == "instantaneous" else lambda_
+    update = data.draw(st.sampled_from([UD, Covariance, Instantaneous]))
+    if update is not Instantaneous:
+        update = partial(update, lambda_=lambda_)
     follows(
         data, seed, l_u, l_y, l_z, kinds=["iir", "fir", "pid", "table"], update=update,
-        lambda_=lambda_, form="filter", strictly_proper=True,
+        form="filter", strictly_proper=True,
     )  # fmt: skip
 
 
 @given(st.data(), sizes, sizes, sizes, st.integers(1, 20), st.sampled_from([1.0, 0.8]), seeds)
 def test_the_sliding_window_is_its_batch(data, l_u, l_y, l_z, window, lambda_, seed):
-    extra = {"update": "sliding window", "window": window, "lambda_": lambda_}
-    follows(data, seed, l_u, l_y, l_z, **extra)
+    update = partial(SlidingWindow, window=window, lambda_=lambda_)
+    follows(data, seed, l_u, l_y, l_z, update=update)
 
 
 def test_a_window_longer_than_float64_remembers():
     """0.5^-2000 is infinite: what is older than that is forgotten, and the run goes on."""
     plant, w = standard_plant("1/(q - 0.9)"), noise(1, 1500, 1)
-    settings = {
-        "structure": iir(1), "target": TargetModel([0, 1.0]), "R_theta": 1.0,
-        "update": "sliding window", "lambda_": 0.5,
-    }  # fmt: skip
+    settings = {"structure": iir(1), "target": TargetModel([0, 1.0])}
+    updates = [SlidingWindow(R_theta=1.0, window=n, lambda_=0.5) for n in (1400, 1000)]
     longer, long = (
-        simulate(plant, ControllerSettings(window=window, **settings), w) for window in (1400, 1000)
+        simulate(plant, ControllerSettings(update=update, **settings), w) for update in updates
     )
     assert longer.outcome == long.outcome == "completed"
     assert longer.theta == pytest.approx(long.theta, rel=1e-9)
 
 
-@given(st.data(), sizes, sizes, sizes, st.sampled_from(["instantaneous", "gradient"]), seeds)
-def test_the_memoryless_updates(data, l_u, l_y, l_z, update, seed):
-    extra = {"step_size": 0.02} if update == "gradient" else {}
-    follows(data, seed, l_u, l_y, l_z, update=update, **extra)
+@given(st.data(), sizes, sizes, sizes, st.booleans(), seeds)
+def test_the_memoryless_updates(data, l_u, l_y, l_z, gradient, seed):
+    follows(data, seed, l_u, l_y, l_z, update=step_of(0.02) if gradient else Instantaneous)
 
 
 @given(st.data(), sizes, sizes, sizes, st.sampled_from(["predictor", "filter"]), seeds)
@@ -181,13 +188,9 @@ def test_the_target_may_change(data, l_u, l_y, l_z, form, seed):
 
 @given(st.data(), sizes, sizes, seeds)
 def test_reflected_poles_are_inside(data, l_y, l_z, seed):
-    update, extra = data.draw(
-        st.sampled_from(
-            [("ud", {}), ("covariance", {"lambda_": 0.9}), ("gradient", {"step_size": 0.01})]
-        )
-    )
+    update = data.draw(st.sampled_from([UD, partial(Covariance, lambda_=0.9), step_of(0.01)]))
     structure, regressor = data.draw(structures(1, l_y, 0, ["iir"]))
-    settings = data.draw(settings_for(structure, l_z, update=update, reflect_poles=True, **extra))
+    settings = data.draw(settings_for(structure, l_z, update=update, reflect_poles=True))
     plant = data.draw(engine_plants(1, l_y, l_z))
     run = simulate(plant, settings, noise(seed, STEPS, plant.l_w))
     of_u = slice(0, structure.n_c)
@@ -224,7 +227,8 @@ def test_the_regressor_holds_what_was_applied(data, l_u, l_y, l_z, seed):
 
 @given(st.data(), sizes, sizes, sizes, st.floats(1e-3, 1), seeds)
 def test_the_covariance_stays_positive_definite(data, l_u, l_y, l_z, size, seed):
-    case, _ = data.draw(cases(l_u, l_y, l_z, lambda_=data.draw(st.sampled_from([1.0, 0.9]))))
+    lambda_ = data.draw(st.sampled_from([1.0, 0.9]))
+    case, _ = data.draw(cases(l_u, l_y, l_z, update=partial(UD, lambda_=lambda_)))
     controller, rng = Controller(case), np.random.default_rng(seed)
     for _ in range(25):
         controller.step(rng.standard_normal(l_y), size * rng.standard_normal(l_z))

@@ -322,7 +322,7 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ({"controllers": [{"shared_u": True}]}, "unknown key 'shared_u' in [controllers]"),
         (
             {"controllers": [{}, {"structure": "fir"}], "saturation": {"high": 1}},
-            "Use Decentralized(..., shared_u=True)",
+            "Set shared_u = true in [controller]",
         ),
         ({"plant": {"changes": [{"gain": 2}]}}, "needs the key 'start'"),
         ({"plant": {"changes": [{"start": 5, "gian": 2}]}}, "Did you mean 'gain'"),

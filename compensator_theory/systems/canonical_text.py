@@ -1,0 +1,101 @@
+"""What was read, echoed: text that reads back to the same number, polynomial or system."""
+
+import sympy
+from sympy import Expr, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
+from compensator_theory.polynomials.budget import long_integers
+from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.numbers import exact_number
+from compensator_theory.polynomials.poly import polynomial
+from compensator_theory.polynomials.quotients import multiplied_out
+from compensator_theory.polynomials.shared import is_list
+from compensator_theory.polynomials.sympy_trees import tree_of
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems.foreign import is_foreign
+from compensator_theory.systems.realisations import Realisation
+from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.systems.transfer_matrices import TransferMatrix
+
+
+def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -> str:
+    """Write a number, a polynomial or a transfer function as it was understood.
+
+    Parameters
+    ----------
+    obj : number, polynomial or transfer function
+        Anything that :func:`exact_number`, :func:`polynomial` or :func:`transfer_function` reads.
+        A list holds coefficients.
+    variable : str or Symbol, optional
+        As for these.
+
+    Returns
+    -------
+    str
+        Reads back to the same, and is its own canonical form. A transfer function that has a
+        denominator is written ``(N)/(D)``, its common factors kept.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is a number that no text here stands for.
+
+    Examples
+    --------
+    >>> from compensator_theory import canonical
+    >>> canonical("2i + .50"), canonical("(s+1)*(s+2)"), canonical("1/s + 1/(s + 1)")
+    ('1/2 + 2*I', 's**2 + 3*s + 2', '(2*s + 1)/(s**2 + s)')
+    """
+    if isinstance(obj, TransferFunction | TransferMatrix | Realisation | tuple) or is_foreign(obj):
+        return str(transfer_function(obj, variable))
+    if isinstance(obj, Poly) or is_list(obj):
+        return format_polynomial(polynomial(obj, variable))
+    if isinstance(obj, str):
+        quotient = read_text(obj)
+    else:
+        quotient = multiplied_out(tree_of(exact_number(obj)), least_denominators=True)
+    top, bottom = quotient.sides()
+    if top.is_number and bottom.is_number:
+        return _number(quotient.value())
+    try:
+        if not bottom.is_number:
+            return str(transfer_function(obj, variable))
+        return format_polynomial(polynomial(quotient.value(), variable))
+    except InputError:
+        if variable is not None:
+            raise
+    with long_integers():
+        return str(quotient.value())
+
+
+def _number(value: Expr) -> str:
+    """Write a constant; roots of unity and cosines by their real and imaginary parts."""
+    if value.atoms(sympy.exp, sympy.cos, sympy.sin) or _has_branches(value):
+        found = algebraic(value)
+        if found is None:
+            raise InputError(f"the number {str(value)[:60]} has no exact text here; write a symbol")
+        value = _in_parts(found)
+    if value.atoms(sympy.NumberSymbol) - {sympy.pi}:
+        raise InputError(f"{str(value)[:60]} would read back as a symbol; write one in its place")
+    with long_integers():
+        text = str(value)
+    read_text(text)
+    return text
+
+
+def _has_branches(value: Expr) -> bool:
+    powers = [p for p in value.atoms(sympy.Pow) if not p.exp.is_Integer]
+    return any(p.exp.q != 2 and not (p.base.is_Rational and p.base > 0) for p in powers)
+
+
+def _in_parts(number: Algebraic) -> Expr:
+    half, minus = rational_number(sympy.S.Half), rational_number(sympy.Integer(-1))
+    real = ((number + number.conjugate) * half).expression()
+    if number.is_real:
+        return number.expression()
+    unit = algebraic(-sympy.I / 2)
+    assert unit is not None
+    imaginary = ((number + minus * number.conjugate) * unit).expression()
+    return real + sympy.I * imaginary

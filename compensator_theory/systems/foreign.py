@@ -1,0 +1,164 @@
+"""Systems of python-control, SciPy and SymPy: what they hold, or why they cannot be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeAlias
+
+from sympy import Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.variables import as_symbol
+
+
+class HasFraction(Protocol):
+    """A transfer function of python-control, SciPy or SymPy."""
+
+    num: Any
+    den: Any
+
+
+class HasMatrices(Protocol):
+    """A state space of python-control, SciPy or SymPy."""
+
+    A: Any
+    B: Any
+    C: Any
+    D: Any
+
+
+ForeignSystem: TypeAlias = HasFraction | HasMatrices
+"""What these packages call a system; others of their classes are refused by name."""
+
+_PACKAGES = ("control", "scipy", "sympy.physics.control")
+
+
+@dataclass(frozen=True)
+class Fraction:
+    """Numerator and denominator, anything :func:`polynomial` reads."""
+
+    numerator: Any
+    denominator: Any
+    variable: Symbol
+
+
+@dataclass(frozen=True)
+class ZerosAndPoles:
+    """Roots and the leading coefficient."""
+
+    zeros: Iterable[Any]
+    poles: Iterable[Any]
+    gain: Any
+    variable: Symbol
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """A realisation, entries anything :func:`exact_number` reads."""
+
+    A: Any
+    B: Any
+    C: Any
+    D: Any
+    variable: Symbol
+
+
+Contents: TypeAlias = Fraction | ZerosAndPoles | Matrices
+
+
+def is_foreign(obj: object) -> bool:
+    """Tell whether an object comes from a package that describes systems.
+
+    Examples
+    --------
+    >>> import control
+    >>> from compensator_theory.systems.foreign import is_foreign
+    >>> is_foreign(control.tf([1], [1, 2])), is_foreign("1/s")
+    (True, False)
+    """
+    module = type(obj).__module__ or ""  # classes that SymPy makes at run time have none
+    return any(module == name or module.startswith(f"{name}.") for name in _PACKAGES)
+
+
+def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
+    """Return what a foreign system holds.
+
+    Raises
+    ------
+    InputError
+        If it is no rational transfer function and no linear state space, has several signals where
+        one is needed, or does not say whether its time is discrete.
+
+    Examples
+    --------
+    >>> import control
+    >>> from compensator_theory.systems.foreign import contents_of
+    >>> contents_of(control.tf([1], [1, 2]), None).variable
+    s
+    """
+    if type(system).__module__.startswith("sympy"):
+        try:
+            return _of_sympy(system, variable)
+        except (AttributeError, TypeError) as error:  # SymPy joins not all that it lets one write
+            raise InputError(
+                f"SymPy cannot join the parts of this {type(system).__name__}: {error}; join "
+                "transfer functions only"
+            ) from error
+    if all(hasattr(system, name) for name in "ABCD"):
+        return Matrices(system.A, system.B, system.C, system.D, _variable(system, variable))
+    if hasattr(system, "gain") and hasattr(system, "zeros"):
+        symbol = _variable(system, variable)
+        return ZerosAndPoles(list(system.zeros), list(system.poles), system.gain, symbol)
+    if not (hasattr(system, "num") and hasattr(system, "den")):
+        raise InputError(
+            f"a {type(system).__name__} has no rational transfer function; give a transfer "
+            "function or a linear state space"
+        )
+    symbol = _variable(system, variable)
+    if type(system).__module__.startswith("scipy"):
+        numerator = system.num
+        if getattr(numerator, "ndim", 1) > 1 and len(numerator) != 1:
+            _refuse_several(system, len(numerator), 1)
+        return Fraction([float(c) for c in numerator.flat], [float(c) for c in system.den], symbol)
+    if (system.ninputs, system.noutputs) != (1, 1):
+        _refuse_several(system, system.noutputs, system.ninputs)
+    return Fraction(list(system.num[0][0]), list(system.den[0][0]), symbol)
+
+
+def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
+    name = type(system).__name__
+    if name == "StateSpace":
+        symbol = as_symbol("s" if variable is None else variable)
+        return Matrices(system.A, system.B, system.C, system.D, symbol)
+    if (system.num_inputs, system.num_outputs) != (1, 1):
+        _refuse_several(system, system.num_outputs, system.num_inputs)
+    joined = system if name in ("TransferFunction", "TransferFunctionMatrix") else system.doit()
+    if type(joined).__name__ == "TransferFunctionMatrix":
+        joined = joined[0, 0]
+        joined = joined if type(joined).__name__ == "TransferFunction" else joined.doit()
+    if type(joined).__name__ == "StateSpace":
+        return _of_sympy(joined, variable)
+    if not (hasattr(joined, "num") and hasattr(joined, "den")):
+        raise InputError(f"a {name} of SymPy has no rational transfer function that is read here")
+    own = joined.var
+    if variable is not None and as_symbol(variable) != own:
+        raise InputError(f"the system is written in {own}, not in {variable}")
+    return Fraction(joined.num, joined.den, own)
+
+
+def _variable(system: Any, variable: str | Symbol | None) -> Symbol:
+    if variable is not None:
+        return as_symbol(variable)
+    if type(system).__module__.startswith("scipy"):
+        return Symbol("s" if system.dt is None else "z")
+    if system.dt is None:
+        raise InputError("the system's time base is unspecified; name the variable, 's' or 'z'")
+    return Symbol("s" if system.dt == 0 and system.dt is not False else "z")
+
+
+def _refuse_several(system: Any, outputs: int, inputs: int) -> None:
+    raise InputError(
+        f"this {type(system).__name__} has {inputs} inputs and {outputs} outputs; pick one of "
+        "each, as in system[0, 0]"
+    )

@@ -1,0 +1,92 @@
+"""How the past is forgotten, where that is not by a constant factor."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import by_step, integer, number
+
+
+@dataclass(frozen=True)
+class ScheduledForgetting:
+    """A forgetting factor that changes at given steps.
+
+    Attributes
+    ----------
+    changes : mapping from steps to numbers
+        lambda from that step on, in (0, 1].
+    initial : float
+        lambda before the first change.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ScheduledForgetting
+    >>> ScheduledForgetting({1000: 0.98, 1200: 1})
+    ScheduledForgetting(changes={1000: 0.98, 1200: 1.0}, initial=1.0)
+    """
+
+    changes: Mapping[int, float] = field(hash=False)
+    initial: float = 1.0
+
+    def __post_init__(self) -> None:
+        read = by_step(self.changes, "changes")
+        factors = {k: forgetting_factor(value) for k, value in read.items()}
+        object.__setattr__(self, "changes", factors)
+        object.__setattr__(self, "initial", forgetting_factor(self.initial))
+
+
+@dataclass(frozen=True)
+class VariableRateForgetting:
+    """A forgetting factor that falls while z is larger than it was of late.
+
+    lambda(k) = 1 / (1 + gain * max(0, rms_short(k) / rms_long(k) - 1))
+
+    where the root mean squares of z run over the last `short` and `long` steps (fewer at the
+    beginning). At rest lambda = 1, so nothing is forgotten without a reason and P does not wind up
+    (Bruce, Goel, Bernstein, "Convergence and consistency of recursive least squares with
+    variable-rate forgetting", Automatica 119, 2020).
+
+    Attributes
+    ----------
+    short, long : int
+        Numbers of steps, short < long.
+    gain : float
+        Positive.
+    smallest : float
+        lambda(k) is never below it.
+
+    Examples
+    --------
+    >>> from rcac_numeric import VariableRateForgetting
+    >>> VariableRateForgetting(short=10, long=100, gain=0.1)
+    VariableRateForgetting(short=10, long=100, gain=0.1, smallest=0.5)
+    """
+
+    short: int
+    long: int
+    gain: float
+    smallest: float = 0.5
+
+    def __post_init__(self) -> None:
+        integer(self.short, "short", at_least=1)
+        integer(self.long, "long", at_least=2, at_most=1_000_000)
+        if self.short >= self.long:
+            raise InputError(f"short = {self.short} must be less than long = {self.long}.")
+        if number(self.gain, "gain") <= 0:
+            raise InputError(f"gain = {self.gain} must be positive.")
+        if not 0 < number(self.smallest, "smallest") <= 1:
+            raise InputError(f"smallest = {self.smallest} is not in (0, 1].")
+
+
+# A forgetting factor that is not constant.
+Forgetting = ScheduledForgetting | VariableRateForgetting
+
+
+def forgetting_factor(value: object) -> float:
+    """`value` as a number in (0, 1]."""
+    factor = number(value, "lambda_")
+    if not 0 < factor <= 1:
+        raise InputError(f"lambda_ = {factor} is not in (0, 1].")
+    return factor

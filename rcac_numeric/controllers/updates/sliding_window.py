@@ -1,0 +1,59 @@
+"""The batch minimiser over the last steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+from numpy.typing import ArrayLike
+
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.definite_matrices import constant_weight
+from rcac_numeric.arrays.validation import integer
+from rcac_numeric.controllers.updates.forgetting import forgetting_factor
+from rcac_numeric.controllers.updates.update import Update, weight
+
+
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class SlidingWindow(Update):
+    """The batch minimiser over the last `window` updates.
+
+    Their cost is (2.41) with (theta - theta(0))' R_theta (theta - theta(0)), which is not
+    forgotten.
+
+    Parameters
+    ----------
+    R_theta : float or array, shape (l_theta, l_theta)
+        Weight of theta - theta(0).
+    window : int
+        Steps that are remembered, at least 1.
+    lambda_ : float
+        Forgetting factor inside the window, in (0, 1].
+
+    Raises
+    ------
+    InputError
+        Where R_theta is not positive definite, the window is empty, or lambda is out of range.
+
+    Examples
+    --------
+    >>> from rcac_numeric import SlidingWindow
+    >>> SlidingWindow(R_theta=1.0, window=20)
+    SlidingWindow(R_theta=1.0, window=20)
+    """
+
+    name = "sliding window"
+
+    R_theta: float | Array
+    window: int
+    lambda_: float
+
+    def __init__(self, R_theta: ArrayLike, *, window: int, lambda_: float = 1.0) -> None:
+        set_ = partial(object.__setattr__, self)
+        set_("R_theta", weight(R_theta, "R_theta", definite=True))
+        set_("window", integer(window, "window", at_least=1, at_most=1_000_000))
+        set_("lambda_", forgetting_factor(lambda_))
+
+    def require_size(self, l_theta: int) -> None:
+        """Raise where R_theta does not fit l_theta coefficients."""
+        constant_weight(self.R_theta, "R_theta", l_theta, definite=True)
