@@ -11,6 +11,8 @@ from scipy.optimize import minimize_scalar
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 
 Matrices = tuple[Array, Array, Array, Array]
+# A response below this is not refined: divided by it, the matrices of its level set leave float64.
+SMALLEST = 1e-150
 
 
 def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
@@ -33,7 +35,7 @@ def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
     starts = [0.0, np.pi, *np.abs(np.angle(np.linalg.eigvals(A)))] if n else [0.0]
     best, where = max((value(w), float(w)) for w in starts)
     for _ in range(60):
-        if not n or best == 0:
+        if not n or best < SMALLEST:
             break
         level = best * (1 + rtol)
         crossings = level_crossings(system, level)

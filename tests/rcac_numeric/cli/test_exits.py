@@ -19,8 +19,15 @@ RCAC = [sys.executable, "-c", "from rcac_numeric.cli.main import main; main()"]
 PLACE = ["place", "--plant", "1/s", "--poles=-1,-2"]
 OBSERVER = ["observer", "--plant", "1/s", "--compensator", "1/s"]
 CHECK = ["check", "examples/octave/rcac_loop.mat", "--n-c", "4"]
-VERIFY = ["verify", "2.2", "--json"]
-QUICK = [["list"], ["schema"], ["--help"], PLACE, [*OBSERVER, "--json"], CHECK, VERIFY]
+QUICK = [
+    ["list"],
+    ["schema"],
+    ["--help"],
+    PLACE,
+    [*OBSERVER, "--json"],
+    CHECK,
+    ["verify", "2.2", "--json"],
+]
 
 
 def run(arguments, output):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from rcac_numeric import check_controller, iir, load_example, read_log, verify
-from rcac_numeric.analysis.closed_loop import IntercalatedMatch
+from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.plots.style import LEAST_FACTOR, draw_magnitude, draw_phase, draw_title, phases
 
 OMEGA = np.linspace(0.01, 3.13, 200)
