@@ -8,7 +8,6 @@ from dataclasses import fields, is_dataclass, replace
 import numpy as np
 import pytest
 
-from compensator_theory import transfer_function
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -34,7 +33,6 @@ from rcac_numeric import (
     target_model,
 )
 from rcac_numeric.analysis.internal_models import drift_of, internal_models
-from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.loop_costs import loop_costs
 from rcac_numeric.h2.noise import noise_inputs
 
@@ -66,7 +64,6 @@ MAKERS = {
     "LoopCosts": lambda: loop_costs(LOOP),
     "StabilisingSolution": lambda: solve_dare([[2.0]], [[1.0]], [[1.0]], [[1.0]]),
     "NoiseInputs": lambda: noise_inputs(PLANT, {"w": 2.0}),
-    # These hold a plant and a compensator.
     "ClosedLoop": lambda: ClosedLoop(PLANT, COMPENSATOR),
     "ExactComparison": lambda: compare_exactly(
         PLANT, COMPENSATOR, pole_placement_target(PLANT, ["1/2", "1/4"])
@@ -74,23 +71,7 @@ MAKERS = {
     "LQG": lambda: lqg(PLANT, noise={"w": 1.0}),
     "ExactAgreement": lambda: lqg(PLANT).agreement,
 }
-# What rests on the equality of plants, and on that of exact polynomials once they are pickled.
-WITH_PLANT = {"ClosedLoop", "ExactComparison", "LQG"}
-EXACT = {"exact target", "fir_target", "PlacementConditioning", "ExactAgreement", "ExactComparison"}
-G = transfer_function("1/(q - 1/2)")
-OPEN = set() if issubclass(Plant, Value) else WITH_PLANT
-OPEN |= set() if pickle.loads(pickle.dumps(G)) == G else EXACT
-
-values = pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(
-            name,
-            marks=pytest.mark.skipif(name in OPEN, reason="what it holds is not yet a value"),
-        )
-        for name in MAKERS
-    ],
-)
+values = pytest.mark.parametrize("name", MAKERS)
 
 
 @values
@@ -135,8 +116,7 @@ def test_what_reads_its_arguments_can_be_replaced(name):
 
 
 def test_in_a_fresh_process():
-    names = [n for n in MAKERS if n not in OPEN]
-    made = {name: MAKERS[name]() for name in names}
+    made = {name: make() for name, make in MAKERS.items()}
     code = "import sys, pickle as p; sys.stdout.buffer.write(p.dumps(p.load(sys.stdin.buffer)))"
     done = subprocess.run(
         [sys.executable, "-c", code], input=pickle.dumps(made), capture_output=True, check=True

@@ -7,7 +7,7 @@ from mpmath import mp
 
 from compensator_theory.errors import IllConditionedError
 from rcac_numeric import Plant, h2_cost, lqg
-from tests.rcac_numeric.h2.test_conversion import delayed_plant
+from tests.support.delayed_plants import delayed_plant
 
 
 def exact(array):
