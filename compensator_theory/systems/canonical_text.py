@@ -87,7 +87,7 @@ def _number(value: Expr) -> str:
 
 def _has_branches(value: Expr) -> bool:
     powers = [p for p in value.atoms(sympy.Pow) if not p.exp.is_Integer]
-    return any(p.exp.q != 2 and not (p.base.is_Rational and p.base > 0) for p in powers)
+    return any(p.exp.q % 2 and p.base.is_Rational and p.base < 0 for p in powers)
 
 
 def _in_parts(number: Algebraic) -> Expr:

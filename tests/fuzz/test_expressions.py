@@ -87,9 +87,21 @@ def _hook(event, arguments):
         _watch["seen"].append((event, str(arguments)[:200]))
 
 
+def _source(text):
+    return text.decode(errors="replace") if isinstance(text, bytes) else str(text)
+
+
 def _is_lazy_import(event, arguments):
     if event == "import":
         return arguments[0].split(".")[0] in LIBRARIES
+    if event == "compile" and _source(arguments[0]).lstrip().startswith("def monomial_"):
+        return True  # SymPy writes the arithmetic of its monomials itself, for each number of them
+    if (
+        event == "exec"
+        and arguments[0].co_names
+        and all(name.startswith("monomial_") for name in arguments[0].co_names)
+    ):
+        return True
     place = {
         "exec": lambda: arguments[0].co_filename,
         "compile": lambda: arguments[1],

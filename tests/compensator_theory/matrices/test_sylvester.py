@@ -39,6 +39,16 @@ def test_resultant_is_sympys(a, b):
     assert resultant(a, b) == expected
 
 
+@given(UP_TO_8, polynomials(max_degree=8), polynomials(max_degree=2), st.integers(0, 3))
+def test_the_fast_ways_agree_with_the_definition(a, b, common, zeros):
+    """Theorem A1 defines both by the Sylvester matrix; python-flint computes them without it."""
+    a, b = a * common, b * common
+    padded = [0] * zeros + b.all_coeffs()
+    matrix = sylvester_m1(a, padded)
+    assert resultant(a, padded) == determinant(matrix)
+    assert number_of_common_roots(a, padded) == matrix.rows - rank(matrix)
+
+
 def test_sign_of_the_resultant():
     assert resultant("s + 1", "s**3") == -1  # b at the root -1 of the monic a
     assert resultant("s**3", "s + 1") == 1
