@@ -27,6 +27,9 @@ from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
 
+# A signal so many times larger than all that comes from outside holds no digit of it in float64.
+NO_DIGIT_LEFT = 1e15
+
 
 class PreparedRun:
     """The compiled job of a run, and the arrays that it writes; arguments as for `simulate`."""
@@ -39,7 +42,7 @@ class PreparedRun:
         *,
         x_0: ArrayLike | None = None,
         stride: int = 1,
-        divergence_limit: float = 1e100,
+        divergence_limit: float | None = None,
         saturation: Saturation | None = None,
         start: SavedState | None = None,
     ) -> None:
@@ -54,10 +57,7 @@ class PreparedRun:
         self.w = signal_array(w, "w", plant.l_w)
         require_fit(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
-        limit = number(divergence_limit, "divergence_limit")
-        if limit <= 0:
-            raise InputError(f"divergence_limit = {limit} must be positive.")
-        self.divergence_limit = limit
+        self.divergence_limit = _limit(divergence_limit, self.w, self.x_0)
         self._kernels = [
             compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
         ]
@@ -175,3 +175,14 @@ class PreparedRun:
             shared_u=shared,
             r_in_w=command_position(plant, max(one.l_r for one in self._controllers)),
         )
+
+
+def _limit(given: float | None, *from_outside: Array | None) -> float:
+    """The size at which a loop counts as diverged."""
+    if given is None:
+        peaks = [np.abs(values).max(initial=0.0) for values in from_outside if values is not None]
+        return NO_DIGIT_LEFT * float(max(1.0, *peaks))
+    limit = number(given, "divergence_limit")
+    if limit <= 0:
+        raise InputError(f"divergence_limit = {limit} must be positive.")
+    return limit

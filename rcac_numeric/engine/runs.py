@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from compensator_theory.errors import InputError
@@ -80,7 +81,7 @@ class Run(Value):
     state: SavedState | None = None
     saturation: Saturation | None = None
     x_0: Array | None = None
-    divergence_limit: float = 1e100
+    divergence_limit: float = math.inf
     failure: str = ""
 
     @property

@@ -26,7 +26,7 @@ def simulate(
     *,
     x_0: ArrayLike | None = None,
     stride: int = 1,
-    divergence_limit: float = 1e100,
+    divergence_limit: float | None = None,
     saturation: Saturation | None = None,
     start: SavedState | None = None,
 ) -> Run:
@@ -43,8 +43,10 @@ def simulate(
         Initial state; zero by default.
     stride : int
         theta is kept at every stride-th step.
-    divergence_limit : float
-        The loop counts as diverged where an entry of u, y, z, x or theta exceeds it in size.
+    divergence_limit : float, optional
+        The loop counts as diverged where an entry of u, y, z, x or theta exceeds it in size. By
+        default 1e15 times the largest entry of w and x_0, or 1e15 if that is more: in a signal of
+        that size float64 holds no digit of what comes from outside.
     saturation : Saturation, optional
     start : SavedState, optional
         The state of an earlier run with the same plant, settings and saturation; this run goes on

@@ -70,7 +70,7 @@ def test_arguments_that_fit_are_taken(sizes, l_r, data):
     l_u, l_y, l_z, *_ = sizes
     controller = _kernel.controller(**controller_arguments(data.draw, l_u, l_y, l_z, l_r))
     controller.restore(controller.save())
-    controller.step(np.zeros(l_y), np.zeros(l_z), np.zeros(l_r), np.zeros(0))
+    controller.step(np.zeros(l_y), np.zeros(l_z), np.zeros(l_r), None)
     assert controller.k == 1
     _kernel.linear_plant(**plant_arguments(data.draw, *sizes))
 

@@ -20,7 +20,8 @@ from rcac_numeric import (
     simulate_many,
     simulate_reference,
 )
-from rcac_numeric.controllers.updates import RecursiveLeastSquares, Update
+from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
+from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.engine.compiled.updates import ARGUMENTS
 from rcac_numeric.engine.reference.ball_updates import BALL_UPDATES
 from tests.support.lane_cases import GOOD, PLANT

@@ -70,7 +70,7 @@ def test_a_weight_may_do_anything_but_move_its_own_controller(deed):
     loop = good_loop([controller])
     job, zero, state = good_job(loop), np.zeros(1), controller.save()
     reactions = {
-        "step": lambda: controller.step(zero, zero, np.zeros(0), np.zeros(0)),
+        "step": lambda: controller.step(zero, zero, None, None),
         "restore": lambda: controller.restore(state),
         "run": lambda: all_of([job]),
         "raise": surprise,
@@ -88,7 +88,7 @@ def test_a_weight_may_do_anything_but_move_its_own_controller(deed):
         assert told == ([] if deed == "none" else [told[0]])
         assert all("in the middle of a step" in text for text in told)
     loop.restore(loop.save())
-    controller.step(zero, zero, np.zeros(0), np.zeros(0))
+    controller.step(zero, zero, None, None)
 
 
 def test_what_is_at_work_elsewhere_is_refused():
@@ -111,7 +111,7 @@ def test_what_is_at_work_elsewhere_is_refused():
         lambda: loop.restore(state),
         loop.save,
         lambda: _kernel.run_jobs([good_job(loop)], 1, 0.0),
-        lambda: controller.step(zero, zero, np.zeros(0), np.zeros(0)),
+        lambda: controller.step(zero, zero, None, None),
         lambda: plant.advance(0, zero, zero),
         lambda: plant.x,
     ):

@@ -280,3 +280,17 @@ def test_the_initial_state_is_where_the_plant_starts():
     run = simulate(plant, settings, np.zeros((6, 1)), x_0=[1.0, -2.0])
     free = [(np.linalg.matrix_power(plant.A, k) @ [1.0, -2.0])[0] for k in range(6)]
     assert run.y[:, 0] == pytest.approx(free, abs=1e-15)
+
+
+def test_by_default_a_loop_diverges_where_no_digit_of_its_input_is_left():
+    """With the right sign the same loop is fine, however large its signals are."""
+    wrong = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, -1.0]), update=UD(R_theta=1e6)
+    )
+    plant = standard_plant("1/(q - 2)")
+    for scale in (1e-9, 1.0, 1e12):
+        run = simulate(plant, wrong, scale * np.ones((400, 1)))
+        assert run.outcome == "diverged" and np.abs(run.z[:-1]).max() < run.divergence_limit
+        assert run.divergence_limit == 1e15 * max(scale, 1.0)
+    stable = standard_plant("1/(q - 0.5)")
+    assert simulate(stable, wrong, 1e30 * np.ones((9, 1)), x_0=[1e40]).divergence_limit == 1e55

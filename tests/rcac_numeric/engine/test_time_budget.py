@@ -11,9 +11,12 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from rcac_numeric import (
+    UD,
     ControllerSettings,
+    Covariance,
     FunctionPlant,
     SimulationCase,
+    SlidingWindow,
     fir_target,
     iir,
     simulate,
@@ -22,16 +25,16 @@ from rcac_numeric import (
 )
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
-from tests.rcac_numeric.engine.test_batches import same
+from tests.support.comparisons import same
 from tests.support.engine_cases import cases, engine_plants
 from tests.support.strategies import seeds, sizes
 
 BODY = standard_plant("(q - 0.5)/(q*(q - 0.9))")
 
 
-def rcac(l_theta, **options):
+def rcac(l_theta, update=UD(R_theta=1.0), **options):
     return ControllerSettings(
-        structure=iir(l_theta // 2), target=fir_target(BODY), R_theta=1.0, **options
+        structure=iir(l_theta // 2), target=fir_target(BODY), update=update, **options
     )
 
 
@@ -51,11 +54,11 @@ def function_plant(advance):
 
 EXPENSIVE = {
     "l_theta = 500": (BODY, rcac(500), 1, False),
-    "l_theta = 500, as printed": (BODY, rcac(500, update="covariance"), 1, False),
+    "l_theta = 500, as printed": (BODY, rcac(500, Covariance(R_theta=1.0)), 1, False),
     "l_theta = 500 in lanes": (BODY, rcac(500), 8, True),
     "l_theta = 500, eight runs": (BODY, rcac(500), 8, False),
     "l_theta = 500 from step 20000 on": (BODY, rcac(500, k_update=20_000), 1, False),
-    "a window of 200": (BODY, rcac(40, update="sliding window", window=200), 1, False),
+    "a window of 200": (BODY, rcac(40, SlidingWindow(R_theta=1.0, window=200)), 1, False),
     "a slow plant": (function_plant(slow), rcac(8), 1, False),
     "a plant that becomes slow": (function_plant(slow_later), rcac(8), 1, False),
 }
