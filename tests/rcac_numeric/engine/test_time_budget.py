@@ -22,7 +22,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
-from tests.rcac_numeric.engine.test_batches import same
+from tests.support.comparisons import same
 from tests.support.engine_cases import cases, engine_plants
 from tests.support.strategies import seeds, sizes
 
