@@ -179,8 +179,8 @@ class WhiteNoise(Signal):
     --------
     >>> import numpy as np
     >>> from rcac_numeric import WhiteNoise
-    >>> WhiteNoise(std=0.1).samples(10_000, np.random.default_rng(1)).std().round(3)
-    np.float64(0.1)
+    >>> float(WhiteNoise(std=0.1).samples(10_000, np.random.default_rng(1)).std().round(3))
+    0.1
     """
 
     std: float = 1.0

@@ -36,7 +36,7 @@ def test_the_parameters_are_the_impulse_response(plant):
 def test_what_the_truncation_leaves_out(plant, n_bar):
     """G_zu - G_f = E_1 A^n_bar (qI - A)^{-1} B q^-n_bar: the rest of the series, summed."""
     q = np.exp(1j * OMEGA)[:, None, None]
-    state = np.linalg.solve(q * np.eye(plant.n) - plant.A, plant.B + 0j)
+    state = np.linalg.solve(q * np.eye(plant.n) - plant.A, (plant.B + 0j)[None])
     rest = plant.E_1 @ np.linalg.matrix_power(plant.A, n_bar) @ state / q**n_bar
     G_zu = plant.E_1 @ state + plant.E_2
     G_f = markov_target(plant, n_bar).frequency_response(OMEGA)
