@@ -13,7 +13,8 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 
-from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.poly import PolynomialLike, from_expression, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
@@ -81,7 +82,9 @@ class Loop(ExactValue):
 
     def from_w(self) -> TransferMatrix:
         """Return the map from w to z."""
-        return TransferMatrix(self.numerators_from_w(), self.characteristic_polynomial())
+        return TransferMatrix(
+            self.numerators_from_w(), self.characteristic_polynomial(), self.certificate
+        )
 
     @cached_property
     def _domain(self) -> Domain:
@@ -92,11 +95,27 @@ class Loop(ExactValue):
         )
         return DomainMatrix.from_Matrix(entries).domain
 
-    @cached_property
+    @property
     def _delta(self) -> tuple[DomainMatrix, DomainElement]:
+        return self._checked_delta[:2]
+
+    @property
+    def certificate(self) -> Certificate:
+        r"""The identity :math:`\Delta\,\mathrm{adj}\Delta = \det\Delta\, I`, evaluated."""
+        return self._checked_delta[2]
+
+    @cached_property
+    def _checked_delta(self) -> tuple[DomainMatrix, DomainElement, Certificate]:
         N_yu, N_c, D_c = self._in_ring(self._numerators("yu"), self.N_c, self.D_c)
-        adjugate, determinant = (D_c * self._domain.from_sympy(self._D) - N_c * N_yu).adj_det()
-        return adjugate, determinant
+        delta = D_c * self._domain.from_sympy(self._D) - N_c * N_yu
+        adjugate, determinant = delta.adj_det()
+        identity = DomainMatrix.eye(delta.shape[0], self._domain).to_dense()
+        residual = ImmutableMatrix((delta * adjugate - identity * determinant).to_Matrix())
+        name = "(D D_c - N_c N_yu) adj(D D_c - N_c N_yu) = det(D D_c - N_c N_yu) I"
+        certificate = Certificate(name, residual)
+        if not certificate.holds:
+            raise NoSolutionError(f"{certificate}; the loop is wrong, please report it")
+        return adjugate, determinant, certificate
 
     @property
     def _D(self) -> sympy.Expr:
@@ -113,7 +132,9 @@ class Loop(ExactValue):
         ]
 
     def _over_poles(self, product: DomainMatrix, power: int) -> TransferMatrix:
-        return TransferMatrix(self._rows(product, power), self.characteristic_polynomial())
+        return TransferMatrix(
+            self._rows(product, power), self.characteristic_polynomial(), self.certificate
+        )
 
     def _rows(self, product: DomainMatrix, power: int) -> tuple[tuple[Poly, ...], ...]:
         return tuple(tuple(self._polynomial(e, power) for e in row) for row in product.to_list())

@@ -135,7 +135,9 @@ def _tokens(text: str) -> list[_Token]:
         match = _TOKEN.match(text, place)
         if match is None:
             rest = text[place:].lstrip()
-            raise InputError(f"cannot read {_short(text)} from {_short(rest)} on: write {_GRAMMAR}")
+            raise InputError(
+                f"cannot read {_short(text)}: {rest[:1]!r} is not allowed in it; write {_GRAMMAR}"
+            )
         kind = next(k for k in ("number", "name", "operator", "end") if match[k] is not None)
         found.append(_Token(kind, match[kind], bool(match["space"]), bool(match["imaginary"])))
         place = match.end()

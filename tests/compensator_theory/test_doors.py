@@ -333,3 +333,12 @@ def test_conversions_carry_their_certificate(text, form):
     back = realised.transfer_function()
     assert back == G and back.certificate.holds
     assert realised.transfer_matrix()[0, 0].certificate.holds
+
+
+def test_loops_carry_their_certificate():
+    plant = exact.servo_problem("1/(q**2 - 2*q)")
+    closed = exact.closed_loop_transfer_matrix(plant, "-2*q", "q**2 + a")
+    assert closed.certificate.holds and closed[0, 0].certificate.holds
+    assert exact.intercalated_transfer_function(plant, "1", "q").certificate.holds
+    design = exact.high_authority_lqg(exact.standard_problem("(q - 2)/(q**2 - 1/4)"))
+    assert design.compensator.certificate.holds

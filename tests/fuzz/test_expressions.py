@@ -194,7 +194,7 @@ def test_a_list_of_roots_is_refused_or_placed(text):
     if roots is not None and all(root.is_number for root in roots):
         echoes = [read(exact.canonical, root) for root in roots]
         if None not in echoes:
-            again = exact.read_roots(", ".join(echoes))
+            again = exact.read_roots(", ".join(echoes) if len(echoes) > 1 else echoes)
             assert [exact.canonical(root) for root in again] == echoes
     if placed is not None:
         assert placed.roots == roots and placed.residual.is_zero
