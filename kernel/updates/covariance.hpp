@@ -75,7 +75,7 @@ public:
             }
         if (data.lambda != 1.0)
             for (double& p : P_) p /= data.lambda;
-        return finite(theta, n_) && instruction_set().finite(P_.data(), n_ * n_);
+        return finite(theta, n_) && instructions_.finite(P_.data(), n_ * n_);
     }
 
     void covariance(double* P) const override { std::copy(P_.begin(), P_.end(), P); }
@@ -100,6 +100,7 @@ public:
     }
 
 private:
+    const InstructionSet& instructions_ = instruction_set();
     // Entries i, ..., i + rows - 1 of column r of P Phi_f'.
     template <std::size_t rows>
     void rows_times(std::size_t i, std::size_t r, const Data& data) {

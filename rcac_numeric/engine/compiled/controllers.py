@@ -20,6 +20,7 @@ from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.instruction_sets import require_instruction_set
 from rcac_numeric.engine.compiled.updates import Event, KernelUpdate, kernel_update
 from rcac_numeric.targets.model import TargetModel
 
@@ -120,6 +121,7 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Cont
 
 
 def _compiled(update: KernelUpdate, **arguments: Any) -> _kernel.Controller:
+    require_instruction_set()
     return _kernel.controller(
         update=update.name,
         P_0=update.P_0,

@@ -7,6 +7,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from benchmarks.yardsticks import symmetric_covariance
+from compensator_theory import InputError
+from rcac_numeric import UD, ControllerSettings, fir_target, iir, simulate, standard_plant
 from rcac_numeric.engine import _kernel
 from tests.support.strategies import seeds
 
@@ -219,3 +221,20 @@ def test_what_leaves_the_range_of_float64_is_said():
     data["Phi_f"][2] = 1e200
     for name in SETS:
         assert not _kernel.replay_updates("ud", **data, instruction_set=name)[-1]
+
+
+def test_the_environment_forces_an_instruction_set(monkeypatch):
+    """Every one runs; one that this processor does not have is refused by name."""
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    settings = ControllerSettings(structure=iir(9), target=fir_target(plant), update=UD(R_theta=1))
+    w = np.random.default_rng(0).standard_normal((300, 1))
+    found = {}
+    for name in _kernel.instruction_sets():
+        monkeypatch.setenv("RCAC_INSTRUCTION_SET", name)
+        found[name] = simulate(plant, settings, w).theta_final
+    assert np.ptp(list(found.values()), axis=0).max() < 1e-9 * np.abs(found["plain"]).max()
+    monkeypatch.delenv("RCAC_INSTRUCTION_SET")
+    assert np.array_equal(simulate(plant, settings, w).theta_final, next(iter(found.values())))
+    monkeypatch.setenv("RCAC_INSTRUCTION_SET", "sse9")
+    with pytest.raises(InputError, match="sse9.*plain"):
+        simulate(plant, settings, w)
