@@ -236,5 +236,5 @@ def test_the_environment_forces_an_instruction_set(monkeypatch):
     monkeypatch.delenv("RCAC_INSTRUCTION_SET")
     assert np.array_equal(simulate(plant, settings, w).theta_final, next(iter(found.values())))
     monkeypatch.setenv("RCAC_INSTRUCTION_SET", "sse9")
-    with pytest.raises(InputError, match="sse9.*plain"):
+    with pytest.raises(InputError, match=r"sse9.*plain"):
         simulate(plant, settings, w)
