@@ -114,7 +114,7 @@ def frozen_twin(run: Run, k: int) -> Run:
     ...     structure=iir(n_c=1), target=fir_target(slow), update=UD(R_theta=1e-3))
     >>> run = simulate(plant, settings, exogenous([WhiteNoise()], 1000))
     >>> run.outcome, frozen_twin(run, 500).outcome
-    ('completed', 'completed')
+    ('completed', 'diverged')
     """
     if instance_of(run, "run", Run).first_step != 0:
         raise InputError("the run is the continuation of another; freeze the whole run instead.")
