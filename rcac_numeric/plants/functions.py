@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
-from scipy import LowLevelCallable
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.any_plant import blocks_of_w
+
+if TYPE_CHECKING:
+    from scipy import LowLevelCallable
 
 AdvanceFunction = Callable[[int, Array, Array, Array], ArrayLike]
 OutputFunction = Callable[[int, Array, Array], tuple[ArrayLike, ArrayLike]]
@@ -105,6 +108,8 @@ class FunctionPlant(Value):
 
 
 def _is_compiled(function: object) -> bool:
+    from scipy import LowLevelCallable  # only who writes a plant as functions waits for SciPy
+
     return isinstance(function, LowLevelCallable)
 
 
