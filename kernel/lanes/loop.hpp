@@ -36,8 +36,8 @@ public:
     }
 
 private:
-    // Steps up to the end of the first run, or up to the first theta to be kept after this one, and
-    // no more than that.
+    // Steps up to the end of the first run, up to the first theta to be kept after this one, or
+    // `most`, whatever comes first.
     std::size_t piece(std::int64_t most) const {
         std::int64_t count = std::min<std::int64_t>(most, lane_rows);
         bool any = false;
@@ -45,7 +45,8 @@ private:
             if (!jobs_[i]) continue;
             any = true;
             const std::int64_t stride = jobs_[i]->record.stride;
-            count = std::min({count, jobs_[i]->steps - jobs_[i]->done, stride - jobs_[i]->done % stride});
+            count = std::min({count, jobs_[i]->steps - jobs_[i]->done,
+                              stride - jobs_[i]->done % stride});
         }
         return any ? static_cast<std::size_t>(count) : 0;
     }
