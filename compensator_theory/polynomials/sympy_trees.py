@@ -13,7 +13,7 @@ _IRRATIONAL = (
     sympy.re, sympy.im, sympy.conjugate, sympy.sign,
 )  # fmt: skip
 _ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
-_RADICAND_DIGITS = 300  # SymPy looks for squares in it
+_RADICAND_DIGITS = 600  # SymPy looks for squares in it
 _X = Symbol("x")
 
 
@@ -114,14 +114,18 @@ def square_root(argument: Expr) -> Expr:
     >>> square_root(Integer(8))
     2*sqrt(2)
     """
+    _require_short_radicand(argument)
+    require_small_field([argument, sympy.Pow(argument, sympy.S.Half, evaluate=False)])
+    return sympy.sqrt(argument)
+
+
+def _require_short_radicand(argument: Expr) -> None:
     for number in argument.atoms(Rational):
         if max(abs(int(number.p)), int(number.q)).bit_length() > 3.33 * _RADICAND_DIGITS:
             raise InputError(
-                f"a number under a square root has more than {_RADICAND_DIGITS} digits; give a "
-                "rational number close to the root"
+                f"a number under a root has more than {_RADICAND_DIGITS} digits; give a rational "
+                "number close to the root"
             )
-    require_small_field([argument, sympy.Pow(argument, sympy.S.Half, evaluate=False)])
-    return sympy.sqrt(argument)
 
 
 def real_power(base: Expr, exponent: Expr) -> Expr:
@@ -145,6 +149,7 @@ def real_power(base: Expr, exponent: Expr) -> Expr:
         raise InputError(
             f"({str(base)[:60]})**({exponent}) has several meanings; write the root that you mean"
         )
+    _require_short_radicand(base)
     require_small_field([base, sympy.Pow(base, exponent, evaluate=False)])
     ask("field_degree", int(exponent.q), "a root")
     ask("degree", abs(int(exponent.p)), "a power")

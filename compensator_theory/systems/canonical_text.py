@@ -5,7 +5,7 @@ from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
-from compensator_theory.polynomials.budget import long_integers
+from compensator_theory.polynomials.budget import long_integers, unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
@@ -79,9 +79,9 @@ def _number(value: Expr) -> str:
         value = _in_parts(found)
     if value.atoms(sympy.NumberSymbol) - {sympy.pi}:
         raise InputError(f"{str(value)[:60]} would read back as a symbol; write one in its place")
-    with long_integers():
+    with long_integers(), unlimited():
         text = str(value)
-    read_text(text)
+        read_text(text)
     return text
 
 

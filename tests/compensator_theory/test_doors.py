@@ -217,7 +217,9 @@ EIGHT = sum(sqrt(p) for p in (2, 3, 5, 7, 11, 13, 17, 19))
      lambda: exact.target_characteristic_polynomial(exact.standard_problem("1/q"), 10**8, "1/q"),
      lambda: exact.parse_expression("sqrt(0.5-1e300**999)"), lambda: exact.read_roots("1 " * 9000),
      lambda: exact.parse_expression("j**1e300**999"), lambda: exact.parse_expression("(" * 5000),
-     lambda: exact.exact_number(sympy.Float(10) ** 100000)],
+     lambda: exact.exact_number(sympy.Float(10) ** 100000),
+     lambda: exact.parse_expression(f"({'9' * 3998})**(1/3)"),
+     lambda: exact.polynomial_from_roots([10**3990 + sqrt(2), sqrt(3)], "s")],
 )  # fmt: skip
 def test_what_is_too_large_is_refused_at_once(call):
     start = time.process_time()

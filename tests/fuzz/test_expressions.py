@@ -157,6 +157,7 @@ def place(roots):
 @example("sqrt(0.5-1e300**999)")
 @example("j**1e300**999")
 @example("9**9**9")
+@example(f"({'9' * 3998})**(1/3)")
 @example("-1 -2")
 @example("1 2")
 def test_a_text_is_refused_or_echoed(text):
