@@ -3,7 +3,7 @@
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import Expr, Poly
@@ -18,6 +18,9 @@ from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.transfer_functions import TransferFunction
+
+if TYPE_CHECKING:
+    import control
 
 
 @dataclass(frozen=True, repr=False)
@@ -127,7 +130,7 @@ class PolePlacement(ExactValue):
         r"""The sensitivity function :math:`S = D D_c/\tilde D` of (7.22)."""
         return sensitivity_function(self.plant, self.compensator, feedback=self.feedback)
 
-    def to_control(self, dt: float | bool | None = None) -> Any:
+    def to_control(self, dt: float | bool | None = None) -> "control.TransferFunction":
         """Return the compensator as a python-control object, rounded once to float64.
 
         Parameters

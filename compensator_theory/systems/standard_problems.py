@@ -1,7 +1,7 @@
 """The standard problem (2.1)-(2.3) with exact data, and its open-loop maps."""
 
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
@@ -14,6 +14,9 @@ from compensator_theory.polynomials.variables import as_symbol, require_one_symb
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.systems.transfer_functions import TransferFunction
 from compensator_theory.systems.transfer_matrices import TransferMatrix
+
+if TYPE_CHECKING:
+    import control
 
 CHANNELS = ("zw", "zu", "yw", "yu")
 _SHAPES = {
@@ -203,7 +206,7 @@ class StandardProblem(ExactValue):
         """Return one entry of N_zw, N_zu, N_yw or N_yu of (2.10), over :attr:`denominator`."""
         return self.transfer_function(channel, row, column).numerator
 
-    def to_control(self, dt: float | bool = True) -> Any:
+    def to_control(self, dt: float | bool = True) -> "control.StateSpace":
         """Return the python-control plant from [w; u] to [z; y], rounded once to float64."""
         import control  # slow to import, and only needed at this door
 

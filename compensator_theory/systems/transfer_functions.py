@@ -1,7 +1,7 @@
 """Exact SISO transfer functions that keep the common factors they were given."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
@@ -13,6 +13,9 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
+
+if TYPE_CHECKING:
+    import control
 
 
 @dataclass(frozen=True, repr=False)
@@ -144,7 +147,7 @@ class TransferFunction(ExactValue):
         """Return a SymPy expression; SymPy may cancel factors in it."""
         return self.numerator.as_expr() / self.denominator.as_expr()
 
-    def to_control(self, dt: float | bool | None = None) -> Any:
+    def to_control(self, dt: float | bool | None = None) -> "control.TransferFunction":
         """Return the python-control object; every coefficient is rounded once to float64.
 
         Parameters

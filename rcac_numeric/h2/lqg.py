@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
 from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.plants.linear import Plant
+
+if TYPE_CHECKING:
+    import control
 
 FORMS = ("predictor", "filter")
 # Largest distance of the cost of the loop to that of the Riccati solutions.
@@ -93,7 +96,7 @@ class LQG(Value):
         """The plant in a loop with `compensator`."""
         return ClosedLoop(self.plant, self.compensator)
 
-    def to_control(self) -> Any:
+    def to_control(self) -> control.StateSpace:
         """The controller as a discrete-time python-control StateSpace with unspecified period."""
         import control  # a second of import time, paid only here
 
