@@ -1,1 +1,1 @@
-"""Float64 arrays as users give them, read and checked."""
+"""What everything stands on: float64 arrays read and checked, equality by value, files, words."""

@@ -14,8 +14,8 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.signals.data_files import read_variables
-from rcac_numeric.signals.wording import shortened
 
 SIGNALS = ("u", "y", "z", "w", "r")
 # What a log may hold, under these names or those that the caller gives.

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.controllers import CONTROLLER
@@ -21,7 +22,6 @@ from rcac_numeric.plants.problems import servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.signals.data_files import FORMATS, read_variables
 from rcac_numeric.signals.text_tables import as_number
-from rcac_numeric.signals.wording import shortened
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.model import TargetModel
 

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import click
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.signals.wording import printable, shortened
+from rcac_numeric.arrays.wording import printable, shortened
 
 DONE = 0  # what was asked is answered
 NO = 1  # the answer is no: a verdict has changed, a log contradicts itself

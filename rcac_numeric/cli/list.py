@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
+from rcac_numeric.arrays.wording import printable
 from rcac_numeric.experiments.files.documents import example_titles
-from rcac_numeric.signals.wording import printable
 
 
 @click.command("list")

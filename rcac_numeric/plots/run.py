@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
@@ -20,7 +21,6 @@ from rcac_numeric.plots.style import (
     draw_phase,
     draw_title,
 )
-from rcac_numeric.signals.wording import shortened
 
 
 def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:

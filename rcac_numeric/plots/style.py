@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.signals.wording import printable, shortened
+from rcac_numeric.arrays.wording import printable, shortened
 
 INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
 # An axis spans at least this factor in gain and these radians: rounding is to look like rounding.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from rcac_numeric.signals.wording import shortened
+from rcac_numeric.arrays.wording import shortened
 
 
 def complex_text(value: complex) -> str:

@@ -10,8 +10,8 @@ from rich.console import Console, RenderableType
 from rich.padding import Padding
 from rich.text import Text as Styled
 
+from rcac_numeric.arrays.wording import printable
 from rcac_numeric.reports.sheet import Fact, Level, Section, Sheet, Table, Text
-from rcac_numeric.signals.wording import printable
 
 STYLES: dict[Level, str] = {
     "plain": "",

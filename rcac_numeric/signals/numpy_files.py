@@ -10,8 +10,8 @@ import numpy as np
 from numpy.lib import format as npy
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.signals.budget import Budget
-from rcac_numeric.signals.wording import shortened
 
 
 def read_npz(file: Path) -> dict[str, np.ndarray]:

@@ -13,7 +13,7 @@ def shortened(text: str, at_most: int = 400) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric.signals.wording import shortened
+    >>> from rcac_numeric.arrays.wording import shortened
     >>> shortened("u, y, z")
     'u, y, z'
     >>> shortened(", ".join(map(str, range(1000))), at_most=40)
@@ -32,7 +32,7 @@ def printable(text: str) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric.signals.wording import printable
+    >>> from rcac_numeric.arrays.wording import printable
     >>> print(printable("a\x1b[31m title"))
     a\x1b[31m title
     """
