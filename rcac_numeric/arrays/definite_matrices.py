@@ -37,6 +37,11 @@ def constant_weight(value: ArrayLike, name: str, size: int, *, definite: bool) -
     return real_array(array, name)
 
 
+def full_weight(weight: float | Array, size: int) -> Array:
+    """A weight that was checked before, as a matrix."""
+    return weight if isinstance(weight, np.ndarray) else weight * np.eye(size)
+
+
 def inverse(weight: Array) -> Array:
     """The inverse of a positive definite weight, exactly diagonal where the weight is."""
     diagonal = np.diag(weight)

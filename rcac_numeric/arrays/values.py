@@ -64,6 +64,8 @@ def _pieces(value: Any) -> list[bytes]:
         kind = "<c16" if value.dtype.kind == "c" else "<f8"
         return [str(value.shape).encode(), np.ascontiguousarray(value, dtype=kind).tobytes()]
     if is_dataclass(value) and not isinstance(value, type):
+        if not isinstance(value, Value):  # without an array in it, so that its repr says it all
+            return [repr(value).encode()]
         return [
             type(value).__name__.encode(),
             # The exact form of a float64 object changes nothing of what it does.

@@ -14,7 +14,11 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.definite_matrices import constant_weight, inverse, square_root_columns
+from rcac_numeric.arrays.definite_matrices import (
+    full_weight,
+    inverse,
+    square_root_columns,
+)
 from rcac_numeric.controllers.updates.forgetting import (
     Forgetting,
     ScheduledForgetting,
@@ -100,7 +104,7 @@ def _gradient(update: Gradient, l_theta: int) -> KernelUpdate:
 
 def initial_covariance(R_theta: float | Array, l_theta: int) -> Array:
     """P(0) = R_theta^{-1}, exactly diagonal where R_theta is."""
-    return inverse(constant_weight(R_theta, "R_theta", l_theta, definite=True))
+    return inverse(full_weight(R_theta, l_theta))
 
 
 def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
@@ -119,7 +123,7 @@ def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
         events += [(k, "forgetting", value) for k, value in rule.changes.items()]
     noise = np.zeros(0)
     if update.process_noise is not None:
-        Q = constant_weight(update.process_noise, "process_noise", l_theta, definite=False)
+        Q = full_weight(update.process_noise, l_theta)
         noise = np.ascontiguousarray(square_root_columns(Q).T)
     forgetting = (0, 0, 0.0, 1.0)
     if isinstance(rule, VariableRateForgetting):
