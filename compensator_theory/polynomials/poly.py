@@ -143,7 +143,7 @@ def canonical(poly: Poly) -> Poly:
     require_one_symbol_a_name(poly.free_symbols | {poly.gen})
     small = poly.retract() if poly.domain.is_Composite else poly
     domain = small.domain
-    if domain.is_ZZ:
+    if domain.is_ZZ or (domain.is_Algebraic and all(c.is_Rational for c in small.all_coeffs())):
         return small.set_domain(QQ)
     if domain.is_Composite and not all(symbol.is_Symbol for symbol in domain.symbols):
         return Poly(poly.as_expr(), poly.gen, extension=True)  # sqrt(2) is no free generator

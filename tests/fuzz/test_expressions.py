@@ -159,6 +159,7 @@ def place(roots):
 @example("9**9**9")
 @example(f"({'9' * 3998})**(1/3)")
 @example("-1 -2")
+@example("s/sqrt(2)")
 @example("1 2")
 def test_a_text_is_refused_or_echoed(text):
     _watch["seen"].clear()
