@@ -73,7 +73,11 @@ class Job:
     def outcome(self) -> int: ...
 
 def run_jobs(
-    jobs: Sequence[Job], threads: int, seconds: float, lanes: bool = False, instruction_set: str = ""
+    jobs: Sequence[Job],
+    threads: int,
+    seconds: float,
+    lanes: bool = False,
+    instruction_set: str = "",
 ) -> bool:
     """Go on for about `seconds` and at least one step; whether there is anything left to do.
 
