@@ -278,6 +278,7 @@ STATES = sympy_control.StateSpace(
     ("system", "expected"),
     [(FRACTION, "(s + 1)/(s**2 + 1)"), (STATES, "1/(s**2 + 2*s + 1)"),
      (sympy_control.Series(FRACTION, FRACTION), "((s + 1)/(s**2 + 1))**2"),
+     (sympy_control.Series(STATES, FRACTION), "(s + 1)/((s + 1)**2*(s**2 + 1))"),
      (sympy_control.Parallel(FRACTION, FRACTION), "2*(s + 1)/(s**2 + 1)"),
      (sympy_control.Feedback(FRACTION), "(s + 1)*(s**2 + 1)/((s**2 + 1)*(s**2 + s + 2))"),
      (sympy_control.TransferFunctionMatrix([[FRACTION]]), "(s + 1)/(s**2 + 1)"),
@@ -303,7 +304,7 @@ def test_foreign_systems_of_every_kind(system, expected):
      b"1/s",
      control.frd([1, 2], [1, 2]), control.NonlinearIOSystem(None, lambda *_: 0),
      sympy_control.TransferFunctionMatrix([[FRACTION, FRACTION]]),
-     sympy_control.Series(STATES, FRACTION), control.tf([[[1], [2]]], [[[1, 1], [1, 2]]]),
+     control.tf([[[1], [2]]], [[[1, 1], [1, 2]]]),
      (np.ones((2, 2)), [1, 2]), (object(), 1), ([[1]], [[1]], [[1]], 5), {"gain": [1]}, {1: 2}],
 )  # fmt: skip
 @pytest.mark.parametrize("read", [exact.transfer_function, exact.realisation])
