@@ -74,6 +74,9 @@ def tree_of(expression: Expr) -> Tree:
         return Product([tree_of(factor) for factor in expression.args])
     if isinstance(expression, sympy.Pow) and expression.exp.is_Integer:
         return Power(tree_of(expression.base), int(expression.exp))
+    if isinstance(expression, sympy.Pow) and expression.exp.is_Rational and expression.exp.p != 1:
+        root = sympy.Pow(expression.base, Rational(1, expression.exp.q))  # one unknown a root
+        return Power(tree_of(root), int(expression.exp.p))
     return Leaf(expression)
 
 
@@ -145,7 +148,7 @@ def real_power(base: Expr, exponent: Expr) -> Expr:
             f"the exponent {str(exponent)[:60]} is not a rational number; roots are written "
             "sqrt(...)"
         )
-    if base.is_Rational and base <= 0 and exponent.q % 2:
+    if base.is_Rational and base <= 0 and (exponent.q % 2 or base == 0):
         raise InputError(
             f"({str(base)[:60]})**({exponent}) has several meanings; write the root that you mean"
         )

@@ -160,6 +160,8 @@ def place(roots):
 @example(f"({'9' * 3998})**(1/3)")
 @example("-1 -2")
 @example("s/sqrt(2)")
+@example("s+s**-.5")
+@example("0**-0.1")
 @example("1 2")
 def test_a_text_is_refused_or_echoed(text):
     _watch["seen"].clear()
