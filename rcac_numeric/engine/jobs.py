@@ -95,8 +95,12 @@ class PreparedRun:
         """
         done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
         # A function in which the key was pressed looks to the kernel like one that failed.
-        at_work = outcome == 0 or self._failures.error is None
-        stopped = interrupted and done < len(self.w) and at_work
+        in_function = (
+            OUTCOMES[outcome] in ("plant failed", "overflow")
+            and self._failures.guards_something
+            and self._failures.error is None
+        )
+        stopped = interrupted and done < len(self.w) and (outcome == 0 or in_function)
         state = None
         if outcome == 0 and not (stopped and self._failures.guards_something):
             state = SavedState.taken("loop", self.first_step + done, self._loop.save(), self._name)

@@ -1,0 +1,92 @@
+"""Ctrl-C: what had been computed is kept, and what had ended before keeps its outcome."""
+
+import numpy as np
+import pytest
+
+from rcac_numeric import (
+    UD,
+    ControllerSettings,
+    FunctionPlant,
+    RunInterrupted,
+    SimulationCase,
+    TargetModel,
+    fir_target,
+    iir,
+    simulate,
+    simulate_many,
+    standard_plant,
+)
+from rcac_numeric.engine import _kernel, interruption
+
+PLANT = standard_plant("1/(q - 0.9)")
+UNSTABLE = standard_plant("1/(q - 2)")
+LONG = np.random.default_rng(0).standard_normal((2000, 1))
+
+
+def rcac(n_c, plant=PLANT):
+    return ControllerSettings(structure=iir(n_c), target=fir_target(plant), update=UD(R_theta=1.0))
+
+
+@pytest.fixture
+def pressed(monkeypatch):
+    """A key is pressed after so many looks at the keyboard, one step of every job apart."""
+
+    class Kernel:
+        looks = 0
+
+        def run_jobs(self, jobs, threads, seconds, lanes):
+            self.looks -= 1
+            if self.looks < 0:
+                raise KeyboardInterrupt
+            return _kernel.run_jobs(jobs, threads, 0.0, lanes)
+
+    kernel = Kernel()
+    monkeypatch.setattr(interruption, "_kernel", kernel)
+    return kernel
+
+
+def test_a_run_goes_on_where_it_was_interrupted(pressed, monkeypatch):
+    pressed.looks = 30
+    with pytest.raises(RunInterrupted) as caught:
+        simulate(PLANT, rcac(4), LONG)
+    monkeypatch.undo()
+    run = caught.value.run
+    assert run.outcome == "interrupted" and 0 < run.steps < len(LONG)
+    assert run.state is not None and run.state.k == run.steps
+    rest = simulate(PLANT, rcac(4), LONG[run.steps :], start=run.state)
+    straight = simulate(PLANT, rcac(4), LONG)
+    assert np.array_equal(rest.u, straight.u[run.steps :])
+    assert np.array_equal(run.u, straight.u[: run.steps])
+
+
+def test_what_ended_before_keeps_its_outcome(pressed):
+    wrong = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, -1.0]), update=UD(R_theta=1e6)
+    )
+    cases = [
+        SimulationCase(PLANT, rcac(2), LONG[:5]),
+        SimulationCase(UNSTABLE, wrong, LONG, {"divergence_limit": 100.0}),
+        SimulationCase(PLANT, rcac(2), LONG),
+    ]
+    pressed.looks = 200
+    with pytest.raises(RunInterrupted, match="interrupted after") as caught:
+        simulate_many(cases, threads=1)
+    assert [run.outcome for run in caught.value.runs] == ["completed", "diverged", "interrupted"]
+
+
+def test_a_key_pressed_in_a_function_of_the_plant():
+    """In the middle of a step, so that there is no state to go on from; the rows before are good."""
+
+    def advance(k, x, u, w):
+        if k == 20:
+            raise KeyboardInterrupt
+        return 0.5 * x + u + w
+
+    one = {"n": 1, "l_u": 1, "l_w": 1, "l_y": 1, "l_z": 1}
+    plant = FunctionPlant(advance=advance, output=lambda k, x, w: (x, x), **one)
+    with pytest.raises(RunInterrupted) as caught:
+        simulate(plant, rcac(2), LONG[:100])
+    run = caught.value.run
+    assert run.outcome == "interrupted" and run.state is None and run.steps in (20, 21)
+    linear = simulate(standard_plant("1/(q - 0.5)"), rcac(2), LONG[:20])
+    assert run.u[:20] == pytest.approx(linear.u, abs=1e-12)
