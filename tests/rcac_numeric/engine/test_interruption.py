@@ -75,7 +75,7 @@ def test_what_ended_before_keeps_its_outcome(pressed):
 
 
 def test_a_key_pressed_in_a_function_of_the_plant():
-    """In the middle of a step, so that there is no state to go on from; the rows before are good."""
+    """In the middle of a step: there is no state to go on from, and the rows before are good."""
 
     def advance(k, x, u, w):
         if k == 20:
