@@ -48,6 +48,17 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     >>> canonical("2i + .50"), canonical("(s+1)*(s+2)"), canonical("1/s + 1/(s + 1)")
     ('1/2 + 2*I', 's**2 + 3*s + 2', '(2*s + 1)/(s**2 + s)')
     """
+    text = _written(obj, variable)
+    for _ in range(5):  # SymPy has several forms for roots of rational numbers
+        with unlimited():
+            again = _written(text, variable)
+        if again == text:
+            return text
+        text = again
+    raise InputError(f"{text[:60]} has no form here that reads back to itself; write symbols")
+
+
+def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> str:
     if isinstance(obj, TransferFunction | TransferMatrix | Realisation | tuple) or is_foreign(obj):
         return str(transfer_function(obj, variable))
     if isinstance(obj, Poly) or is_list(obj):
