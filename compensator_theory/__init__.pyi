@@ -18,6 +18,7 @@ from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polyno
 from .loops.closed_loop_maps import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .loops.closed_loop_maps import closed_loop_zero_polynomial as closed_loop_zero_polynomial
 from .loops.closed_loop_matrix import closed_loop_matrix as closed_loop_matrix
+from .loops.feedback import feedback_connection as feedback_connection
 from .loops.intercalation import (
     control_perturbation_transfer_function as control_perturbation_transfer_function,
 )
@@ -111,9 +112,13 @@ from .systems.controllability import is_controllable as is_controllable
 from .systems.controllability import uncontrollable_polynomial as uncontrollable_polynomial
 from .systems.conversions import transfer_function as transfer_function
 from .systems.difference_equations import compensator_polynomials as compensator_polynomials
+from .systems.expansions import PartialFraction as PartialFraction
+from .systems.expansions import PartialFractions as PartialFractions
+from .systems.expansions import markov_parameters as markov_parameters
+from .systems.expansions import partial_fractions as partial_fractions
 from .systems.problems import servo_problem as servo_problem
 from .systems.problems import standard_problem as standard_problem
 from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
-from .systems.transfer_functions import TransferFunction as TransferFunction
-from .systems.transfer_matrices import TransferMatrix as TransferMatrix
+from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
+from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix

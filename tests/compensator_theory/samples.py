@@ -73,7 +73,11 @@ def transfer_matrices(draw):
     return draw(standard_problems(max_order=2)).G_zu
 
 
+EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
+
 SAMPLES = {
+    exact.PartialFractions: EXPANSIONS,
+    exact.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.Certificate: minimal_plants().map(
         lambda plant: exact.realisation(plant).transfer_function().certificate
     ),

@@ -7,6 +7,7 @@ LAYERS = {
         "polynomials",
         "matrices",
         "roots",
+        "transfer_functions",
         "systems",
         "loops",
         "lqg",

@@ -9,7 +9,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True, repr=False)
