@@ -105,6 +105,16 @@ from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
 from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
+from .stabilisation.conditions import stability_conditions as stability_conditions
+from .stabilisation.stabilising_gains import stabilising_gains as stabilising_gains
+from .stabilisation.stability_intervals import StabilityCell as StabilityCell
+from .stabilisation.stability_intervals import StabilityIntervals as StabilityIntervals
+from .stabilisation.stability_intervals import stability_intervals as stability_intervals
+from .stabilisation.strong_stabilisability import StrongStabilisability as StrongStabilisability
+from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRealZero
+from .stabilisation.strong_stabilisability import (
+    decide_strong_stabilisability as decide_strong_stabilisability,
+)
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
 from .systems.controllability import controllability_matrix as controllability_matrix

@@ -150,6 +150,8 @@ def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
     >>> by_powers(a * s**2 + s**2 + 1, s) == {2: a + 1, 0: 1}
     True
     """
+    if expression == 0:
+        return {}  # SymPy takes 0 for a power of the variable
     found: dict[int, list[Expr]] = {}
     for term in sympy.Add.make_args(expression):
         rest, power = term.as_independent(variable, as_Add=False)

@@ -73,9 +73,17 @@ def transfer_matrices(draw):
     return draw(standard_problems(max_order=2)).G_zu
 
 
+INTERVALS = nonzero_rationals().map(
+    lambda b: exact.stability_intervals(f"s**3 + s + k + ({b})", "k")
+)
+PARITIES = strictly_proper_plants().map(exact.decide_strong_stabilisability)
 EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
 
 SAMPLES = {
+    exact.StabilityIntervals: INTERVALS,
+    exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
+    exact.StrongStabilisability: PARITIES,
+    exact.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
     exact.PartialFractions: EXPANSIONS,
     exact.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.Certificate: minimal_plants().map(

@@ -10,6 +10,7 @@ LAYERS = {
         "transfer_functions",
         "systems",
         "loops",
+        "stabilisation",
         "lqg",
         "placement",
         "observers",
