@@ -53,6 +53,7 @@ from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
+from .experiments.figure_requests import FigureRequest as FigureRequest
 from .experiments.files.builder import load_example as load_example
 from .experiments.files.builder import load_experiment as load_experiment
 from .experiments.files.schema import json_schema as json_schema
@@ -90,6 +91,7 @@ from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
+from .plots.requested import plot_request as plot_request
 from .plots.run import plot_sheet as plot_sheet
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording

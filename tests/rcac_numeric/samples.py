@@ -253,6 +253,7 @@ SAMPLES = {
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
     ),
     # experiments, checks
+    rcac.FigureRequest: lambda seed: rcac.FigureRequest("responses", "", first=seed),
     rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),
     rcac.Experiment: experiment,
     rcac.Verification: lambda seed: rcac.verify(experiment(seed)),
