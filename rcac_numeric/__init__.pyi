@@ -51,6 +51,8 @@ from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
+from .engine.streams import CaseResult as CaseResult
+from .engine.streams import simulate_stream as simulate_stream
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.files.builder import load_example as load_example
@@ -103,6 +105,17 @@ from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step
 from .signals.waveforms import WhiteNoise as WhiteNoise
+from .sweeps.results.table import SweepTable as SweepTable
+from .sweeps.results.table import read_table as read_table
+from .sweeps.running.progress import Progress as Progress
+from .sweeps.running.progress import ProgressLine as ProgressLine
+from .sweeps.running.sweep import StudyInterrupted as StudyInterrupted
+from .sweeps.running.sweep import run_study as run_study
+from .sweeps.store.problems import StoreError as StoreError
+from .sweeps.study.axes import Axis as Axis
+from .sweeps.study.axes import RandomAxis as RandomAxis
+from .sweeps.study.measures import Kept as Kept
+from .sweeps.study.study import Study as Study
 from .targets.filters import target_model as target_model
 from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters
