@@ -105,6 +105,14 @@ from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step
 from .signals.waveforms import WhiteNoise as WhiteNoise
+from .sweeps.results.export import export_table as export_table
+from .sweeps.results.overview import SweepOverview as SweepOverview
+from .sweeps.results.overview import sweep_overview as sweep_overview
+from .sweeps.results.replay import ReplayedRun as ReplayedRun
+from .sweeps.results.replay import replay_run as replay_run
+from .sweeps.results.statistics import SweepSummary as SweepSummary
+from .sweeps.results.statistics import summarise as summarise
+from .sweeps.results.statistics import wilson_interval as wilson_interval
 from .sweeps.results.table import SweepTable as SweepTable
 from .sweeps.results.table import read_table as read_table
 from .sweeps.running.progress import Progress as Progress
@@ -114,6 +122,7 @@ from .sweeps.running.sweep import run_study as run_study
 from .sweeps.store.problems import StoreError as StoreError
 from .sweeps.study.axes import Axis as Axis
 from .sweeps.study.axes import RandomAxis as RandomAxis
+from .sweeps.study.files import load_study as load_study
 from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
 from .targets.filters import target_model as target_model

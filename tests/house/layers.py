@@ -41,6 +41,8 @@ LAYERS = {
         "sweeps",
         "plots",
         "reports",
+        "reports.studies",
         "cli",
+        "cli.studies",
     ],
 }

@@ -27,7 +27,7 @@ class SweepTable(Value):
     Attributes
     ----------
     columns : dict from names to arrays
-        run, cell, repetition, then the coordinates, outcome, error, and the measures (NaN where
+        run, cell, repetition, then the coordinates, outcome, failure, and the measures (NaN where
         there is none).
     axes, measures : tuple of str
         Which columns are coordinates, and which measures.
@@ -120,14 +120,14 @@ def table_in(store: Store) -> SweepTable:
     columns: Columns = {
         name: np.concatenate([piece[name] for piece in pieces])
         if pieces
-        else np.zeros(0, dtype=object if name in ("outcome", "error") else np.float64)
-        for name in ("run", "cell", "repetition", "outcome", "error", *measures)
+        else np.zeros(0, dtype=object if name in ("outcome", "failure") else np.float64)
+        for name in ("run", "cell", "repetition", "outcome", "failure", *measures)
     }
     cells = columns["cell"].astype(np.int64)
     coordinates = {name: values[cells] for name, values in cell_columns(store).items()}
     ordered = {name: columns[name] for name in ("run", "cell", "repetition")}
     ordered |= coordinates
-    ordered |= {name: columns[name] for name in ("outcome", "error", *measures)}
+    ordered |= {name: columns[name] for name in ("outcome", "failure", *measures)}
     return SweepTable(ordered, axes, measures)
 
 
@@ -141,7 +141,7 @@ def _pieces(
             name: column(list(values))
             for name, values in zip(("run", "cell", "repetition"), by_column[:3], strict=True)
         }
-        for name, values in zip(("outcome", "error"), by_column[3:5], strict=True):
+        for name, values in zip(("outcome", "failure"), by_column[3:5], strict=True):
             piece[name] = np.array(values, dtype=object)
         for name, values in zip(measures, by_column[5:], strict=True):
             piece[name] = np.array(values, dtype=np.float64)

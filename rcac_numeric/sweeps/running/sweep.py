@@ -104,7 +104,8 @@ def run_study(
     >>> import tempfile
     >>> from rcac_numeric import Axis, Kept, Study, read_table, run_study
     >>> base = {
-    ...     "plant": {"G": "1/(q - 0.9)"}, "signals": {"w": {"white_noise": 1}},
+    ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
+    ...     "signals": {"w": {"white_noise": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 200}}
     >>> study = Study(
     ...     base, [Axis("R_theta", [0.01, 100], sets="controller.R_theta")], [Kept("rms")],

@@ -12,7 +12,7 @@ APPLICATION = 0x52434143  # "RCAC": what `file` and SQLite know the file by
 FREE, LEASED, DONE = 0, 1, 2  # states of a chunk
 
 FIXED = """
-CREATE TABLE study (resolved TEXT, fingerprint TEXT, folder TEXT, title TEXT, versions TEXT,
+CREATE TABLE study (resolved TEXT, fingerprint TEXT, file TEXT, title TEXT, versions TEXT,
     instruction_set TEXT, created TEXT, chunk_size INTEGER);
 CREATE TABLE block (first_run INTEGER PRIMARY KEY, first_cell INTEGER, cells INTEGER,
     first_repetition INTEGER, repetitions INTEGER);
@@ -33,7 +33,7 @@ def create_tables(connection: sqlite3.Connection, axes: Sequence[str], kept: Seq
     measures = "".join(f", {quoted(name)} REAL" for name in kept)
     connection.execute(
         "CREATE TABLE run (run INTEGER PRIMARY KEY, cell INTEGER, repetition INTEGER, "
-        f"outcome TEXT, error TEXT{measures})"
+        f"outcome TEXT, failure TEXT{measures})"
     )
     connection.execute(f"PRAGMA user_version = {FORMAT}")
     connection.execute(f"PRAGMA application_id = {APPLICATION}")

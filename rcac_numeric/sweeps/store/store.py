@@ -46,7 +46,7 @@ class StudyRow:
 
     resolved: Resolved
     fingerprint: str
-    folder: str
+    file: str
     title: str
     versions: dict[str, str]
     instruction_set: str
@@ -116,7 +116,7 @@ class Store:
                 "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
                 (
                     json.dumps(resolved), digest(canonical_json(resolved)),
-                    str(Path(study.folder).resolve()), study.title,
+                    str(Path(study.file).resolve()), study.title,
                     canonical_json(versions()), instruction_set,
                     time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), chunk_size,
                 ),
@@ -152,9 +152,9 @@ class Store:
         with explained(self.path):
             row = self.connection.execute("SELECT * FROM study").fetchone()
         try:
-            resolved, fingerprint, folder, title, made_with, instructions, created, size = row
+            resolved, fingerprint, file, title, made_with, instructions, created, size = row
             return StudyRow(
-                json.loads(resolved), fingerprint, folder, title, json.loads(made_with),
+                json.loads(resolved), fingerprint, file, title, json.loads(made_with),
                 instructions, created, size,
             )  # fmt: skip
         except (TypeError, ValueError, IndexError) as error:

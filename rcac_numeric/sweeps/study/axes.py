@@ -19,7 +19,7 @@ from rcac_numeric.sweeps.study.canonical import canonical_json, plain
 LARGEST_AXIS = 10**6
 DISTRIBUTIONS = ("uniform", "log_uniform", "normal")
 # What the table that is read back calls its own columns.
-RESERVED = ("run", "cell", "repetition", "outcome", "error")
+RESERVED = ("run", "cell", "repetition", "outcome", "failure")
 
 
 @dataclass(frozen=True, eq=False, init=False)

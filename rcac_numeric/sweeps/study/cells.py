@@ -118,7 +118,7 @@ class Cells:
         if callable(study.base):
             return Cell(study, coordinates, None, {})
         document = study.document(coordinates)
-        tables = read_run(document, {"name": "main"}, f"{study.folder}/study")
+        tables = read_run(document, {"name": "main"}, study.file)
         plant = _remembered(self._plants, canonical_json(document["plant"]), tables.plant.build)
         return Cell(study, coordinates, tables.build(plant), {})
 

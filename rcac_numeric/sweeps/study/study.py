@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import InputError
@@ -57,8 +58,8 @@ class Study(Value):
         As in `simulate_many`, decided for all runs of the study.
     keep_signals : sequence of str
         Which of w, u, y, z and theta are kept of every run.
-    folder : str
-        What relative paths in the tables start from.
+    file : str
+        Where the tables come from: errors name it, and relative paths in them start beside it.
     title : str
 
     Raises
@@ -70,7 +71,8 @@ class Study(Value):
     --------
     >>> from rcac_numeric import Axis, Kept, Study
     >>> base = {
-    ...     "plant": {"G": "1/(q - 0.9)"}, "signals": {"w": {"white_noise": 1}},
+    ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
+    ...     "signals": {"w": {"white_noise": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
     ...     "run": {"steps": 200}}
     >>> study = Study(
@@ -88,7 +90,7 @@ class Study(Value):
     common_noise: bool
     lanes: bool
     keep_signals: tuple[str, ...]
-    folder: str
+    file: str
     title: str
 
     def __init__(
@@ -102,7 +104,7 @@ class Study(Value):
         common_noise: bool = False,
         lanes: bool = True,
         keep_signals: Sequence[str] = (),
-        folder: str = ".",
+        file: str = "study",
         title: str = "",
     ) -> None:
         set_ = object.__setattr__
@@ -124,7 +126,7 @@ class Study(Value):
         set_(self, "lanes", instance_of(lanes, "lanes", bool))
         signals = items(keep_signals, "keep_signals")
         set_(self, "keep_signals", tuple(one_of(s, "keep_signals", SIGNALS) for s in signals))
-        set_(self, "folder", instance_of(folder, "folder", str))
+        set_(self, "file", instance_of(file, "file", str))
         set_(self, "title", instance_of(title, "title", str))
         set_(self, "base", _base(base, self.axes))
         if self.cells > LARGEST_GRID:
@@ -155,7 +157,9 @@ class Study(Value):
         """All that decides the results, in JSON's own types."""
         return {
             "base": plain(self.base),
-            "files": file_digests([plain(self.base), *(a.values for a in self.axes)], self.folder),
+            "files": file_digests(
+                [plain(self.base), *(a.values for a in self.axes)], str(Path(self.file).parent)
+            ),
             "axes": [{"name": a.name, "sets": a.sets, "values": list(a.values)} for a in self.axes],
             "keep": [
                 {"name": k.name, "measure": plain(k.measure), "arguments": k.arguments}

@@ -33,7 +33,7 @@ def tried(study: Study) -> Cell:
     first = {axis.name: axis.values[0] for axis in study.axes}
     if isinstance(study.base, dict):
         # The whole file once: keys that no run reads, and what one run takes.
-        build(study.document(first), f"{study.folder}/study")
+        build(study.document(first), study.file)
     for name, coordinates in _trials(study, first):
         try:
             cells.cell(coordinates).case(0)
