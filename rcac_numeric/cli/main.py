@@ -18,7 +18,13 @@ COMMANDS = {
     "list": ("rcac_numeric.cli.list:list_examples", "List the examples that can be verified."),
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),
     "place": ("rcac_numeric.cli.place:place", "Place closed-loop poles exactly."),
+    "replay": (
+        "rcac_numeric.cli.studies.replay:replay",
+        "Run one run of a study again, bit for bit.",
+    ),
     "schema": ("rcac_numeric.cli.schema:schema", "Print the JSON Schema of experiment files."),
+    "show": ("rcac_numeric.cli.studies.show:show_store", "Show what a study came to."),
+    "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }
 
