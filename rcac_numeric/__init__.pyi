@@ -51,6 +51,11 @@ from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
+from .errata.checking import Checked as Checked
+from .errata.checking import check_erratum as check_erratum
+from .errata.entries import Erratum as Erratum
+from .errata.entries import Evidence as Evidence
+from .errata.reading import find_errata as find_errata
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.files.builder import load_example as load_example

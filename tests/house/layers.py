@@ -35,6 +35,8 @@ LAYERS = {
         "checks",
         "plots",
         "reports",
+        "errata.evidence",
+        "errata",
         "cli",
     ],
 }
