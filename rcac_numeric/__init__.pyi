@@ -53,6 +53,11 @@ from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
 from .engine.streams import CaseResult as CaseResult
 from .engine.streams import simulate_stream as simulate_stream
+from .errata.checking import Checked as Checked
+from .errata.checking import check_erratum as check_erratum
+from .errata.entries import Erratum as Erratum
+from .errata.entries import Evidence as Evidence
+from .errata.reading import find_errata as find_errata
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.figure_requests import FigureRequest as FigureRequest

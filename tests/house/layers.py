@@ -44,6 +44,8 @@ LAYERS = {
         "plots",
         "reports",
         "reports.studies",
+        "errata.evidence",
+        "errata",
         "cli",
         "cli.studies",
     ],
