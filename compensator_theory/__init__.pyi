@@ -115,6 +115,12 @@ from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRe
 from .stabilisation.strong_stabilisability import (
     decide_strong_stabilisability as decide_strong_stabilisability,
 )
+from .structure.kalman import KalmanDecomposition as KalmanDecomposition
+from .structure.kalman import kalman_decomposition as kalman_decomposition
+from .structure.minimal_realisations import MinimalRealisation as MinimalRealisation
+from .structure.minimal_realisations import hankel_matrix as hankel_matrix
+from .structure.minimal_realisations import mcmillan_degree as mcmillan_degree
+from .structure.minimal_realisations import minimal_realisation as minimal_realisation
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
 from .systems.controllability import controllability_matrix as controllability_matrix
@@ -126,6 +132,7 @@ from .systems.expansions import PartialFraction as PartialFraction
 from .systems.expansions import PartialFractions as PartialFractions
 from .systems.expansions import markov_parameters as markov_parameters
 from .systems.expansions import partial_fractions as partial_fractions
+from .systems.matrix_conversions import transfer_matrix as transfer_matrix
 from .systems.problems import servo_problem as servo_problem
 from .systems.problems import standard_problem as standard_problem
 from .systems.realisations import Realisation as Realisation

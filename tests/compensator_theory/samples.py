@@ -79,11 +79,20 @@ INTERVALS = nonzero_rationals().map(
 PARITIES = strictly_proper_plants().map(exact.decide_strong_stabilisability)
 EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
 
+STATE_SPACES = st.builds(
+    lambda plant, a: exact.Realisation(*plant, variable="z") if a is None else
+    exact.Realisation([[0, a], [0, 0]], [[0], [1]], [[1, 0]], variable="q"),
+    minimal_plants(2), st.none() | SYMBOLS
+)  # fmt: skip
+
 SAMPLES = {
     exact.StabilityIntervals: INTERVALS,
     exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
     exact.StrongStabilisability: PARITIES,
     exact.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
+    exact.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
+    exact.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
+    | transfer_matrices().map(exact.minimal_realisation),
     exact.PartialFractions: EXPANSIONS,
     exact.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.Certificate: minimal_plants().map(

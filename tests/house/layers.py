@@ -9,6 +9,7 @@ LAYERS = {
         "roots",
         "transfer_functions",
         "systems",
+        "structure",
         "loops",
         "stabilisation",
         "lqg",
