@@ -8,7 +8,7 @@ from typing import Any
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
-from rcac_numeric.experiments.files.claims import CLAIM, claim_of
+from rcac_numeric.experiments.files.claims import CLAIM, claims_of
 from rcac_numeric.experiments.files.documents import named, read_example, read_file, require_plain
 from rcac_numeric.experiments.files.runs import FORMS, OVERRIDE, RunTables, read_run, words_of
 from rcac_numeric.experiments.format.lists import ListOf
@@ -138,7 +138,9 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
-    claims = tuple(claim_of(part, names[0]) for part in read.arguments.get("claims", ()))
+    corrections = {run.name: run.correction for run in runs}
+    parts = read.arguments.get("claims", ())
+    claims = tuple(claim for part in parts for claim in claims_of(part, corrections))
     common = runs[0].plant.build()
     plants = [
         run.plant.build() if "plant" in override else common
