@@ -29,6 +29,7 @@ LAYERS = {
         "margins",
         "h2",
         "experiments.format",
+        "experiments.exact",
         "experiments",
         "experiments.dissertation",
         "experiments.files",
