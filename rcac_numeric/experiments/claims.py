@@ -10,6 +10,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 
 REPRODUCED = "reproduced"
 CORRECTED = "reproduced with a correction"
@@ -94,7 +95,7 @@ class Claim(Value):
 
     text: str
     claimed: str
-    checks: tuple[Check, ...]
+    checks: tuple[Check | ExactCheck, ...]
     correction: str = ""
     recorded: str = ""
     run: str = ""
@@ -166,7 +167,7 @@ class Verdict(Value):
     """A claim, what was measured, and whether it holds."""
 
     claim: Claim
-    results: tuple[CheckResult, ...]
+    results: tuple[CheckResult | ExactResult, ...]
 
     @property
     def verdict(self) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -168,6 +169,8 @@ class Experiment(Value):
     @property
     def main_run(self) -> RunSpecification:
         """The run that is plotted and compared in detail: the first one."""
+        if not self.runs:
+            raise InputError(f"{self.id or self.title!r} is exact: it runs nothing.")
         return next(iter(self.runs.values()))
 
     def reduced(self, seeds: int = 3) -> Experiment:

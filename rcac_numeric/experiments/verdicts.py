@@ -13,6 +13,7 @@ from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
+from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.measures import MEASURES
@@ -42,6 +43,8 @@ class Verification(Value):
     @property
     def main(self) -> RunResult:
         """The result of the experiment's main run."""
+        if not self.results:
+            raise InputError(f"{self.experiment.id or 'this'} is exact: nothing ran, or is drawn.")
         return next(iter(self.results.values()))
 
     @property
@@ -106,16 +109,23 @@ def verify(
     """
     for claim in experiment.claims:
         for check in claim.checks:
-            _known(check, experiment)
+            if isinstance(check, Check):
+                _known(check, experiment)
     results = {}
     for name, specification in experiment.runs.items():
         progress(name)
         results[name] = specification.execute()
     verdicts = tuple(
-        Verdict(claim, tuple(_evaluate(check, results) for check in claim.checks))
+        Verdict(claim, tuple(_result(check, results) for check in claim.checks))
         for claim in experiment.claims
     )
     return Verification(experiment, results, verdicts)
+
+
+def _result(
+    check: Check | ExactCheck, results: Mapping[str, RunResult]
+) -> CheckResult | ExactResult:
+    return check.evaluate() if isinstance(check, ExactCheck) else _evaluate(check, results)
 
 
 def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:

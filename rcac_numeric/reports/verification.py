@@ -34,14 +34,15 @@ def verification_sheet(verification: Verification) -> Sheet:
         sections=(
             _problem(verification),
             _claims(verification),
-            _runs(verification),
-            _controller(verification.main),
+            *_of_runs(verification),
         ),
         notes=experiment.notes,
     )
 
 
 def _health(verification: Verification) -> tuple[Text, ...]:
+    if not verification.results:
+        return _health_of_exact(verification)
     main = verification.main
     said = []
     if main.diverged:
@@ -62,6 +63,19 @@ def _health(verification: Verification) -> tuple[Text, ...]:
         for name in verification.surprising
     ]
     return tuple(said)
+
+
+def _of_runs(verification: Verification) -> tuple[Section, ...]:
+    """What only an example that runs has."""
+    if not verification.results:
+        return ()
+    return _runs(verification), _controller(verification.main)
+
+
+def _health_of_exact(verification: Verification) -> tuple[Text, ...]:
+    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
+        return (Text(f"{changed} of the verdicts of record changed.", "bad"),)
+    return (Text("Decided exactly: no run, no tolerance."),)
 
 
 def _problem(verification: Verification) -> Section:

@@ -32,6 +32,7 @@ LAYERS = {
         "margins",
         "h2",
         "experiments.format",
+        "experiments.exact",
         "experiments",
         "experiments.dissertation",
         "experiments.files",

@@ -7,6 +7,7 @@ from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
+from rcac_numeric.experiments.exact_examples import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.files.claims import CLAIM, claims_of
 from rcac_numeric.experiments.files.documents import named, read_example, read_file, require_plain
@@ -124,6 +125,8 @@ def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
 
 def _built(table: Raw, file: str, budget: Budget) -> Experiment:
     try:
+        if is_exact(table):
+            return exact_experiment(table, file)
         return _experiment(table, file, budget)
     except CompensatorError as error:
         raise named(error, file) from None
