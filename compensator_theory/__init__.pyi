@@ -121,6 +121,12 @@ from .structure.minimal_realisations import MinimalRealisation as MinimalRealisa
 from .structure.minimal_realisations import hankel_matrix as hankel_matrix
 from .structure.minimal_realisations import mcmillan_degree as mcmillan_degree
 from .structure.minimal_realisations import minimal_realisation as minimal_realisation
+from .structure.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
+from .structure.polynomial_matrices import polynomial_matrix as polynomial_matrix
+from .structure.smith import SmithForm as SmithForm
+from .structure.smith import smith_form as smith_form
+from .structure.smith_mcmillan import SmithMcMillanForm as SmithMcMillanForm
+from .structure.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
 from .systems.controllability import controllability_matrix as controllability_matrix

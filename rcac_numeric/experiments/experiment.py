@@ -16,7 +16,7 @@ from rcac_numeric.engine.compatibility import AnyController, controllers_of
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.analysed_run import AnalysedRun
-from rcac_numeric.experiments.claims import Claim
+from rcac_numeric.experiments.claims import Check, Claim
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -186,7 +186,8 @@ class Experiment(Value):
         >>> experiment.main_run.seeds, experiment.reduced().main_run.seeds
         (20, 3)
         """
-        whole = {c.run for claim in self.claims for c in claim.checks if c.share < 1}
+        checks = [c for claim in self.claims for c in claim.checks if isinstance(c, Check)]
+        whole = {check.run for check in checks if check.share < 1}
         runs = {
             name: run if name in whole else replace(run, seeds=min(run.seeds, seeds))
             for name, run in self.runs.items()

@@ -85,11 +85,19 @@ STATE_SPACES = st.builds(
     minimal_plants(2), st.none() | SYMBOLS
 )  # fmt: skip
 
+POLYNOMIAL_MATRICES = st.builds(
+    lambda p, q, a: exact.polynomial_matrix([[p.as_expr(), a], [0, q.as_expr()]], "s"),
+    polynomials(max_degree=2), polynomials(max_degree=2), SYMBOLS | st.just(0)
+)  # fmt: skip
+
 SAMPLES = {
     exact.StabilityIntervals: INTERVALS,
     exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
     exact.StrongStabilisability: PARITIES,
     exact.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
+    exact.PolynomialMatrix: POLYNOMIAL_MATRICES,
+    exact.SmithForm: POLYNOMIAL_MATRICES.map(exact.smith_form),
+    exact.SmithMcMillanForm: transfer_matrices().map(exact.smith_mcmillan_form),
     exact.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
     exact.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
     | transfer_matrices().map(exact.minimal_realisation),
