@@ -17,6 +17,7 @@ from rcac_numeric.engine.reference.run import require_supported, simulate_refere
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import Check, Claim
+from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -159,12 +160,14 @@ class Experiment(Value):
     runs: Mapping[str, RunSpecification]
     claims: Sequence[Claim]
     notes: str = ""
+    figures: Sequence[FigureRequest] = ()
     description: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("runs", "description"):
             object.__setattr__(self, name, dict(getattr(self, name)))
         object.__setattr__(self, "claims", tuple(self.claims))
+        object.__setattr__(self, "figures", tuple(self.figures))
 
     @property
     def main_run(self) -> RunSpecification:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, one_of
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.places import did_you_mean
+from rcac_numeric.experiments.format.tables import Table
+from rcac_numeric.experiments.format.values import Choice, Integer, Text
+from rcac_numeric.experiments.measures import MEASURES
 
 KINDS = (
     "sheet",
@@ -25,7 +30,7 @@ SIGNALS = ("z", "u", "y", "u_applied")
 class FigureRequest(Value):
     """One figure: what is drawn, of which runs, and the sentence below it.
 
-    Attributes
+    Parameters
     ----------
     kind : str
         "sheet": all about one run. "responses": a signal of several runs in one pair of axes.
@@ -35,10 +40,10 @@ class FigureRequest(Value):
         the repetitions or seeds of each run.
     caption : str
         What the reader is to see in it.
-    runs : tuple of str
-        Names; empty for all.
-    signal : {"z", "u", "y", "u_applied"}
-        For "responses".
+    runs : list of str
+        Their names; all where they are left out.
+    signal : str
+        "z", "u", "y" or "u_applied", for "responses".
     first, last : int, optional
         The steps that are shown.
     magnitude : bool
@@ -99,3 +104,44 @@ class FigureRequest(Value):
             )
         for field, kept in fields.items():
             object.__setattr__(self, field, kept)
+
+
+def require_drawable(request: FigureRequest, runs: Collection[str]) -> FigureRequest:
+    """The request itself, where the runs and the measure that it names are there.
+
+    Raises
+    ------
+    InputError
+        Names what is not there.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable
+    >>> require_drawable(FigureRequest("poles", "Where they are.", runs=["a"]), {"a"}).kind
+    'poles'
+    """
+    for name in request.runs:
+        if name not in runs:
+            raise InputError(
+                f"a figure asks for the run {name!r}; the runs are {', '.join(runs)}."
+                f"{did_you_mean(name, runs)}"
+            )
+    if request.measure and request.measure not in MEASURES:
+        raise InputError(
+            f"a figure asks for the measure {request.measure!r}; known are {', '.join(MEASURES)}."
+            f"{did_you_mean(request.measure, MEASURES)}"
+        )
+    return request
+
+
+FIGURE = Table(
+    FigureRequest,
+    forms={
+        "kind": Choice(KINDS),
+        "runs": ListOf(Text()),
+        "signal": Choice(SIGNALS),
+        "first": Integer(0),
+        "last": Integer(1),
+        "measure": Choice(tuple(MEASURES)),
+    },
+)

@@ -6,11 +6,9 @@ from collections.abc import Callable, Mapping
 
 from matplotlib.figure import Figure
 
-from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.experiments.experiment import RunResult
-from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.distributions import draw_distribution
 from rcac_numeric.plots.frequency_responses import draw_disturbance_response, draw_matches
@@ -52,14 +50,7 @@ def plot_request(verification: Verification, request: FigureRequest) -> Figure:
     instance_of(verification, "verification", Verification)
     instance_of(request, "request", FigureRequest)
     results = verification.results
-    if unknown := [name for name in request.runs if name not in results]:
-        raise InputError(
-            f"a figure asks for the run {unknown[0]!r}; the runs are {', '.join(results)}."
-        )
-    if request.measure and request.measure not in MEASURES:
-        raise InputError(
-            f"a figure asks for the measure {request.measure!r}; known are {', '.join(MEASURES)}."
-        )
+    require_drawable(request, results)
     chosen = {name: results[name] for name in request.runs or results}
     experiment = verification.experiment
     title = f"{experiment.id}: {experiment.title}".strip(": ")
