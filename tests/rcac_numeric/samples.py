@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 
 import rcac_numeric as rcac
+from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.signals.signal import Scaled, Sum
 
@@ -269,6 +270,24 @@ SAMPLES = {
     ),
     rcac.Progress: lambda seed: rcac.Progress(seed, SEEDS, 2.5, diverged=1),
     rcac.SweepTable: sweep_table,
+    rcac.SweepOverview: lambda seed: rcac.SweepOverview(
+        "store",
+        "",
+        "",
+        "plain",
+        "",
+        {},
+        seed,
+        2,
+        {"gain": ("plant.gain", 2)},
+        4,
+        4,
+        sweep_table(seed),
+        rcac.summarise(sweep_table(seed), "rms"),
+    ),
+    rcac.ReplayedRun: lambda seed: rcac.ReplayedRun(
+        seed, 1, {"gain": 1}, AnalysedRun(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
+    ),
     rcac.SweepSummary: lambda seed: rcac.summarise(sweep_table(seed), "rms"),
     # experiments, checks
     rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),
