@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import shlex
 import sys
 from pathlib import Path
@@ -65,6 +66,7 @@ def sweep(
             click.echo(f"\n{stopped.done} of {stopped.total} runs are stored in {store}, which is "
                        "whole.", err=True)  # fmt: skip
         again = shlex.join(["rcac", *sys.argv[1:]])
+        gc.freeze()  # the process ends at once: nothing is collected on the way out
         click.echo(f"Go on with:  {printable(again)}", err=True)
         raise
     finally:
