@@ -47,14 +47,15 @@ def run_to_end(prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = 
 
 
 def in_slices(
-    prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False
+    prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False, keep: bool = True
 ) -> Iterator[None]:
     """Run every job to its end; hands over after each slice of time, and once at the end.
 
     Raises
     ------
     RunInterrupted
-        On Ctrl-C while the jobs run, within about 0.1 s, with what had been computed.
+        On Ctrl-C while the jobs run, within about 0.1 s, with what had been computed; a plain
+        KeyboardInterrupt where that need not be kept.
     """
     jobs = [one.job for one in prepared]
     go_on = True
@@ -62,5 +63,7 @@ def in_slices(
         try:
             go_on = _kernel.run_jobs(jobs, threads, CHUNK, lanes)
         except KeyboardInterrupt:
+            if not keep:
+                raise
             raise RunInterrupted([one.result(interrupted=True) for one in prepared]) from None
         yield

@@ -95,6 +95,7 @@ def simulate_stream(
     ------
     RunInterrupted
         On Ctrl-C, within about 0.1 s; its attribute `runs` holds the runs that were under way.
+        With `reduce` a plain KeyboardInterrupt.
 
     Examples
     --------
@@ -152,7 +153,7 @@ def _of_batch(
             yield CaseResult(number, REFUSED, None, str(error))
     del batch  # what is prepared holds its own
     waiting = dict(enumerate(prepared))
-    for _ in in_slices(prepared, threads, lanes):
+    for _ in in_slices(prepared, threads, lanes, keep=reduce is None):
         for i in [i for i, one in waiting.items() if one.has_ended]:
             yield _result(numbers[i], waiting.pop(i), reduce)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import shlex
 import sys
 from pathlib import Path
@@ -60,10 +61,13 @@ def sweep(
             mixed=mixed,
             journal=journal,
         )
-    except StudyInterrupted as stopped:
-        arguments = ["rcac", *sys.argv[1:]]
-        click.echo(f"\n{stopped.done} of {stopped.total} runs are stored, and the store is whole. "
-                   f"Go on with\n  {printable(shlex.join(arguments))}", err=True)  # fmt: skip
+    except KeyboardInterrupt as stopped:
+        if isinstance(stopped, StudyInterrupted):
+            click.echo(f"\n{stopped.done} of {stopped.total} runs are stored in {store}, which is "
+                       "whole.", err=True)  # fmt: skip
+        again = shlex.join(["rcac", *sys.argv[1:]])
+        gc.freeze()  # the process ends at once: nothing is collected on the way out
+        click.echo(f"Go on with:  {printable(again)}", err=True)
         raise
     finally:
         if line is not None:

@@ -95,9 +95,10 @@ def _outcomes(overview: SweepOverview) -> Section:
     for outcome, count in overview.outcomes.items():
         low, high = wilson_interval(count, overview.done)
         level: Level = "plain" if outcome == "completed" else "warning"
-        share = f"{_percent(count / overview.done)}  ({_percent(low)} to {_percent(high)})"
-        rows.append(cells(Text(outcome, level), str(count), share))
-    table = Table(("outcome", "runs", "share (95 % interval)"), tuple(rows))
+        interval = f"{_percent(low)} to {_percent(high)}"
+        share = _percent(count / overview.done)
+        rows.append(cells(Text(outcome, level), str(count), share, interval))
+    table = Table(("outcome", "runs", "share", "95 % interval"), tuple(rows))
     return Section("How the runs ended", (table,) if rows else (), {"outcomes": overview.outcomes})
 
 
@@ -108,15 +109,16 @@ def _groups(overview: SweepOverview) -> Section:
     if not len(summary):
         return Section("", (), record)
     measured = ("measured", "median", *(f"q{q:g}" for q in summary.quantiles))
-    heads = [*summary.axes, "runs", "did not complete (95 % interval)"]
+    heads = [*summary.axes, "runs", "incomplete", "share, 95 %"]
     if summary.measure:
-        heads += ["measured", f"median {summary.measure}", *measured[2:]]
+        heads += measured
     rows = [_row(summary, i, measured) for i in range(min(len(summary), LONGEST_TABLE))]
     blocks: list[Block] = [Table(tuple(heads), tuple(rows))]
     if len(summary) > LONGEST_TABLE:
         words = f"{len(summary) - LONGEST_TABLE} more groups: --by fewer axes, --json or --export."
         blocks.append(Text(words, "quiet"))
-    return Section("Group by group", tuple(blocks), record)
+    of = f": {summary.measure} of the completed runs" if summary.measure else ""
+    return Section("Group by group", tuple(blocks), record, of)
 
 
 def _row(summary: SweepSummary, i: int, measured: tuple[str, ...]) -> Any:
@@ -126,10 +128,7 @@ def _row(summary: SweepSummary, i: int, measured: tuple[str, ...]) -> Any:
     interval = f"{_percent(entry('share_low'))} to {_percent(entry('share_high'))}"
     failed = int(entry("not_completed"))
     row: list[str | Text] = [_value(entry(name)) for name in summary.axes]
-    row += [
-        str(entry("runs")),
-        Text(f"{failed}  ({interval})", "warning" if failed else "plain"),
-    ]
+    row += [str(entry("runs")), Text(str(failed), "warning" if failed else "plain"), interval]
     if summary.measure:
         row += [str(entry("measured")), *(_value(entry(name)) for name in measured[1:])]
     return cells(*row)

@@ -37,7 +37,7 @@ def _value(cell: Cell, kept: Kept, run: AnalysedRun) -> float:
     value = quick(cell, run, **kept.arguments) if quick else kept.function(run, **kept.arguments)
     try:
         return float(value)
-    except TypeError:
+    except (TypeError, ValueError):
         raise InputError(f"it returned {value!r}, which is no number.") from None
 
 

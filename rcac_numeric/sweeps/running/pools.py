@@ -42,8 +42,8 @@ class WorkerPool(ProcessPoolExecutor):
             self._alive.close()
 
 
-def ready(executor: Executor) -> Executor:
-    """The executor, once its workers were seen to start; of other executors nothing is asked.
+def ready(executor: Executor) -> None:
+    """Wait until workers of our own were seen to start; of other executors nothing is asked.
 
     Raises
     ------
@@ -60,7 +60,6 @@ def ready(executor: Executor) -> Executor:
                 '`if __name__ == "__main__":`, since each of them reads it again; workers=0 does '
                 "all in one process."
             ) from None
-    return executor
 
 
 class InProcess(Executor):

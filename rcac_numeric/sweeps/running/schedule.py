@@ -49,12 +49,14 @@ class Schedule:
     ) -> None:
         self.claims, self.task_of, self.make = claims, task_of, make
         self.window, self.meter, self.progress = window, meter, progress
-        self.executor = ready(make())
+        self.executor: Executor = InProcess()  # until there is something to run
         self.in_flight: InFlight = {}
         self.lost: list[Claim] = []
 
     def run(self) -> None:
         """Until the store has nothing left to do."""
+        self.executor = self.make()
+        ready(self.executor)
         while True:
             again = self._fill()
             if not self.in_flight:
@@ -132,7 +134,8 @@ class Schedule:
                 "kept; go on with a new one."
             )
         self.executor.leave()
-        self.executor = ready(self.make())
+        self.executor = self.make()
+        ready(self.executor)
 
     def _take_apart(self, claim: Claim) -> None:
         """Run the runs of a chunk one by one; who ends its worker twice is recorded as such."""

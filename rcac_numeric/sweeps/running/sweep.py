@@ -123,9 +123,8 @@ def run_study(
     count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
     first = tried(study)
     with Store(store, journal) as opened:
-        if opened.is_new:
-            opened.create(study, instruction_set(), _chunk_size(study, first))
-        else:
+        made = opened.is_new and opened.create(study, instruction_set(), _chunk_size(study, first))
+        if not made:
             _require_same(opened, mixed)
             opened.grow(study)
         return _run(opened, study, _maker(executor, count), window or WINDOW * max(count, 1),

@@ -6,7 +6,7 @@ import json
 import platform
 import sqlite3
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -106,11 +106,13 @@ class Store:
                     self.connection.execute("ROLLBACK")
                 raise
 
-    def create(self, study: Study, instruction_set: str, chunk_size: int) -> None:
-        """Write down the study, its cells and its chunks."""
+    def create(self, study: Study, instruction_set: str, chunk_size: int) -> bool:
+        """Write down the study, its cells and its chunks; False where another process just did."""
         resolved = study.resolved
         names = [axis["name"] for axis in resolved["axes"]]
         with self.writing() as connection:
+            if not self.is_new:
+                return False
             create_tables(connection, names, [kept["name"] for kept in resolved["keep"]])
             connection.execute(
                 "INSERT INTO study VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
@@ -123,6 +125,7 @@ class Store:
             )  # fmt: skip
             self._add_cells(resolved, None)
             self._add_block(first_block(resolved), chunk_size)
+        return True
 
     def grow(self, study: Study) -> None:
         """Add what the study asks for and the store has not; refuse another study."""
@@ -187,22 +190,22 @@ class Store:
         self.close()
 
     def _settle(self, read_only: bool) -> None:
-        execute = self.connection.execute
+        execute, is_new = self.connection.execute, self.is_new
         application, form = (execute(f"PRAGMA {n}").fetchone()[0] for n in
                              ("application_id", "user_version"))  # fmt: skip
-        if not self.is_new and application != APPLICATION:
+        if not is_new and application != APPLICATION:
             raise StoreError(damaged(self.path, "it is a database of another program"))
-        if not self.is_new and form != FORMAT:
+        if not is_new and form != FORMAT:
             raise StoreError(
                 f"{self.path} is written in format {form}; this version reads {FORMAT}."
             )
         if read_only:
-            if self.is_new:
+            if is_new:
                 raise StoreError(f"{self.path} is empty: no study was stored in it.")
             return
         if self.journal == "rollback":
             execute("PRAGMA locking_mode = EXCLUSIVE")
-        execute(f"PRAGMA journal_mode = {JOURNALS[self.journal]}")
+        _patiently(lambda: execute(f"PRAGMA journal_mode = {JOURNALS[self.journal]}"))
         # With WAL a loss of power can take the last chunks, and never damages the file.
         execute("PRAGMA synchronous = NORMAL" if self.journal == "wal" else
                 "PRAGMA synchronous = FULL")  # fmt: skip
@@ -234,6 +237,20 @@ class Store:
                 for first in range(block.first_run, last + 1, chunk_size)
             ),
         )
+
+
+def _patiently(change: Callable[[], object]) -> None:
+    """What SQLite refuses at once while another process does the same."""
+    for pause in (0.05, 0.2, 0.5, 1.0, 2.0):
+        try:
+            change()
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error):
+                raise
+            time.sleep(pause)
+        else:
+            return
+    change()
 
 
 def coordinates_in(store: Store, cells: range) -> dict[int, dict[str, Any]]:
