@@ -10,7 +10,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.estimation.refinement.settings import RCMR
 
-# P below this share of P(0): the data weigh as much as the initial estimate.
+# At this share the data weigh as much as the initial estimate.
 DETERMINED = 0.5
 
 
@@ -20,12 +20,13 @@ class UnidentifiableWarning(UserWarning):
 
 @dataclass(frozen=True, eq=False)
 class Evidence(Value):
-    """How far the data have reduced P from P(0), per direction of theta.
+    """How much of theta is still its initial estimate, per direction.
 
     Attributes
     ----------
     kept : array, shape (l_theta,)
-        Eigenvalues of P(0)^-1/2 P P(0)^-1/2, largest first: 1 where the data say nothing.
+        Eigenvalues of lambda^updates P(0)^-1/2 P P(0)^-1/2, the share of the initial estimate in
+        P^-1, largest first: 1 where the data say nothing.
     directions : array, shape (l_theta, l_theta)
         Their directions of theta, one in each row.
     """
@@ -54,15 +55,17 @@ class Evidence(Value):
         )
 
 
-def evidence(settings: RCMR, P: Array) -> Evidence:
-    """The evidence in P, for a run with these settings.
+def evidence(settings: RCMR, P: Array, k: int) -> Evidence:
+    """The evidence in P after k steps with these settings.
 
     Parameters
     ----------
     settings : RCMR
     P : array, shape (l_theta, l_theta)
+    k : int
     """
+    share = settings.lambda_ ** max(k - settings.k_update, 0)
     root = np.linalg.cholesky(settings.beta)
-    whitened = np.linalg.solve(root, np.linalg.solve(root, P).T)
+    whitened = share * np.linalg.solve(root, np.linalg.solve(root, P).T)
     values, vectors = np.linalg.eigh((whitened + whitened.T) / 2)
     return Evidence(values[::-1], np.ascontiguousarray((root @ vectors[:, ::-1]).T))

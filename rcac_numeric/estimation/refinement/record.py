@@ -103,7 +103,7 @@ def refine(settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = Non
             "unstable. Give the states x that were measured, use a smaller beta, or other delays."
         ) from None
     P = np.asarray(kernel.P)
-    found = evidence(settings, P)
+    found = evidence(settings, P, kernel.k)
     if len(found.undetermined):
         warnings.warn(str(found), UnidentifiableWarning, stacklevel=2)
     return RefinementRun(settings, theta, z, u, P, found, kernel.guard_count)

@@ -265,7 +265,7 @@ class ModelRefinement:
     @property
     def evidence(self) -> Evidence:
         """Which directions of theta the data so far have determined."""
-        return evidence(self.settings, self.P)
+        return evidence(self.settings, self.P, self.k)
 
     @property
     def state(self) -> SavedState:

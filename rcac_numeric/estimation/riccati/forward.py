@@ -76,8 +76,10 @@ class ForwardRegulator:
         DivergedError
             Where P leaves the range of float64: the plant is unstable and not stabilisable.
         """
-        a = matrix(A, "A", (self.n, self.n))
-        b = matrix(B, "B", (self.n, self.l_u))
+        return self.moved(matrix(A, "A", (self.n, self.n)), matrix(B, "B", (self.n, self.l_u)))
+
+    def moved(self, a: Array, b: Array) -> Array:
+        """`step` for arrays that were checked."""
         PB = self.P @ b
         try:
             K = np.asarray(-np.linalg.solve(self.R_2 + b.T @ PB, PB.T @ a), dtype=float)
@@ -88,7 +90,8 @@ class ForwardRegulator:
         with np.errstate(over="ignore", invalid="ignore"):
             closed = a + b @ K
             P = closed.T @ self.P @ closed + K.T @ self.R_2 @ K + self.R_1
-        if not (np.isfinite(P).all() and np.isfinite(K).all()):
+            finite = np.isfinite(P.sum() + K.sum())
+        if not finite:
             raise DivergedError(
                 f"P left the range of float64 at step {self.k}: (A, B) is not stabilisable. See "
                 "that every growing mode feels the input."
@@ -170,9 +173,12 @@ class ForwardEstimator:
             Where Q leaves the range of float64: a growing mode is not seen by C.
         """
         n, l_y = self._dual.n, self._dual.l_u
-        a, c = matrix(A, "A", (n, n)), matrix(C, "C", (l_y, n))
+        return self.moved(matrix(A, "A", (n, n)), matrix(C, "C", (l_y, n)))
+
+    def moved(self, a: Array, c: Array) -> Array:
+        """`step` for arrays that were checked."""
         try:
-            return np.ascontiguousarray(-self._dual.step(a.T, c.T).T)
+            return np.ascontiguousarray(-self._dual.moved(a.T, c.T).T)
         except IllConditionedError:
             raise IllConditionedError(
                 f"C Q C' + V_2 is singular at step {self.k}; use a larger V_2."

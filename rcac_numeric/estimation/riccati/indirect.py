@@ -111,7 +111,8 @@ class IndirectController:
         self.refinement = ModelRefinement(model)
         self.x_c = np.array(model.x_0)
         self.gamma, self.k = 0.0, 0
-        self._u = np.zeros(model.l_w)
+        self._A_a, self._B_a = np.eye(n + 1), np.zeros((n + 1, model.l_w))
+        self._A_a[-1, :-1] = -self.C_r[0]
 
     def _require_observable(self) -> None:
         A, _ = refined_matrices(self.model, self.model.theta_0)
@@ -158,13 +159,12 @@ class IndirectController:
         if self.k >= self.k_identify:
             self.refinement.measure(seen, x)
         A, B = refined_matrices(model, self.refinement.theta)
-        n = model.n
-        A_a = np.block([[A, np.zeros((n, 1))], [-self.C_r, np.ones((1, 1))]])
-        K = self.regulator.step(A_a, np.vstack([B, np.zeros((1, model.l_w))]))
+        self._A_a[:-1, :-1], self._B_a[:-1] = A, B
+        K = self.regulator.moved(self._A_a, self._B_a)
         u = K @ np.append(x, self.gamma)
         output = float(measured[0]) if self.estimator is not None else float((self.C_r @ x)[0])
         if self.estimator is not None:
-            F = self.estimator.step(A, self.C_r)
+            F = self.estimator.moved(A, self.C_r)
             self.x_c = A @ x + B @ u + F @ (measured - self.C_r @ x)
         if self.k >= self.k_identify:
             self.refinement.advance(u)
