@@ -12,6 +12,7 @@ import rcac_numeric as rcac
 from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.signals.signal import Scaled, Sum
+from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
 SEEDS = 100_000  # seeds are below
 
@@ -181,6 +182,7 @@ def sweep_table(seed):
 
 
 SAMPLES = {
+    **ESTIMATION_SAMPLES,
     # plants
     rcac.Plant: lambda seed: exact_plant(seed) if seed % 2 else plant(seed),
     rcac.PlantChange: lambda seed: schedule(seed).changes[seed % 2],

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import rcac_numeric as rcac
 from rcac_numeric.arrays.values import equal
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
+from tests.support.estimation_samples import ESTIMATORS
 
 PUBLIC = [getattr(rcac, name) for name in rcac.__all__]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
@@ -26,6 +27,7 @@ NO_DATA = {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     rcac.ProgressLine, rcac.StoreError, rcac.StudyInterrupted,
 }  # fmt: skip
+NO_DATA = {rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted} | ESTIMATORS
 
 FRESH = """
 import pickle, struct, sys
