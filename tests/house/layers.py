@@ -19,6 +19,7 @@ LAYERS = {
     "rcac_numeric": [
         "arrays",
         "plants",
+        "plants.gallery",
         "signals",
         "targets",
         "identification",
