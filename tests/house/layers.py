@@ -20,6 +20,7 @@ LAYERS = {
     "rcac_numeric": [
         "arrays",
         "plants",
+        "plants.gallery",
         "signals",
         "targets",
         "identification",

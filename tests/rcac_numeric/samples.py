@@ -210,6 +210,15 @@ SAMPLES = {
     rcac.IdentifiedMarkovParameters: lambda seed: rcac.identify_markov_parameters(
         signals(seed)["u"], signals(seed)["y"], mu=2, n_mod=1
     ),
+    # the gallery
+    rcac.ContinuousPlant: lambda seed: rcac.ContinuousPlant(
+        random(seed, 2, 2), random(seed, 2, 1), random(seed, 1, 2), outputs=[f"y{seed}, V"]
+    ),
+    rcac.ZeroPath: lambda seed: rcac.zero_path(schedule(seed), [0, 3]),
+    rcac.OperatingPoint: lambda seed: rcac.OperatingPoint(random(seed, 2), [seed]),
+    rcac.BoostConverter: lambda seed: rcac.BoostConverter(supply=1 + seed),
+    rcac.CartPendulum: lambda seed: rcac.CartPendulum(length=1 + seed),
+    rcac.MassSpringDamper: lambda seed: rcac.MassSpringDamper(mass=1 + seed),
     # controllers
     rcac.Tap: lambda seed: rcac.Tap("y", 0, seed),
     rcac.DerivedSignal: lambda seed: rcac.DerivedSignal(random(seed, 2), [0, 1], pole=-1.0),
