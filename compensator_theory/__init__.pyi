@@ -105,6 +105,8 @@ from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
 from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
+from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
+from .structure.coprime_fractions import coprime_fractions as coprime_fractions
 from .structure.kalman import KalmanDecomposition as KalmanDecomposition
 from .structure.kalman import kalman_decomposition as kalman_decomposition
 from .structure.minimal_realisations import MinimalRealisation as MinimalRealisation
@@ -113,10 +115,19 @@ from .structure.minimal_realisations import mcmillan_degree as mcmillan_degree
 from .structure.minimal_realisations import minimal_realisation as minimal_realisation
 from .structure.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
 from .structure.polynomial_matrices import polynomial_matrix as polynomial_matrix
+from .structure.row_forms import RowForm as RowForm
+from .structure.row_forms import hermite_form as hermite_form
+from .structure.row_forms import row_reduced_form as row_reduced_form
 from .structure.smith import SmithForm as SmithForm
 from .structure.smith import smith_form as smith_form
 from .structure.smith_mcmillan import SmithMcMillanForm as SmithMcMillanForm
 from .structure.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
+from .structure.zeros import ZeroDirection as ZeroDirection
+from .structure.zeros import Zeros as Zeros
+from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros
+from .structure.zeros import invariant_zeros as invariant_zeros
+from .structure.zeros import output_decoupling_zeros as output_decoupling_zeros
+from .structure.zeros import transmission_zeros as transmission_zeros
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
 from .systems.controllability import controllability_matrix as controllability_matrix
