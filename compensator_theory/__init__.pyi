@@ -122,6 +122,9 @@ from .structure.smith import SmithForm as SmithForm
 from .structure.smith import smith_form as smith_form
 from .structure.smith_mcmillan import SmithMcMillanForm as SmithMcMillanForm
 from .structure.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
+from .structure.zero_order_hold import SampledPlant as SampledPlant
+from .structure.zero_order_hold import sampling_zero_polynomial as sampling_zero_polynomial
+from .structure.zero_order_hold import zero_order_hold as zero_order_hold
 from .structure.zeros import ZeroDirection as ZeroDirection
 from .structure.zeros import Zeros as Zeros
 from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros

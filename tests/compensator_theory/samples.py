@@ -91,6 +91,10 @@ ZEROS = STATE_SPACES.map(exact.output_decoupling_zeros) | st.sampled_from(
 ).map(lambda text: exact.transmission_zeros(text, "s"))
 
 SAMPLES = {
+    exact.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
+        exact.zero_order_hold
+    )
+    | st.just(exact.zero_order_hold("b/(s*(s + a))", "h", "s")),
     exact.Zeros: ZEROS,
     exact.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
         lambda text: exact.transmission_zeros(text, "s").directions[0]
