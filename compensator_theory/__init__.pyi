@@ -115,6 +115,8 @@ from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRe
 from .stabilisation.strong_stabilisability import (
     decide_strong_stabilisability as decide_strong_stabilisability,
 )
+from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
+from .structure.coprime_fractions import coprime_fractions as coprime_fractions
 from .structure.kalman import KalmanDecomposition as KalmanDecomposition
 from .structure.kalman import kalman_decomposition as kalman_decomposition
 from .structure.minimal_realisations import MinimalRealisation as MinimalRealisation
@@ -123,10 +125,22 @@ from .structure.minimal_realisations import mcmillan_degree as mcmillan_degree
 from .structure.minimal_realisations import minimal_realisation as minimal_realisation
 from .structure.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
 from .structure.polynomial_matrices import polynomial_matrix as polynomial_matrix
+from .structure.row_forms import RowForm as RowForm
+from .structure.row_forms import hermite_form as hermite_form
+from .structure.row_forms import row_reduced_form as row_reduced_form
 from .structure.smith import SmithForm as SmithForm
 from .structure.smith import smith_form as smith_form
 from .structure.smith_mcmillan import SmithMcMillanForm as SmithMcMillanForm
 from .structure.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
+from .structure.zero_order_hold import SampledPlant as SampledPlant
+from .structure.zero_order_hold import sampling_zero_polynomial as sampling_zero_polynomial
+from .structure.zero_order_hold import zero_order_hold as zero_order_hold
+from .structure.zeros import ZeroDirection as ZeroDirection
+from .structure.zeros import Zeros as Zeros
+from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros
+from .structure.zeros import invariant_zeros as invariant_zeros
+from .structure.zeros import output_decoupling_zeros as output_decoupling_zeros
+from .structure.zeros import transmission_zeros as transmission_zeros
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
 from .systems.controllability import controllability_matrix as controllability_matrix

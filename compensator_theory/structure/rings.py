@@ -5,7 +5,7 @@ from functools import reduce
 from typing import Any, TypeAlias
 
 import flint
-from sympy import QQ, Expr, Poly, Symbol
+from sympy import QQ, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
@@ -33,7 +33,6 @@ class RationalRing:
     def __init__(self, variable: Symbol) -> None:
         self.variable = variable
         self.zero, self.one = flint.fmpq_poly(), flint.fmpq_poly([1])
-        self.divisors: list[Expr] = []
 
     def read(self, poly: Poly) -> Element:
         """Return an element."""
@@ -60,12 +59,17 @@ class RationalRing:
         """Return 1 over the leading coefficient, as a constant polynomial."""
         return flint.fmpq_poly([1 / element.coeffs()[-1]])
 
+    def coefficient(self, element: Element, power: int) -> Element:
+        """Return one coefficient, as a constant polynomial."""
+        return flint.fmpq_poly([element[power]])
+
+    def power(self, exponent: int) -> Element:
+        """Return a power of the variable."""
+        return flint.fmpq_poly([0] * exponent + [1])
+
 
 class SymbolicRing:
     """Polynomials over a field that contains symbols or irrational numbers, by SymPy.
-
-    Every division is by the leading coefficient of a polynomial; `divisors` keeps them, because a
-    result holds where none of them is zero.
 
     Examples
     --------
@@ -73,20 +77,14 @@ class SymbolicRing:
     >>> from compensator_theory.structure.rings import ring_of
     >>> ring = ring_of([polynomial("a*s + 1", "s")])
     >>> rest = ring.divide(ring.read(polynomial("s")), ring.read(polynomial("a*s + 1", "s")))[1]
-    >>> ring.write(rest), ring.divisors
-    (Poly(-1/a, s, domain='QQ(a)'), [a])
+    >>> ring.write(rest)
+    Poly(-1/a, s, domain='QQ(a)')
     """
 
     def __init__(self, variable: Symbol, field: Domain) -> None:
         self.variable, self.field = variable, field
         self.ring = PolyRing([variable], field, "lex")
         self.zero, self.one = self.ring.zero, self.ring.one
-        self._divided: dict[object, None] = {}
-
-    @property
-    def divisors(self) -> list[Expr]:
-        """What was divided by."""
-        return [self.field.to_sympy(value) for value in self._divided]
 
     def read(self, poly: Poly) -> Element:
         """Return an element."""
@@ -102,14 +100,20 @@ class SymbolicRing:
 
     def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
         """Return quotient and remainder."""
-        self._divided[b.LC] = None
         quotient, remainder = a.div(b)
         return quotient, remainder
 
     def reciprocal_of_leading(self, element: Element) -> Element:
         """Return 1 over the leading coefficient, as a constant polynomial."""
-        self._divided[element.LC] = None
         return self.ring.ground_new(self.field.quo(self.field.one, element.LC))
+
+    def coefficient(self, element: Element, power: int) -> Element:
+        """Return one coefficient, as a constant polynomial."""
+        return self.ring.ground_new(element.get((power,), self.field.zero))
+
+    def power(self, exponent: int) -> Element:
+        """Return a power of the variable."""
+        return self.ring.gens[0] ** exponent
 
 
 Ring: TypeAlias = RationalRing | SymbolicRing

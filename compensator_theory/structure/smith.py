@@ -12,6 +12,7 @@ from compensator_theory.structure.elimination import Elimination
 from compensator_theory.structure.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
+    denominators,
     joint_ring,
     polynomial_matrix,
     read_into,
@@ -92,8 +93,9 @@ def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     Notes
     -----
     With symbols, the form is that for generic values of them, and it jumps: that of
-    [[s, a], [0, s]] is diag(1, s**2), and at a = 0 diag(s, s). So `exceptional` lists all that was
-    divided by. Euclid's algorithm lets the numbers in U and V grow fast beyond 6 x 6.
+    [[s, a], [0, s]] is diag(1, s**2), and at a = 0 diag(s, s). So `exceptional` lists what U, V and
+    their inverses are divided by: elsewhere the certificate proves the form. Euclid's algorithm
+    lets the numbers in U and V grow fast beyond 6 x 6.
 
     Source: H. J. S. Smith (1861); T. Kailath, Linear Systems (1980), Section 6.3.
 
@@ -111,17 +113,14 @@ def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     grid = read_into(ring, source)
     work = Elimination(ring, grid)
     rank = work.diagonalise()
-    return SmithForm(
-        source,
-        written(ring, work.matrix),
-        written(ring, work.U),
-        written(ring, work.V),
-        written(ring, work.U_inverse),
-        written(ring, work.V_inverse),
-        rank,
-        exceptional_factors(ring.divisors),
-        _certificate(ring, grid, work),
-    )
+    results = [
+        written(ring, result)
+        for result in (work.matrix, work.U, work.V, work.U_inverse, work.V_inverse)
+    ]
+    form, U, V, U_inverse, V_inverse = results
+    exceptional = exceptional_factors(denominators(*results))
+    certificate = _certificate(ring, grid, work)
+    return SmithForm(source, form, U, V, U_inverse, V_inverse, rank, exceptional, certificate)
 
 
 def _certificate(ring: Ring, grid: Grid, work: Elimination) -> Certificate:

@@ -90,11 +90,27 @@ POLYNOMIAL_MATRICES = st.builds(
     polynomials(max_degree=2), polynomials(max_degree=2), SYMBOLS | st.just(0)
 )  # fmt: skip
 
+ZEROS = STATE_SPACES.map(exact.output_decoupling_zeros) | st.sampled_from(
+    ["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)", "3"]
+).map(lambda text: exact.transmission_zeros(text, "s"))
+
 SAMPLES = {
     exact.StabilityIntervals: INTERVALS,
     exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
     exact.StrongStabilisability: PARITIES,
     exact.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
+    exact.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
+        exact.zero_order_hold
+    )
+    | st.just(exact.zero_order_hold("b/(s*(s + a))", "h", "s")),
+    exact.Zeros: ZEROS,
+    exact.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
+        lambda text: exact.transmission_zeros(text, "s").directions[0]
+    ),
+    exact.RowForm: POLYNOMIAL_MATRICES.map(exact.hermite_form)
+    | POLYNOMIAL_MATRICES.map(exact.row_reduced_form),
+    exact.CoprimeFractions: transfer_matrices().map(exact.coprime_fractions)
+    | st.just(exact.coprime_fractions("(s + a)/(s**2 + b)", "s")),
     exact.PolynomialMatrix: POLYNOMIAL_MATRICES,
     exact.SmithForm: POLYNOMIAL_MATRICES.map(exact.smith_form),
     exact.SmithMcMillanForm: transfer_matrices().map(exact.smith_mcmillan_form),

@@ -33,6 +33,18 @@ def transfer_matrices(draw, max_size=2, extra=0):
 
 
 @st.composite
+def polynomial_matrices(draw, max_size=3):
+    """Products of small factors, so that invariant polynomials repeat and share roots."""
+    p, m = draw(st.integers(1, max_size)), draw(st.integers(1, max_size))
+    factor = st.sampled_from([0, 1, s, s + 1, s - 1, s * (s + 1), s**2 + 1, 2, s / 2])
+    entries = st.builds(
+        lambda x, y, k: sympy.expand(x * y + k * x), factor, factor, st.integers(-1, 1)
+    )
+    listed = draw(st.lists(entries, min_size=p * m, max_size=p * m))
+    return exact.polynomial_matrix(Matrix(p, m, listed), "s")
+
+
+@st.composite
 def realisations(draw, max_block=2, max_signals=2):
     """Realisations in a basis that hides their Kalman form, with drawn blocks."""
     sizes = [draw(st.integers(0, max_block)) for _ in range(4)]

@@ -84,6 +84,7 @@ def test_the_basis_and_the_zero_blocks(plant):
     assert found.output_decoupling == plant.unobservable_modes
 
 
+@settings(max_examples=20)
 @given(realisations())
 def test_the_minimal_part_has_the_same_transfer_matrix(plant):
     found = minimal_realisation(plant)
