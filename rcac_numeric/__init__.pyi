@@ -56,7 +56,7 @@ from .engine.streams import simulate_stream as simulate_stream
 from .errata.checking import Checked as Checked
 from .errata.checking import check_erratum as check_erratum
 from .errata.entries import Erratum as Erratum
-from .errata.entries import Evidence as Evidence
+from .errata.entries import ErratumEvidence as ErratumEvidence
 from .errata.reading import find_errata as find_errata
 from .estimation.consistency import Consistency as Consistency
 from .estimation.consistency import nees_consistency as nees_consistency

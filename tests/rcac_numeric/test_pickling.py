@@ -23,11 +23,10 @@ PUBLIC = [getattr(rcac, name) for name in rcac.__all__]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
 DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
-NO_DATA = {
+NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     rcac.ProgressLine, rcac.StoreError, rcac.StudyInterrupted,
 }  # fmt: skip
-NO_DATA = {rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted} | ESTIMATORS
 
 FRESH = """
 import pickle, struct, sys
