@@ -15,9 +15,9 @@ from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController, controllers_of
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import Check, Claim
 from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule

@@ -12,7 +12,7 @@ from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.format.tables import Table
 from rcac_numeric.experiments.format.values import Choice, Integer, Text
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.measures import MEASURES
 
 KINDS = (
     "sheet",

@@ -11,12 +11,12 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
 from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.measures import MEASURES
 
 
 @dataclass(frozen=True, eq=False)

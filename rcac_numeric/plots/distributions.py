@@ -12,7 +12,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.plots.style import INK, line_style
 
 DECADES = 30.0  # a ratio from which the axis is logarithmic

@@ -14,8 +14,8 @@ from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.h2.noise import noise_inputs
 from rcac_numeric.plants.linear import Plant

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED
 
 WIDEST = 3.0  # what lies further out is named instead of drawn

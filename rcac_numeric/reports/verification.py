@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from rcac_numeric.analysis.loop_analysis import attempted
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verdict
 from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.comparison import comparison_section, poles_section
 from rcac_numeric.reports.loop import health, joined, match_section, split_section

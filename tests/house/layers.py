@@ -38,6 +38,7 @@ LAYERS = {
         "estimation.riccati",
         "experiments.format",
         "experiments.exact",
+        "experiments.measures",
         "experiments",
         "experiments.dissertation",
         "experiments.files",

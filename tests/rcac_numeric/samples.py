@@ -9,8 +9,8 @@ from fractions import Fraction
 import numpy as np
 
 import rcac_numeric as rcac
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.signals.signal import Scaled, Sum
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
@@ -181,6 +181,10 @@ def sweep_table(seed):
     return rcac.SweepTable(columns, ("gain",), ("rms",))
 
 
+def erratum(seed):
+    return replace(rcac.find_errata()[0], name=f"entry-{seed}")
+
+
 SAMPLES = {
     **ESTIMATION_SAMPLES,
     # plants
@@ -271,6 +275,10 @@ SAMPLES = {
     rcac.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
     ),
+    # errata
+    rcac.Erratum: erratum,
+    rcac.ErratumEvidence: lambda seed: rcac.ErratumEvidence(derivation=f"by step {seed}"),
+    rcac.Checked: lambda seed: rcac.Checked(erratum(seed), ()),
     # sweeps
     rcac.CaseResult: lambda seed: rcac.CaseResult(seed, "completed", random(seed, 3)),
     rcac.Axis: lambda seed: rcac.Axis("gain", random(seed, 3), sets="plant.gain"),

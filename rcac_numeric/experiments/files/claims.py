@@ -12,8 +12,8 @@ from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import brief, did_you_mean
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Choice, Integer, Numbers, Real
-from rcac_numeric.experiments.measures import MEASURES
-from rcac_numeric.experiments.signal_measures import SIGNALS
+from rcac_numeric.experiments.measures.measures import MEASURES
+from rcac_numeric.experiments.measures.signal_measures import SIGNALS
 
 FORMS = {"noise": MapOf(Numbers()), "signal": Choice(SIGNALS)}
 

@@ -13,7 +13,7 @@ from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.sweeps.chunks.measuring import measured
 from rcac_numeric.sweeps.chunks.worker import run_in_full
 from rcac_numeric.sweeps.store.problems import StoreError

@@ -6,7 +6,7 @@ import pytest
 from rcac_numeric import load_example, verify
 from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, VERDICTS
 from rcac_numeric.experiments.files.documents import example_ids
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.measures import MEASURES
 
 # The examples whose claims say why they do not hold; the notes of the others do.
 REASONED = {f"4.{i}" for i in range(1, 6)} | {f"5.{i}" for i in range(1, 7)} | {"6.5"}

@@ -19,7 +19,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.measures import MEASURES
 
 
 def repetition(z, theta, stride=1):

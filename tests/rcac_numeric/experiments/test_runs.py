@@ -12,7 +12,7 @@ from compensator_theory import InputError
 from rcac_numeric import simulate
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.signals.signal import exogenous
 
 CASE = {

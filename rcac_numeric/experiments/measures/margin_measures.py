@@ -6,7 +6,7 @@ import numpy as np
 
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.validation import integer, one_of
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.margins.boundaries import (
     StabilityBoundary,
     delay_boundary,

@@ -40,7 +40,7 @@ class AnalysedRun(Value):
     Examples
     --------
     >>> from rcac_numeric import load_example, target_model
-    >>> from rcac_numeric.experiments.analysed_run import AnalysedRun
+    >>> from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> AnalysedRun(run).match.worst < 1e-5, AnalysedRun(run, target_model("1/q")).match.worst > 0.1
     (True, True)

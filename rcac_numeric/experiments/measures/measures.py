@@ -9,13 +9,13 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.experiments import (
+from rcac_numeric.experiments.measures import (
     cost_measures,
     margin_measures,
     match_measures,
     signal_measures,
 )
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 
 Measure = Callable[..., float]
 MEASURES: dict[str, Measure] = {}

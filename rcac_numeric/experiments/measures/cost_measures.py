@@ -10,7 +10,7 @@ from compensator_theory.errors import UnitCircleError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.h2 import costs as h2_costs
 from rcac_numeric.h2.lqg import LQG, lqg
 from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs

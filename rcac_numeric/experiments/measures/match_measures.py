@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 
 
 def worst_match(r: AnalysedRun) -> float:

@@ -6,7 +6,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, one_of
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 
 SIGNALS = ("z", "y", "u", "u_applied", "w")
 
