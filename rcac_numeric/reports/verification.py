@@ -97,6 +97,8 @@ def _claims(verification: Verification) -> Section:
             "measured": v.measured,
             "verdict": v.verdict,
             "correction": v.claim.correction or None,
+            "reason": _reason(v) or None,
+            "run": v.claim.run or None,
             "recorded": v.claim.recorded or None,
         }
         for v in verification.verdicts
@@ -109,9 +111,16 @@ def _verdict(verdict: Verdict) -> list[Text]:
     lines = [Text(verdict.verdict, LEVELS.get(verdict.verdict, "warning"))]
     if verdict.claim.correction:
         lines.append(Text(verdict.claim.correction, "quiet"))
+    if reason := _reason(verdict):
+        lines.append(Text(reason, "quiet"))
     if verdict.has_changed:
         lines.append(Text(f"was: {verdict.claim.recorded}", "bad"))
     return lines
+
+
+def _reason(verdict: Verdict) -> str:
+    """Why the claim does not hold, where it does not."""
+    return "" if verdict.verdict in (REPRODUCED, CORRECTED) else verdict.claim.reason
 
 
 def _runs(verification: Verification) -> Section:
@@ -140,7 +149,9 @@ def _run(name: str, result: RunResult) -> Any:
     first = result.first.run
     distance = ""
     if result.first.is_scalar:
-        values = sorted(r.comparison.worst_distance for r in result.repetitions)
+        # Of seeds the first: what all of them do is what the claims measure.
+        compared = result.repetitions[: 1 if result.specification.seeds > 1 else None]
+        values = sorted(r.comparison.worst_distance for r in compared)
         distance = f"{values[len(values) // 2]:.3g}"
         if len(values) > 1:
             distance += f"  ({values[0]:.2g} to {values[-1]:.2g} of {len(values)})"
