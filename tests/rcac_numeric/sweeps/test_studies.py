@@ -6,6 +6,7 @@ import sys
 import tomllib
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from hypothesis import given
@@ -200,7 +201,6 @@ def test_functions_must_be_found_by_workers():
 
 
 def test_the_schema_has_what_the_reader_reads():
-    import jsonschema
 
     table = {
         **studies.BASE,
