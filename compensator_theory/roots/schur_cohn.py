@@ -1,8 +1,13 @@
 """How many roots are inside the unit circle, by exact arithmetic on the coefficients."""
 
+import flint
 from sympy import QQ, Expr, Poly
 
+from compensator_theory.polynomials.poly import canonical
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
+from compensator_theory.roots.regions import locate_unit_disk_roots
+
+PRECISIONS = (128, 512, 2048, 8192)  # bits; a polynomial of degree n needs about n of them at most
 
 
 def count_unit_disk_roots(poly: Poly) -> RootCount:
@@ -89,3 +94,67 @@ def reflection_coefficients(poly: Poly) -> tuple[Expr, ...]:
             break
         row = [a - k * b for a, b in zip(row[:-1], row[:0:-1], strict=True)]
     return tuple(found)
+
+
+def has_root_outside(poly: Poly) -> bool:
+    r"""Tell whether a root lies outside the unit circle, also of polynomials of high degree.
+
+    Parameters
+    ----------
+    poly : sympy.Poly
+        Rational coefficients, not zero.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero or has symbolic coefficients.
+
+    Notes
+    -----
+    Exact, in about :math:`n^2` operations. Common factors with the reciprocal polynomial
+    :math:`a^*` are separated: g, the greatest of them, has all its roots on the circle if and only
+    if its derivative has none outside (Cohn). What remains has no root on the circle, so the
+    numbers of :func:`reflection_coefficients` decide in ball arithmetic; where one of them has a
+    modulus of exactly 1 no ball can, and :func:`locate_unit_disk_roots` does.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.schur_cohn import has_root_outside
+    >>> has_root_outside(polynomial("q**400 - 1")), has_root_outside(polynomial("2*q**400 - 3"))
+    (False, True)
+    """
+    _, cleared = canonical(require_rational(poly)).clear_denoms(convert=True)
+    rest = flint.fmpz_poly([int(c) for c in reversed(cleared.all_coeffs())])
+    while rest.degree() > 0:
+        ascending = [int(c) for c in rest.coeffs()]
+        start = next(i for i, c in enumerate(ascending) if c)  # roots at the origin
+        rest = flint.fmpz_poly(ascending[start:])
+        common = rest.gcd(flint.fmpz_poly(ascending[start:][::-1]))
+        other = rest // common
+        if abs(other[0]) > abs(other[other.degree()]) or not _is_schur(other):
+            return True
+        rest = common.derivative()
+    return False
+
+
+def _is_schur(poly: flint.fmpz_poly) -> bool:
+    """Whether every root is inside, where none is on the circle."""
+    descending = [int(c) for c in reversed(poly.coeffs())]
+    for precision in PRECISIONS:
+        with flint.ctx.workprec(precision):
+            answer = _schur_in_balls([flint.arb(c) for c in descending])
+        if answer is not None:
+            return answer
+    s = Poly(descending, *Poly("s").gens, domain=QQ)
+    return locate_unit_disk_roots(s).unstable == 0
+
+
+def _schur_in_balls(row: list[flint.arb]) -> bool | None:
+    """As `reflection_coefficients`; None where a ball cannot tell."""
+    while len(row) > 1:
+        k = row[-1] / row[0]
+        if not abs(k) < 1:
+            return False if abs(k) > 1 else None
+        row = [a - k * b for a, b in zip(row[:-1], row[:0:-1], strict=True)]
+    return True

@@ -19,7 +19,7 @@ from rcac_numeric.cli.check_inputs import (
     read_target,
 )
 from rcac_numeric.cli.exits import DONE, NO
-from rcac_numeric.cli.output import as_json_option, picture_option, show
+from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.signals.data_files import read_variables
 
@@ -56,6 +56,7 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
     "digits of LOG leave open.",
 )  # fmt: skip
 @picture_option("Draw signals, coefficients, poles, match and Nyquist curve into this file.")
+@budget_option()
 @as_json_option
 def check(
     *,

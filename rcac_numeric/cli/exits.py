@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import re
 import sys
 import traceback
 from collections.abc import Callable
@@ -28,6 +29,8 @@ Exit status: 0 done; 1 the answer is no (a verdict has changed, a log contradict
 input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; 130
 interrupted; 141 the output was closed.
 """
+# How errors of budgets say what to do in Python; `rcac` has an option for it.
+BUDGET = re.compile(r"with (?:compensator_theory\.budget|Budget)\((\w+)=([^()]*)\)")
 LONGEST = 2000  # characters of a message
 
 Result = TypeVar("Result")
@@ -73,7 +76,7 @@ def _after(error: BaseException) -> int:
         case click.ClickException():
             return _usage(error)
         case CompensatorError():
-            return _said(str(error), BAD_INPUT)
+            return _said(BUDGET.sub(r"with --budget \1=\2", str(error)), BAD_INPUT)
         case MemoryError():
             return _said("there is not enough memory for this; ask for less.", BAD_INPUT)
         case OSError() if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):

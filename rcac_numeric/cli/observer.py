@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rcac_numeric.cli.output import as_json_option, show
+from rcac_numeric.cli.output import as_json_option, budget_option, show
 from rcac_numeric.reports.observer import observer_sheet
 
 
@@ -15,6 +15,7 @@ from rcac_numeric.reports.observer import observer_sheet
     "--feedback", type=click.Choice(["-1", "+1"]), default="-1", show_default=True,
     help="Sign f of the loop u = f G_c y.",
 )  # fmt: skip
+@budget_option()
 @as_json_option
 def observer(plant: str, compensator: str, feedback: str, as_json: bool) -> None:
     """Tell whether a compensator is observer-based, and list its observer-based forms.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 import compensator_theory as exact
-from rcac_numeric.cli.output import as_json_option, show
+from rcac_numeric.cli.output import as_json_option, budget_option, show
 from rcac_numeric.reports.placement import placement_sheet
 
 
@@ -23,6 +23,7 @@ from rcac_numeric.reports.placement import placement_sheet
     "--feedback", type=click.Choice(["-1", "+1", "1"]), default="-1", show_default=True,
     help="-1 for u = -G_c y as in section 7.3, +1 for u = G_c y.",
 )  # fmt: skip
+@budget_option()
 @as_json_option
 def place(plant: str, poles: str, n_c: int | None, feedback: str, as_json: bool) -> None:
     """Place closed-loop poles exactly, and say what float64 would have kept.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from compensator_theory.errors import IllConditionedError, ImproperError
+from compensator_theory.errors import IllConditionedError, ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, one_of
@@ -239,7 +239,15 @@ def _verified(design: LQG) -> LQG:
 
 
 def _weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
-    return E_1.T @ E_1, E_1.T @ E_2, E_2.T @ E_2
+    with np.errstate(over="ignore", invalid="ignore"):
+        weights = E_1.T @ E_1, E_1.T @ E_2, E_2.T @ E_2
+    if not all(np.isfinite(weight).all() for weight in weights):
+        largest = max(np.abs(E).max(initial=0.0) for E in (E_1, E_2))
+        raise InputError(
+            f"the squares of the entries of E_1, E_2, D_1 or D_2 are beyond float64 (the largest "
+            f"entry is {largest:.3g}); scale z and w to like size."
+        )
+    return weights
 
 
 def _filter_gain(

@@ -2,7 +2,9 @@
 
 Only errors of our tree come out, nothing is executed, nothing takes over 5 s or 500 MB, and what is
 accepted is echoed in a canonical form that reads back to the same. HYPOTHESIS_PROFILE=thorough
-draws 100 000 texts.
+draws 100 000 texts. A long run grows by what Hypothesis remembers of the texts that it drew:
+1189 MB after 8000 lists of roots that nothing had read yet, and 5 MB more after 1500 of them were
+read and placed. The limit here is that of one input.
 """
 
 import resource

@@ -1,6 +1,8 @@
 """From a controller as data to a compiled controller at step 0.
 
-A new kind of controller is registered here: `@compiled_controller.register(YourController)`.
+A new kind of controller is registered here: `@compiled_controller.register(YourController)`. What
+is derived from a kind that is, or made of parts that are derived from ours, is refused: the kernel
+would run it without what it adds.
 """
 
 from __future__ import annotations
@@ -14,14 +16,21 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
+from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings, Weight
+from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.instruction_sets import require_instruction_set
-from rcac_numeric.engine.compiled.updates import Event, KernelUpdate, kernel_update
+from rcac_numeric.engine.compiled.updates import (
+    Event,
+    KernelUpdate,
+    kernel_update,
+    require_kind,
+)
 from rcac_numeric.targets.model import TargetModel
 
 NEVER = 2**62  # a step that no run reaches
@@ -45,6 +54,8 @@ def compiled_controller(controller: object, l_z: int, failures: Failures) -> _ke
 
 @compiled_controller.register(ControllerSettings)
 def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Controller:
+    require_kind(settings, "settings", compiled_controller.registry)
+    require_parts(settings)
     structure, target = settings.structure, settings.target
     update = kernel_update(settings.update, structure.l_theta)
     regressor = [(structure.index(tap), tap.delay) for tap in structure.taps]
@@ -87,7 +98,9 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Con
 @compiled_controller.register(FixedController)
 def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Controller:
     """The difference equation as a regressor with its coefficients; no update is ever due."""
+    require_kind(controller, "settings", compiled_controller.registry)
     c = controller.compensator
+    require_kind(c, "compensator", (Compensator,))
     first = 0 if c.past_y[0].any() else 1  # u(k) waits for y(k) only where it uses it
     of_u = [(i, lag) for lag in range(1, c.n_c + 1) for i in range(c.l_u)]
     of_y = [(c.l_u + i, lag) for lag in range(first, c.n_c + 1) for i in range(c.l_y)]
@@ -118,6 +131,20 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Cont
         events=[],
         theta_0=theta,
     )
+
+
+def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
+    """Refuse by name what is derived from a structure, a target model or a weight."""
+    require_kind(settings.structure, "structure", (Structure,), who)
+    for tap in settings.structure.taps:
+        require_kind(tap, "a tap", (Tap,), who)
+    for signal in settings.structure.derived:
+        require_kind(signal, "a derived signal", (DerivedSignal,), who)
+    for model in settings.targets:
+        require_kind(model, "target", (TargetModel,), who)
+    for name in ("R_z", "R_u"):
+        if isinstance(weight := getattr(settings, name), SignalWeight):
+            require_kind(weight, name, (SignalWeight,), who)
 
 
 def _compiled(update: KernelUpdate, **arguments: Any) -> _kernel.Controller:

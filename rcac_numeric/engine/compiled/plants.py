@@ -1,6 +1,8 @@
 """From a plant as data to a plant that the kernel runs.
 
-A new kind of plant is registered here: `@compiled_plant.register(YourPlant)`.
+A new kind of plant is registered here: `@compiled_plant.register(YourPlant)`. What is derived from
+a kind that is, and is not registered itself, is refused: the kernel would run it without what it
+adds.
 """
 
 from __future__ import annotations
@@ -16,10 +18,11 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import float_array, real_array
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.callbacks import Failures
+from rcac_numeric.engine.compiled.updates import require_kind
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.linear import MATRICES, Plant
-from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 
 @singledispatch
@@ -45,12 +48,15 @@ def compiled_plant(plant: object, x_0: ArrayLike | None, failures: Failures) -> 
 
 @compiled_plant.register(Plant)
 def _(plant: Plant, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
+    require_kind(plant, "plant", compiled_plant.registry)
     segments = [(0, _matrices(plant), False, np.zeros(0), 0)]
     return _kernel.linear_plant(_sizes(plant), segments, initial_state(x_0, plant.n))
 
 
 @compiled_plant.register(PlantSchedule)
 def _(plant: PlantSchedule, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
+    require_kind(plant, "plant", compiled_plant.registry)
+    require_linear(plant)
     segments = [
         (
             change.start,
@@ -66,6 +72,7 @@ def _(plant: PlantSchedule, x_0: ArrayLike | None, failures: Failures) -> _kerne
 
 @compiled_plant.register(FunctionPlant)
 def _(plant: FunctionPlant, x_0: ArrayLike | None, failures: Failures) -> _kernel.Plant:
+    require_kind(plant, "plant", compiled_plant.registry)
     start = initial_state(x_0, plant.n)
     if plant.is_compiled:
         return _kernel.compiled_plant(
@@ -77,6 +84,14 @@ def _(plant: FunctionPlant, x_0: ArrayLike | None, failures: Failures) -> _kerne
         failures.guard(partial(_checked_output, plant)),
         start,
     )
+
+
+def require_linear(plant: Plant | PlantSchedule, who: str = "engine") -> None:
+    """Refuse by name what is derived from a plant or from a change of one."""
+    require_kind(plant, "plant", (Plant, PlantSchedule), who)
+    for change in plant.changes if isinstance(plant, PlantSchedule) else ():
+        require_kind(change, "a change", (PlantChange,), who)
+        require_kind(change.plant, f"the plant from step {change.start} on", (Plant,), who)
 
 
 def initial_state(x_0: ArrayLike | None, n: int) -> Array:

@@ -19,6 +19,7 @@ from rcac_numeric.arrays.definite_matrices import (
     inverse,
     square_root_columns,
 )
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.updates.forgetting import (
     Forgetting,
     ScheduledForgetting,
@@ -75,13 +76,13 @@ def kernel_update(update: Update, l_theta: int) -> KernelUpdate:
     return ARGUMENTS[type(update)](update, l_theta)
 
 
-def require_kind(value: object, name: str, kinds: Iterable[type]) -> None:
+def require_kind(value: object, name: str, kinds: Iterable[type], who: str = "engine") -> None:
     """Raise unless `value` is of exactly one of the kinds."""
-    known = list(kinds)
+    known = [kind for kind in kinds if kind is not object]
     if type(value) not in known:
         raise InputError(
-            f"{name} = {value!r} is a {type(value).__name__}, which the engine does not run; it "
-            f"runs {', '.join(kind.__name__ for kind in known)}."
+            f"{name} = {shortened(repr(value), 500)} is a {type(value).__name__}, which the {who} "
+            f"does not run; it runs {', '.join(kind.__name__ for kind in known)}."
         )
 
 

@@ -14,6 +14,9 @@ from rcac_numeric.arrays.validation import integer, real_array, signal_array
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController, command_position, require_fit
+from rcac_numeric.engine.compiled.controllers import require_parts
+from rcac_numeric.engine.compiled.plants import require_linear
+from rcac_numeric.engine.compiled.updates import require_kind
 from rcac_numeric.engine.reference.ball_controller import BallController
 from rcac_numeric.engine.reference.ball_plants import BallPlant
 from rcac_numeric.engine.reference.ball_updates import ball_update
@@ -110,6 +113,9 @@ def require_supported(
             )
     if controller.reflect_poles:
         raise InputError("the reference does not know reflect_poles; leave it out.")
+    require_linear(plant, "reference")
+    require_kind(controller, "settings", (ControllerSettings,), "reference")
+    require_parts(controller, "reference")
     ball_update(controller.update, controller.l_theta)
     return plant, controller
 

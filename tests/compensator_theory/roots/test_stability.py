@@ -26,6 +26,7 @@ from compensator_theory import (
     reflection_coefficients,
     split_at_unit_circle,
 )
+from compensator_theory.roots.schur_cohn import has_root_outside
 from compensator_theory.strategies import polynomials, spectra
 
 ANY_SPECTRUM = st.integers(0, 6).flatmap(spectra)
@@ -52,6 +53,7 @@ def test_planted_spectra(planted):
     assert count_half_plane_roots(poly) == locate_half_plane_roots(poly) == half_plane
     assert count_unit_disk_roots(poly) == locate_unit_disk_roots(poly) == disk
     assert number_of_real_roots(poly) == sum(root.is_real for root in planted)
+    assert has_root_outside(poly) == (disk.unstable > 0)
 
 
 @given(polynomials(max_degree=5), SYMMETRIC)
@@ -62,6 +64,17 @@ def test_the_singular_cases_of_routh(p, symmetric):
     assert decision.counts_by_roots.boundary == (
         locate_half_plane_roots(p).boundary + ON_AXIS[symmetric]
     )
+
+
+@given(
+    polynomials("z", max_degree=5),
+    ON_CIRCLE,
+    ON_CIRCLE,
+    st.sampled_from(["1", "(z - 2)*(2*z + 1)"]),
+)
+def test_roots_outside_beside_roots_on_the_circle_and_in_pairs(p, first, second, of_product_one):
+    poly = p * polynomial(first, "z") * polynomial(second, "z") * polynomial(of_product_one, "z")
+    assert has_root_outside(poly) == (locate_unit_disk_roots(poly).unstable > 0)
 
 
 @given(polynomials("z", max_degree=5), ON_CIRCLE)

@@ -178,6 +178,33 @@ def test_two_numbers_are_not_one():
         assert wrong.exit_code == 2 and words in wrong.stderr, wrong.stderr
 
 
+@pytest.mark.parametrize(
+    ("command", "limit"),
+    [
+        (["place", "--plant", "1/(s**30 + 1)", "--poles", ",".join(["-1"] * 59)], "degree"),
+        (["observer", "--plant", "1/(s**30 + 1)", "--compensator", "0"], "degree"),
+        (["verify", "2.2"], "operations"),
+        (["verify", "2.2"], "memory"),
+        (["verify", "2.2"], "digits"),
+    ],
+)
+def test_a_budget_can_be_lowered_and_raised(command, limit):
+    """An error names the option, whose value then lets the same pass."""
+    refused = CliRunner().invoke(main.main, [*command, "--budget", f"{limit}=1"])
+    assert refused.exit_code == 2 and f"with --budget {limit}=" in refused.stderr, refused.stderr
+    passed = CliRunner().invoke(main.main, [*command, "--budget", f"{limit}=1000000000, degree=99"])
+    assert passed.exit_code == 0, passed.stderr
+
+
+@pytest.mark.parametrize(
+    "text", ["degree", "degree=0", "degree=-1", "degree=1e3", "x=2", "degree=2;"]
+)
+def test_what_is_no_budget(text):
+    wrong = CliRunner().invoke(main.main, [*PLACE, "--budget", text])
+    assert wrong.exit_code == 2 and "--budget" in wrong.stderr
+    assert placed("-1 -2").exit_code == 0, "a limit ends with its command"
+
+
 def test_coefficients_below_the_normal_range_are_no_defect(tmp_path):
     import numpy as np
 

@@ -1,5 +1,6 @@
 """What nobody has registered is refused by name, and never run as something it is derived from."""
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import pytest
@@ -10,11 +11,16 @@ from rcac_numeric import (
     Controller,
     Covariance,
     CovarianceReset,
+    FixedController,
     Gradient,
     Instantaneous,
+    PlantChange,
+    PlantSchedule,
     ScheduledForgetting,
+    SignalWeight,
     SimulationCase,
     SlidingWindow,
+    Structure,
     VariableRateForgetting,
     simulate,
     simulate_many,
@@ -24,16 +30,20 @@ from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.engine.compiled.updates import ARGUMENTS
 from rcac_numeric.engine.reference.ball_updates import BALL_UPDATES
+from tests.support.function_plants import as_functions
 from tests.support.lane_cases import GOOD, PLANT
 from tests.support.signals import white
 
 W = white(8)
-DOORS = {
-    "simulate": lambda settings: simulate(PLANT, settings, W),
-    "simulate_reference": lambda settings: simulate_reference(PLANT, settings, W),
-    "lanes": lambda settings: simulate_many([SimulationCase(PLANT, settings, W)] * 8, lanes=True),
-    "Controller": Controller,
+LOOPS = {
+    "simulate": lambda plant, settings: simulate(plant, settings, W),
+    "simulate_reference": lambda plant, settings: simulate_reference(plant, settings, W),
+    "lanes": lambda plant, settings: simulate_many(
+        [SimulationCase(plant, settings, W)] * 8, lanes=True
+    ),
 }
+DOORS = {name: lambda settings, loop=loop: loop(PLANT, settings) for name, loop in LOOPS.items()}
+DOORS["Controller"] = Controller
 doors = pytest.mark.parametrize("door", DOORS)
 
 
@@ -153,3 +163,61 @@ def test_a_registered_update_is_run(door, monkeypatch):
     monkeypatch.setitem(ARGUMENTS, LeakyUD, ARGUMENTS[UD])
     monkeypatch.setitem(BALL_UPDATES, LeakyUD, BALL_UPDATES[UD])
     DOORS[door](replace(GOOD, update=LeakyUD(1.0)))
+
+
+def derived(value):
+    """The same value as one of a class `Stranger` that is derived from its own."""
+    made = copy(value)
+    object.__setattr__(made, "__class__", type("Stranger", (type(value),), {}))
+    return made
+
+
+def with_parts(**parts):
+    """A structure with other parts."""
+    s = GOOD.structure
+    return Structure(**{"taps": s.taps, "l_u": s.l_u, "l_y": s.l_y, "derived": s.derived} | parts)
+
+
+STRANGERS = {
+    "settings": derived(GOOD),
+    "structure": replace(GOOD, structure=derived(GOOD.structure)),
+    "tap": replace(
+        GOOD, structure=with_parts(taps=(derived(GOOD.structure.taps[0]), *GOOD.structure.taps[1:]))
+    ),
+    "target": replace(GOOD, target=derived(GOOD.target)),
+    "later target": replace(GOOD, target_changes={4: derived(GOOD.target)}),
+    "R_z": replace(GOOD, R_z=derived(SignalWeight(0.1, 1.0))),
+    "R_u": replace(GOOD, R_u=derived(SignalWeight(0.1))),
+}
+
+
+@doors
+@pytest.mark.parametrize("settings", STRANGERS.values(), ids=STRANGERS)
+def test_settings_or_parts_of_them_that_somebody_derived(door, settings):
+    with pytest.raises(InputError, match="Stranger"):
+        DOORS[door](settings)
+
+
+SCHEDULE = PlantSchedule([PlantChange(start=0, plant=PLANT), PlantChange(start=4, plant=PLANT)])
+PLANTS = {
+    "plant": derived(PLANT),
+    "schedule": derived(SCHEDULE),
+    "plant of a schedule": PlantSchedule([PlantChange(start=0, plant=derived(PLANT))]),
+    "change": PlantSchedule([derived(PlantChange(start=0, plant=PLANT))]),
+    "functions": derived(as_functions(PLANT)),
+}
+
+
+@pytest.mark.parametrize("loop", LOOPS)
+@pytest.mark.parametrize("plant", PLANTS.values(), ids=PLANTS)
+def test_a_plant_that_somebody_derived(loop, plant):
+    with pytest.raises(InputError, match=r"Stranger|needs a linear plant"):
+        LOOPS[loop](plant, GOOD)
+
+
+def test_a_fixed_controller_that_somebody_derived():
+    fixed = FixedController(simulate(PLANT, GOOD, W).compensator)
+    for settings in (derived(fixed), replace(fixed, compensator=derived(fixed.compensator))):
+        with pytest.raises(InputError, match="Stranger"):
+            simulate(PLANT, settings, W)
+    assert simulate(PLANT, fixed, W).outcome == "completed"

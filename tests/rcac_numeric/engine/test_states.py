@@ -88,8 +88,10 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
     if whole.outcome != "completed":
         return
     cut = data.draw(st.integers(1, steps - 1))
-    first = simulate(plant, settings, w[:cut], saturation=saturation)
-    rest = simulate(plant, settings, w[cut:], saturation=saturation, start=first.state)
+    # The usual limit is that of what comes from outside, of which each piece sees a part.
+    common = {"saturation": saturation, "divergence_limit": whole.divergence_limit}
+    first = simulate(plant, settings, w[:cut], **common)
+    rest = simulate(plant, settings, w[cut:], start=first.state, **common)
     assert rest.first_step == cut and rest.state.k == steps
     for name in SIGNALS:
         pieces = np.concatenate([getattr(first, name), getattr(rest, name)])

@@ -261,6 +261,13 @@ def test_what_cannot_be_designed_is_named(plant, noise, error, words):
         lqg(plant, noise=noise)
 
 
+@pytest.mark.parametrize("name", ["E_1", "D_1", "D_2"])
+def test_weights_beyond_float64_are_named(name):
+    parts = {"A": [[0.5]], "B": [[1.0]], "D_1": [[1.0]], "C": [[1.0]], "E_1": [[1.0]]}
+    with pytest.raises(InputError, match=r"beyond float64 .* 1e\+200"):
+        lqg(Plant(**parts | {name: [[1e200]]}))
+
+
 def test_a_filter_form_that_no_controller_has():
     """D_0 such that I + D_f D_0 = 0."""
     plant = servo_plant("1/(q - 2)", performance="true")

@@ -4,10 +4,16 @@ import control
 import numpy as np
 import pytest
 import scipy.signal
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import ImproperError, InputError, TransferMatrix, polynomial
+from compensator_theory import (
+    BudgetError,
+    ImproperError,
+    InputError,
+    TransferMatrix,
+    polynomial,
+)
 from rcac_numeric import TargetModel, target_model
 from rcac_numeric.analysis.residual_split import filtered
 from tests.support.strategies import seeds, sizes
@@ -150,3 +156,43 @@ def test_the_poles_of_a_matrix_denominator_are_those_of_its_determinant(hundredt
 def test_bad_filters_are_named(make, error, message):
     with pytest.raises(error, match=message):
         make()
+
+
+@given(seeds, sizes, st.integers(1, 4), st.floats(0.3, 3))
+def test_poles_are_those_of_the_block_companion_matrix(seed, l_z, n_f, scale):
+    D = scale * np.random.default_rng(seed).uniform(-1, 1, (n_f + 1, l_z, l_z)) / (n_f * l_z)
+    D[0] = np.eye(l_z)
+    companion = np.eye(l_z * n_f, k=-l_z)
+    companion[:l_z] = -np.hstack(list(D[1:]))
+    radius = np.abs(np.linalg.eigvals(companion)).max()
+    assume(abs(radius - 1) > 1e-6)
+    numerator = np.ones((1, l_z, 1))
+    if radius < 1:
+        assert TargetModel(numerator, D).n_f == n_f
+    else:
+        with pytest.raises(InputError, match="outside the unit circle"):
+            TargetModel(numerator, D)
+
+
+@pytest.mark.parametrize("last", [-0.999, -1.0, -1.001])
+def test_a_long_denominator_takes_no_time(last):
+    """1 - a q^-1000 with small terms between, or none where the poles are on the circle."""
+    D = np.zeros(1001)
+    D[0], D[-1] = 1.0, last
+    if last > -1:
+        D[1:-1] = np.random.default_rng(0).uniform(-1e-6, 1e-6, 999)
+    if last < -1:
+        with pytest.raises(InputError, match="has a pole outside"):
+            TargetModel([1.0], D)
+    else:
+        assert TargetModel([1.0], D).n_f == 1000
+
+
+def test_denominators_beyond_the_budget_are_refused():
+    dense = np.zeros((51, 20, 20))
+    dense[0], dense[-1] = np.eye(20), 1e-3
+    for D in (np.r_[1.0, np.zeros(1000), 0.5], dense):
+        N = np.ones((1, D.shape[1] if D.ndim > 1 else 1, 1))
+        with pytest.raises(BudgetError, match="the denominator of the target model needs"):
+            TargetModel(N, D)
+    assert TargetModel(np.ones((1, 20, 1)), np.eye(20) * np.r_[1, [1e-3] * 50][:, None, None])
