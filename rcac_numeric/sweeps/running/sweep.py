@@ -30,8 +30,9 @@ from rcac_numeric.sweeps.study.trials import tried
 
 # A chunk takes about so many seconds, and its runs so many bytes.
 CHUNK_SECONDS, CHUNK_BYTES, LARGEST_CHUNK = 0.3, 3e7, 512
-# Chunks under way for each worker: one that runs, one that waits, and a little more.
-WINDOW = 3
+# Chunks under way for each worker: one that runs, one that waits, and a little more; and over an
+# executor of others, whose workers nobody counts.
+WINDOW, WINDOW_OF_OTHERS = 3, 64
 
 
 class StudyInterrupted(KeyboardInterrupt):
@@ -79,7 +80,8 @@ def run_study(
         In place of processes of our own: `distributed.Client(...).get_executor(pure=False)`, or
         that of `mpi4py.futures`. It is not shut down.
     window : int, optional
-        How many chunks are under way at a time.
+        How many chunks are under way at a time: three for each process of our own, and 64 over an
+        executor; three for each worker are enough.
     progress : callable, optional
         Called with a `Progress` while it goes on; `ProgressLine()` writes it down.
     many : bool
@@ -127,8 +129,9 @@ def run_study(
         if not made:
             _require_same(opened, mixed)
             opened.grow(study)
-        return _run(opened, study, _maker(executor, count), window or WINDOW * max(count, 1),
-                    progress or _silence)  # fmt: skip
+        usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
+        under_way = usual if window is None else integer(window, "window", at_least=1)
+        return _run(opened, study, _maker(executor, count), under_way, progress or _silence)
 
 
 def _run(
