@@ -131,12 +131,15 @@ def run_study(
             opened.grow(study)
         usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
         under_way = usual if window is None else integer(window, "window", at_least=1)
-        return _run(opened, study, _maker(executor, count), under_way, progress or _silence)
+        instructions = "" if mixed else opened.study.instruction_set
+        make = _maker(executor, count)
+        return _run(opened, study, instructions, make, under_way, progress or _silence)
 
 
 def _run(
     store: Store,
     study: Study,
+    instructions: str,
     make: Callable[[], Executor],
     window: int,
     progress: Callable[[Progress], None],
@@ -146,7 +149,7 @@ def _run(
     progress(meter.now())
     if done == total:
         return meter.now()
-    pickled, row, blocks = pickle.dumps(study), store.study, store.blocks
+    pickled, blocks = pickle.dumps(study), store.blocks
 
     def task_of(claim: Claim) -> ChunkTask:
         block = next(b for b in reversed(blocks) if b.first_run <= claim.first)
@@ -156,7 +159,7 @@ def _run(
             (found[cell], [(run, repetition) for run, _, repetition in some])
             for cell, some in groupby(places, key=lambda place: place[1])
         ]
-        return ChunkTask(pickled, study.fingerprint, row.instruction_set, runs)
+        return ChunkTask(pickled, study.fingerprint, instructions, runs)
 
     claims = Claims(store)
     schedule = Schedule(claims, task_of, make, window, meter, progress)

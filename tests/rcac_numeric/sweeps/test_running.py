@@ -194,6 +194,13 @@ def test_other_versions_are_refused_unless_they_are_meant(tmp_path, monkeypatch,
     with pytest.raises(StoreError, match=r"numpy .* then, 0.1 now.*mixed=True"):
         run_study(studies.study(3), store, workers=0)
     assert run_study(studies.study(3), store, workers=0, mixed=True).done == 18
+    with Store(store) as opened, opened.writing() as connection:
+        connection.execute("UPDATE study SET instruction_set = 'of another machine'")
+    with pytest.raises(StoreError, match="instructions of another machine then"):
+        run_study(studies.study(4), store, workers=0)
+    assert run_study(studies.study(4), store, workers=0, mixed=True).done == 24
+    with pytest.raises(StoreError, match="to replay it bit for bit"):
+        replay_run(store, 0)
 
 
 def test_processes_give_the_same_table_though_one_dies(undisturbed, tmp_path, small_chunks):
