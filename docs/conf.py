@@ -5,6 +5,7 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 sys.path.append(str(Path(__file__).resolve().parent))
 
+from errata_page import CHAPTERS, errata_page
 from reference_pages import write_reference
 
 from tests.house.layers import LAYERS
@@ -40,5 +41,14 @@ def insert_ledger(app, name, source):
         source[0] = source[0].replace("<!-- the ledger -->", page(ledger()))
 
 
+def insert_errata(app, name, source):
+    """Write the errata where their page asks for them."""
+    if name == "errata":
+        for path in CHAPTERS.glob("*.toml"):
+            app.env.note_dependency(str(path))
+        source[0] = source[0].replace("<!-- the errata -->", errata_page())
+
+
 def setup(app):
     app.connect("source-read", insert_ledger)
+    app.connect("source-read", insert_errata)

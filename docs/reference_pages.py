@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from rcac_numeric.errata.reading import find_errata
+
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {
     "compensator_theory": "The exact half: integers, rationals and symbols, never a float.",
@@ -63,12 +65,21 @@ def equations_page() -> str:
             module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
             for number in _cited(path.read_text()):
                 found.setdefault(number, set()).add(module.removesuffix(".__init__"))
+    wrong: dict[str, list[str]] = {}
+    for erratum in find_errata():
+        for number in erratum.equations:
+            link = f"[{erratum.name}](#erratum-{erratum.name})"
+            wrong.setdefault(number, []).append(link)
     rows = [
-        f"| ({number}) | {', '.join(f'{{py:mod}}`{m}`' for m in sorted(modules))} |"
-        for number, modules in sorted(found.items(), key=lambda item: _order(item[0]))
+        f"| ({number}) | {', '.join(f'{{py:mod}}`{m}`' for m in sorted(found.get(number, ())))} "
+        f"| {', '.join(wrong.get(number, ()))} |"
+        for number in sorted({*found, *wrong}, key=_order)
     ]
-    head = "# From an equation to the code\n\nWhat the docstrings cite of the dissertation.\n\n"
-    return head + "| equation | modules |\n|---|---|\n" + "\n".join(rows) + "\n"
+    head = (
+        "# From an equation to the code\n\nWhat the docstrings cite of the dissertation, and what "
+        "is wrong in its [text](../errata.md).\n\n"
+    )
+    return head + "| equation | modules | errata |\n|---|---|---|\n" + "\n".join(rows) + "\n"
 
 
 def _cited(text: str) -> Iterator[str]:

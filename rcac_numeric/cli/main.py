@@ -15,6 +15,7 @@ from rcac_numeric.cli.exits import EXIT_STATUS, ended, piped
 # imported when it is asked for, so that `rcac list` waits for neither NumPy nor SymPy.
 COMMANDS = {
     "check": ("rcac_numeric.cli.check:check", "Check the controller that a log ended with."),
+    "errata": ("rcac_numeric.cli.errata:errata", "List what is wrong in the dissertation's text."),
     "list": ("rcac_numeric.cli.list:list_examples", "List the examples that can be verified."),
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),
     "place": ("rcac_numeric.cli.place:place", "Place closed-loop poles exactly."),

@@ -11,11 +11,12 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
+from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.measures import MEASURES
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,8 @@ class Verification(Value):
     @property
     def main(self) -> RunResult:
         """The result of the experiment's main run."""
+        if not self.results:
+            raise InputError(f"{self.experiment.id or 'this'} is exact: nothing ran, or is drawn.")
         return next(iter(self.results.values()))
 
     @property
@@ -106,16 +109,23 @@ def verify(
     """
     for claim in experiment.claims:
         for check in claim.checks:
-            _known(check, experiment)
+            if isinstance(check, Check):
+                _known(check, experiment)
     results = {}
     for name, specification in experiment.runs.items():
         progress(name)
         results[name] = specification.execute()
     verdicts = tuple(
-        Verdict(claim, tuple(_evaluate(check, results) for check in claim.checks))
+        Verdict(claim, tuple(_result(check, results) for check in claim.checks))
         for claim in experiment.claims
     )
     return Verification(experiment, results, verdicts)
+
+
+def _result(
+    check: Check | ExactCheck, results: Mapping[str, RunResult]
+) -> CheckResult | ExactResult:
+    return check.evaluate() if isinstance(check, ExactCheck) else _evaluate(check, results)
 
 
 def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
@@ -124,13 +134,14 @@ def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
         others = _values(check, results[check.relative_to])
         with np.errstate(divide="ignore", invalid="ignore"):
             values = tuple(float(np.divide(a, b)) for a, b in zip(values, others, strict=True))
-    return CheckResult(check, values)
+    return CheckResult(check, values, over_seeds=results[check.run].specification.seeds > 1)
 
 
 def _values(check: Check, result: RunResult) -> tuple[float, ...]:
     def value(repetition: AnalysedRun) -> float:
         try:
-            return MEASURES[check.measure](repetition, **check.arguments)
+            measured = repetition if check.until is None else repetition.until(check.until)
+            return MEASURES[check.measure](measured, **check.arguments)
         except CompensatorError:
             if repetition.run.outcome != "completed":
                 return float("nan")  # nothing to measure at the end; the check fails
@@ -156,3 +167,9 @@ def _known(check: Check, experiment: Experiment) -> None:
                 f"a claim refers to the run {name!r}; the runs are {', '.join(experiment.runs)}."
                 f"{did_you_mean(name, experiment.runs)}"
             )
+    pair = [experiment.runs[name] for name in (check.run, check.relative_to) if name]
+    if len({run.seeds * run.repetitions for run in pair}) > 1:
+        raise InputError(
+            f"a claim divides a measure of {check.run!r} by that of {check.relative_to!r}, "
+            "repetition by repetition; give them as many seeds and repetitions."
+        )

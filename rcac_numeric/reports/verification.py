@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from rcac_numeric.analysis.loop_analysis import attempted
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.claims import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verdict
 from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.comparison import comparison_section, poles_section
 from rcac_numeric.reports.loop import health, joined, match_section, split_section
@@ -34,14 +34,15 @@ def verification_sheet(verification: Verification) -> Sheet:
         sections=(
             _problem(verification),
             _claims(verification),
-            _runs(verification),
-            _controller(verification.main),
+            *_of_runs(verification),
         ),
         notes=experiment.notes,
     )
 
 
 def _health(verification: Verification) -> tuple[Text, ...]:
+    if not verification.results:
+        return _health_of_exact(verification)
     main = verification.main
     said = []
     if main.diverged:
@@ -64,6 +65,19 @@ def _health(verification: Verification) -> tuple[Text, ...]:
     return tuple(said)
 
 
+def _of_runs(verification: Verification) -> tuple[Section, ...]:
+    """What only an example that runs has."""
+    if not verification.results:
+        return ()
+    return _runs(verification), _controller(verification.main)
+
+
+def _health_of_exact(verification: Verification) -> tuple[Text, ...]:
+    if changed := sum(verdict.has_changed for verdict in verification.verdicts):
+        return (Text(f"{changed} of the verdicts of record changed.", "bad"),)
+    return (Text("Decided exactly: no run, no tolerance."),)
+
+
 def _problem(verification: Verification) -> Section:
     experiment = verification.experiment
     blocks: list[Block] = [Text(experiment.source, "quiet")] if experiment.source else []
@@ -83,6 +97,8 @@ def _claims(verification: Verification) -> Section:
             "measured": v.measured,
             "verdict": v.verdict,
             "correction": v.claim.correction or None,
+            "reason": _reason(v) or None,
+            "run": v.claim.run or None,
             "recorded": v.claim.recorded or None,
         }
         for v in verification.verdicts
@@ -95,9 +111,16 @@ def _verdict(verdict: Verdict) -> list[Text]:
     lines = [Text(verdict.verdict, LEVELS.get(verdict.verdict, "warning"))]
     if verdict.claim.correction:
         lines.append(Text(verdict.claim.correction, "quiet"))
+    if reason := _reason(verdict):
+        lines.append(Text(reason, "quiet"))
     if verdict.has_changed:
         lines.append(Text(f"was: {verdict.claim.recorded}", "bad"))
     return lines
+
+
+def _reason(verdict: Verdict) -> str:
+    """Why the claim does not hold, where it does not."""
+    return "" if verdict.verdict in (REPRODUCED, CORRECTED) else verdict.claim.reason
 
 
 def _runs(verification: Verification) -> Section:
@@ -126,7 +149,9 @@ def _run(name: str, result: RunResult) -> Any:
     first = result.first.run
     distance = ""
     if result.first.is_scalar:
-        values = sorted(r.comparison.worst_distance for r in result.repetitions)
+        # Of seeds the first: what all of them do is what the claims measure.
+        compared = result.repetitions[: 1 if result.specification.seeds > 1 else None]
+        values = sorted(r.comparison.worst_distance for r in compared)
         distance = f"{values[len(values) // 2]:.3g}"
         if len(values) > 1:
             distance += f"  ({values[0]:.2g} to {values[-1]:.2g} of {len(values)})"

@@ -9,9 +9,10 @@ from fractions import Fraction
 import numpy as np
 
 import rcac_numeric as rcac
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.signals.signal import Scaled, Sum
+from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
 SEEDS = 100_000  # seeds are below
 
@@ -180,7 +181,12 @@ def sweep_table(seed):
     return rcac.SweepTable(columns, ("gain",), ("rms",))
 
 
+def erratum(seed):
+    return replace(rcac.find_errata()[0], name=f"entry-{seed}")
+
+
 SAMPLES = {
+    **ESTIMATION_SAMPLES,
     # plants
     rcac.Plant: lambda seed: exact_plant(seed) if seed % 2 else plant(seed),
     rcac.PlantChange: lambda seed: schedule(seed).changes[seed % 2],
@@ -208,6 +214,15 @@ SAMPLES = {
     rcac.IdentifiedMarkovParameters: lambda seed: rcac.identify_markov_parameters(
         signals(seed)["u"], signals(seed)["y"], mu=2, n_mod=1
     ),
+    # the gallery
+    rcac.ContinuousPlant: lambda seed: rcac.ContinuousPlant(
+        random(seed, 2, 2), random(seed, 2, 1), random(seed, 1, 2), outputs=[f"y{seed}, V"]
+    ),
+    rcac.ZeroPath: lambda seed: rcac.zero_path(schedule(seed), [0, 3]),
+    rcac.OperatingPoint: lambda seed: rcac.OperatingPoint(random(seed, 2), [seed]),
+    rcac.BoostConverter: lambda seed: rcac.BoostConverter(supply=1 + seed),
+    rcac.CartPendulum: lambda seed: rcac.CartPendulum(length=1 + seed),
+    rcac.MassSpringDamper: lambda seed: rcac.MassSpringDamper(mass=1 + seed),
     # controllers
     rcac.Tap: lambda seed: rcac.Tap("y", 0, seed),
     rcac.DerivedSignal: lambda seed: rcac.DerivedSignal(random(seed, 2), [0, 1], pole=-1.0),
@@ -260,6 +275,10 @@ SAMPLES = {
     rcac.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
     ),
+    # errata
+    rcac.Erratum: erratum,
+    rcac.ErratumEvidence: lambda seed: rcac.ErratumEvidence(derivation=f"by step {seed}"),
+    rcac.Checked: lambda seed: rcac.Checked(erratum(seed), ()),
     # sweeps
     rcac.CaseResult: lambda seed: rcac.CaseResult(seed, "completed", random(seed, 3)),
     rcac.Axis: lambda seed: rcac.Axis("gain", random(seed, 3), sets="plant.gain"),
@@ -290,6 +309,7 @@ SAMPLES = {
     ),
     rcac.SweepSummary: lambda seed: rcac.summarise(sweep_table(seed), "rms"),
     # experiments, checks
+    rcac.FigureRequest: lambda seed: rcac.FigureRequest("responses", "", first=seed),
     rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),
     rcac.Experiment: experiment,
     rcac.Verification: lambda seed: rcac.verify(experiment(seed)),

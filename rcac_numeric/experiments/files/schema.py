@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rcac_numeric.experiments.exact_examples import EXACT_FILE
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.runs import TABLES
 from rcac_numeric.experiments.files.signals import SIGNAL
@@ -29,6 +30,11 @@ def json_schema() -> dict[str, Any]:
     (['claims', 'controller', 'controllers'], 'integer')
     """
     schema = FILE.schema()
+    exact = EXACT_FILE.schema()
+    schema["properties"] = {**exact["properties"], **schema["properties"]}
+    schema["properties"]["claims"] = {
+        "anyOf": [part["properties"]["claims"] for part in (FILE.schema(), exact)]
+    }
     alone: Schema = {
         name: {"$ref": f"#/$defs/{name}"} for name in TABLES if name not in ("plant", "signals")
     }
@@ -36,7 +42,7 @@ def json_schema() -> dict[str, Any]:
         "$schema": DIALECT,
         "title": "Experiment of rcac",
         **schema,
-        "required": ["plant"],
+        "anyOf": [{"required": ["plant"]}, {"required": ["exact", "claims"]}],
         "if": {
             "required": ["run"],
             "not": {"anyOf": [{"required": ["runs"]}, {"required": ["controllers"]}]},

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.experiments.analysed_run import AnalysedRun
-from rcac_numeric.experiments.cost_measures import h2_cost, high_authority_cost
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.cost_measures import h2_cost, high_authority_cost
 from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cell

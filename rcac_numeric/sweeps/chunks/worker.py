@@ -16,7 +16,7 @@ from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.streams import simulate_stream
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.sweeps.chunks.chunk import (
     FUNCTION_FAILED,
     REFUSED,

@@ -23,7 +23,9 @@ from rcac_numeric.sweeps.running.progress import Meter, Progress
 from rcac_numeric.sweeps.running.schedule import Schedule
 from rcac_numeric.sweeps.store.claims import Claim, Claims
 from rcac_numeric.sweeps.store.problems import StoreError
-from rcac_numeric.sweeps.store.store import JOURNALS, Store, coordinates_in, versions
+from rcac_numeric.sweeps.store.reading import coordinates_in
+from rcac_numeric.sweeps.store.store import JOURNALS, Store
+from rcac_numeric.sweeps.store.versions import versions
 from rcac_numeric.sweeps.study.cells import Cell
 from rcac_numeric.sweeps.study.study import Study, require_meant
 from rcac_numeric.sweeps.study.trials import tried

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins, stability_margins
 

@@ -12,9 +12,9 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.pairing import pairing
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.sweeps.study.axes import RESERVED
 from rcac_numeric.sweeps.study.canonical import plain
 from rcac_numeric.sweeps.study.margin_measures import MARGIN_MEASURES

@@ -6,7 +6,7 @@ import pytest
 from compensator_theory.errors import InputError
 from rcac_numeric import TargetModel, check_controller, load_example, target_model
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 
 
 @pytest.fixture(scope="module")

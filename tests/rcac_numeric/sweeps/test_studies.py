@@ -3,15 +3,17 @@
 import json
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric import Axis, Kept, RandomAxis, Study, load_study, run_study
+from rcac_numeric import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cells
 from rcac_numeric.sweeps.study.files import study_of, study_schema
@@ -199,7 +201,6 @@ def test_functions_must_be_found_by_workers():
 
 
 def test_the_schema_has_what_the_reader_reads():
-    import jsonschema
 
     table = {
         **studies.BASE,
@@ -217,6 +218,23 @@ def test_the_schema_has_what_the_reader_reads():
     table["study"]["repetition"] = 2
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(table, study_schema())
+
+
+SHIPPED = sorted(Path("examples/studies").glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_a_shipped_study_runs(path, tmp_path):
+    """Its first and its last cell, one run of each; the whole is run by hand."""
+    jsonschema.validate(tomllib.loads(path.read_text()), study_schema())
+    study = load_study(path)
+    ends = [Axis(a.name, [a.values[0], a.values[-1]], sets=a.sets) for a in study.axes[:1]]
+    rest = [Axis(a.name, a.values[:1], sets=a.sets) for a in study.axes[1:]]
+    small = Study(study.base, [*ends, *rest], study.keep, seed=study.seed, file=study.file)
+    run_study(small, tmp_path / "store.sqlite", workers=0)
+    table = read_table(tmp_path / "store.sqlite")
+    assert len(table) == 2 and not any(table["failure"])
+    assert len(SHIPPED) == 3
 
 
 def test_faster_measures_agree_with_those_of_claims():

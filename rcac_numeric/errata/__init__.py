@@ -1,0 +1,1 @@
+"""Where the dissertation's text is wrong, what is true, and how that is known."""

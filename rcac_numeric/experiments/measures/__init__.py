@@ -1,0 +1,1 @@
+"""What claims and studies measure: a run with its analyses, and the measures by name."""
