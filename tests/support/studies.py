@@ -93,11 +93,3 @@ def case_that_raises(rng, gain):
     if gain == 3 and rng.standard_normal() > 0:
         raise RuntimeError("no such gain")
     return case_of_functions(rng, gain)
-
-
-def slow_case(rng, steps):
-    """A Python plant that takes its time."""
-    case = case_of_functions(rng, 1.0)
-    return rcac.SimulationCase(
-        case.plant, case.settings, rng.standard_normal((steps, 1)), {"stride": steps}
-    )

@@ -108,29 +108,32 @@ def _groups(overview: SweepOverview) -> Section:
     record = {"groups": {"by": list(summary.axes), "measure": summary.measure, **columns}}
     if not len(summary):
         return Section("", (), record)
-    measured = ("measured", "median", *(f"q{q:g}" for q in summary.quantiles))
-    heads = [*summary.axes, "runs", "incomplete", "share, 95 %"]
+    measured: list[str] = []
     if summary.measure:
-        heads += measured
+        measured = ["median", *(f"q{q:g}" for q in summary.quantiles)]
+        if (summary["measured"] != summary["runs"] - summary["not_completed"]).any():
+            measured.insert(0, "measured")
+    heads = [*summary.axes, "runs", "failed", "share", *measured]
     rows = [_row(summary, i, measured) for i in range(min(len(summary), LONGEST_TABLE))]
     blocks: list[Block] = [Table(tuple(heads), tuple(rows))]
     if len(summary) > LONGEST_TABLE:
         words = f"{len(summary) - LONGEST_TABLE} more groups: --by fewer axes, --json or --export."
         blocks.append(Text(words, "quiet"))
-    of = f": {summary.measure} of the completed runs" if summary.measure else ""
+    of = ", with the 95 % interval of the share that did not complete"
+    if summary.measure:
+        of += f", and {summary.measure} of the completed runs"
     return Section("Group by group", tuple(blocks), record, of)
 
 
-def _row(summary: SweepSummary, i: int, measured: tuple[str, ...]) -> Any:
+def _row(summary: SweepSummary, i: int, measured: list[str]) -> Any:
     def entry(name: str) -> Any:
         return summary.columns[name][i]
 
-    interval = f"{_percent(entry('share_low'))} to {_percent(entry('share_high'))}"
+    interval = f"{100 * entry('share_low'):.2g}-{_percent(entry('share_high'))}"
     failed = int(entry("not_completed"))
     row: list[str | Text] = [_value(entry(name)) for name in summary.axes]
     row += [str(entry("runs")), Text(str(failed), "warning" if failed else "plain"), interval]
-    if summary.measure:
-        row += [str(entry("measured")), *(_value(entry(name)) for name in measured[1:])]
+    row += [_value(entry(name)) for name in measured]
     return cells(*row)
 
 
@@ -146,10 +149,10 @@ def _errors(overview: SweepOverview) -> Section:
 
 
 def _percent(share: Any) -> str:
-    return f"{100 * float(share):.3g} %"
+    return f"{100 * float(share):.3g}%"
 
 
 def _value(value: Any) -> str:
     if isinstance(value, float | np.floating):
-        return "-" if np.isnan(value) else f"{value:.4g}"
+        return "-" if np.isnan(value) else f"{value:.3g}"
     return shortened(str(value), 40)

@@ -24,7 +24,7 @@ class ChunkTask(Value):
     fingerprint : str
         What the worker knows it by.
     instruction_set : str
-        The instructions that all runs of the study use.
+        The instructions that all runs of the study use; empty for whatever there are.
     runs : list of (coordinates, list of (run, repetition))
         Cell by cell.
     """

@@ -84,8 +84,8 @@ def _cells(task: ChunkTask) -> Cells:
 
 
 def _use(instructions: str) -> None:
-    """All runs of a study use the same instructions, on whatever machine."""
-    if instruction_set() != instructions:
+    """All runs of a study use the same instructions on whatever machine, unless it is mixed."""
+    if instructions and instruction_set() != instructions:
         os.environ[VARIABLE] = instructions
         instruction_set()
 

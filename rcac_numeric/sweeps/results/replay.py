@@ -17,9 +17,10 @@ from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.sweeps.chunks.measuring import measured
 from rcac_numeric.sweeps.chunks.worker import run_in_full
 from rcac_numeric.sweeps.store.problems import StoreError
-from rcac_numeric.sweeps.store.reading import stored_run
-from rcac_numeric.sweeps.store.store import Store, coordinates_in, versions
+from rcac_numeric.sweeps.store.reading import coordinates_in, stored_run
+from rcac_numeric.sweeps.store.store import Store
 from rcac_numeric.sweeps.store.stored_study import study_in
+from rcac_numeric.sweeps.store.versions import versions
 from rcac_numeric.sweeps.study.cells import Cells
 
 

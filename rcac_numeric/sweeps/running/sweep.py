@@ -23,15 +23,18 @@ from rcac_numeric.sweeps.running.progress import Meter, Progress
 from rcac_numeric.sweeps.running.schedule import Schedule
 from rcac_numeric.sweeps.store.claims import Claim, Claims
 from rcac_numeric.sweeps.store.problems import StoreError
-from rcac_numeric.sweeps.store.store import JOURNALS, Store, coordinates_in, versions
+from rcac_numeric.sweeps.store.reading import coordinates_in
+from rcac_numeric.sweeps.store.store import JOURNALS, Store
+from rcac_numeric.sweeps.store.versions import versions
 from rcac_numeric.sweeps.study.cells import Cell
 from rcac_numeric.sweeps.study.study import Study, require_meant
 from rcac_numeric.sweeps.study.trials import tried
 
 # A chunk takes about so many seconds, and its runs so many bytes.
 CHUNK_SECONDS, CHUNK_BYTES, LARGEST_CHUNK = 0.3, 3e7, 512
-# Chunks under way for each worker: one that runs, one that waits, and a little more.
-WINDOW = 3
+# Chunks under way for each worker: one that runs, one that waits, and a little more; and over an
+# executor of others, whose workers nobody counts.
+WINDOW, WINDOW_OF_OTHERS = 3, 64
 
 
 class StudyInterrupted(KeyboardInterrupt):
@@ -79,7 +82,8 @@ def run_study(
         In place of processes of our own: `distributed.Client(...).get_executor(pure=False)`, or
         that of `mpi4py.futures`. It is not shut down.
     window : int, optional
-        How many chunks are under way at a time.
+        How many chunks are under way at a time: three for each process of our own, and 64 over an
+        executor; three for each worker are enough.
     progress : callable, optional
         Called with a `Progress` while it goes on; `ProgressLine()` writes it down.
     many : bool
@@ -127,13 +131,17 @@ def run_study(
         if not made:
             _require_same(opened, mixed)
             opened.grow(study)
-        return _run(opened, study, _maker(executor, count), window or WINDOW * max(count, 1),
-                    progress or _silence)  # fmt: skip
+        usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
+        under_way = usual if window is None else integer(window, "window", at_least=1)
+        instructions = "" if mixed else opened.study.instruction_set
+        make = _maker(executor, count)
+        return _run(opened, study, instructions, make, under_way, progress or _silence)
 
 
 def _run(
     store: Store,
     study: Study,
+    instructions: str,
     make: Callable[[], Executor],
     window: int,
     progress: Callable[[Progress], None],
@@ -143,7 +151,7 @@ def _run(
     progress(meter.now())
     if done == total:
         return meter.now()
-    pickled, row, blocks = pickle.dumps(study), store.study, store.blocks
+    pickled, blocks = pickle.dumps(study), store.blocks
 
     def task_of(claim: Claim) -> ChunkTask:
         block = next(b for b in reversed(blocks) if b.first_run <= claim.first)
@@ -153,7 +161,7 @@ def _run(
             (found[cell], [(run, repetition) for run, _, repetition in some])
             for cell, some in groupby(places, key=lambda place: place[1])
         ]
-        return ChunkTask(pickled, study.fingerprint, row.instruction_set, runs)
+        return ChunkTask(pickled, study.fingerprint, instructions, runs)
 
     claims = Claims(store)
     schedule = Schedule(claims, task_of, make, window, meter, progress)

@@ -54,6 +54,25 @@ def cell_columns(store: Store) -> dict[str, NDArray[Any]]:
     return columns
 
 
+def coordinates_in(store: Store, cells: range) -> dict[int, dict[str, Any]]:
+    """The coordinates of some cells."""
+    axes = store.study.resolved["axes"]
+    kinds = [is_plain(axis["values"]) for axis in axes]
+    columns = "".join(f", {quoted(axis['name'])}" for axis in axes)
+    with explained(store.path):
+        rows = store.connection.execute(
+            f"SELECT cell{columns} FROM cell WHERE cell BETWEEN ? AND ?",
+            (cells.start, cells.stop - 1),
+        ).fetchall()
+    return {
+        row[0]: {
+            axis["name"]: read(value, kind)
+            for axis, kind, value in zip(axes, kinds, row[1:], strict=True)
+        }
+        for row in rows
+    }
+
+
 def column(values: list[Any]) -> NDArray[Any]:
     """An array of one kind: integers, floats, texts, truth values; else of objects."""
     kinds = {type(value) for value in values}

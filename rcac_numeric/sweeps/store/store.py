@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import platform
 import sqlite3
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
 
 from rcac_numeric.sweeps.store.plan import (
     Block,
@@ -29,10 +26,9 @@ from rcac_numeric.sweeps.store.schema import (
     FREE,
     create_tables,
     is_plain,
-    quoted,
-    read,
     stored,
 )
+from rcac_numeric.sweeps.store.versions import versions
 from rcac_numeric.sweeps.study.canonical import canonical_json, digest
 from rcac_numeric.sweeps.study.study import Study
 
@@ -251,33 +247,3 @@ def _patiently(change: Callable[[], object]) -> None:
         else:
             return
     change()
-
-
-def coordinates_in(store: Store, cells: range) -> dict[int, dict[str, Any]]:
-    """The coordinates of some cells."""
-    axes = store.study.resolved["axes"]
-    kinds = [is_plain(axis["values"]) for axis in axes]
-    columns = "".join(f", {quoted(axis['name'])}" for axis in axes)
-    with explained(store.path):
-        rows = store.connection.execute(
-            f"SELECT cell{columns} FROM cell WHERE cell BETWEEN ? AND ?",
-            (cells.start, cells.stop - 1),
-        ).fetchall()
-    return {
-        row[0]: {
-            axis["name"]: read(value, kind)
-            for axis, kind, value in zip(axes, kinds, row[1:], strict=True)
-        }
-        for row in rows
-    }
-
-
-def versions() -> dict[str, str]:
-    """What else decides the last bits of a result."""
-    found = {"python": platform.python_version()}
-    for name in ("compensator-theory", "numpy", "scipy"):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed"
-    return found

@@ -17,6 +17,7 @@ from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.sweeps.study.axes import RESERVED
 from rcac_numeric.sweeps.study.canonical import plain
+from rcac_numeric.sweeps.study.margin_measures import MARGIN_MEASURES
 
 MeasureFunction = Callable[..., float]
 # What looks at theta while it moved; the others need its last value only.
@@ -51,6 +52,7 @@ def worst_pole_distance(r: AnalysedRun, exact: bool = False) -> float:
 # What a study may keep by name: what claims may ask for, and the faster forms of some of it.
 STUDY_MEASURES: dict[str, MeasureFunction] = {
     **MEASURES,
+    **MARGIN_MEASURES,
     "worst_pole_distance": worst_pole_distance,
 }
 

@@ -24,6 +24,7 @@ from rcac_numeric import (
     Kept,
     StoreError,
     StudyInterrupted,
+    load_study,
     read_table,
     replay_run,
     run_study,
@@ -193,6 +194,13 @@ def test_other_versions_are_refused_unless_they_are_meant(tmp_path, monkeypatch,
     with pytest.raises(StoreError, match=r"numpy .* then, 0.1 now.*mixed=True"):
         run_study(studies.study(3), store, workers=0)
     assert run_study(studies.study(3), store, workers=0, mixed=True).done == 18
+    with Store(store) as opened, opened.writing() as connection:
+        connection.execute("UPDATE study SET instruction_set = 'of another machine'")
+    with pytest.raises(StoreError, match="instructions of another machine then"):
+        run_study(studies.study(4), store, workers=0)
+    assert run_study(studies.study(4), store, workers=0, mixed=True).done == 24
+    with pytest.raises(StoreError, match="to replay it bit for bit"):
+        replay_run(store, 0)
 
 
 def test_processes_give_the_same_table_though_one_dies(undisturbed, tmp_path, small_chunks):
@@ -335,7 +343,7 @@ def test_a_study_that_is_killed_goes_on(tmp_path, in_full):
     file = tmp_path / "study.toml"
     file.write_text(studies.FILE % {"steps": 4000, "repetitions": 60})
     store, undisturbed = tmp_path / "store.sqlite", tmp_path / "undisturbed.sqlite"
-    assert _status(_sweep(file, undisturbed, "--workers", "0")) == 0
+    run_study(load_study(file), undisturbed, workers=0)
     rng = random.Random(1)
     kills = 0
     while kills < (25 if in_full else 3):
@@ -346,9 +354,11 @@ def test_a_study_that_is_killed_goes_on(tmp_path, in_full):
         while process.poll() is None and _done(store) <= before:
             time.sleep(rng.uniform(0.0, 0.05))
         time.sleep(rng.uniform(0.0, 0.1))
+        workers = _children(process.pid)
         process.kill()
         kills += _status(process) == -signal.SIGKILL
-    assert _status(_sweep(file, store, "--workers", "0")) == 0
+        assert all(map(_ends, workers)), "a worker outlives its parent"
+    run_study(load_study(file), store, workers=0)
     assert read_table(store) == read_table(undisturbed)
 
 
@@ -384,6 +394,25 @@ def _sweep(file, store, *options):
         [*command, str(file), "-o", str(store), *options],
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, cwd=ROOT,
     )  # fmt: skip
+
+
+def _children(pid):
+    """The processes that a process has started."""
+    listed = Path(f"/proc/{pid}/task/{pid}/children")
+    return listed.read_text().split() if listed.exists() else []
+
+
+def _ends(pid):
+    """Whether a process ends by itself within some seconds; a zombie has ended."""
+    for _ in range(200):
+        try:
+            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        except OSError:
+            return True
+        if state == "Z":
+            return True
+        time.sleep(0.05)
+    return False
 
 
 def _status(process):

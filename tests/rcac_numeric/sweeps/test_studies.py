@@ -235,3 +235,26 @@ def test_a_shipped_study_runs(path, tmp_path):
     table = read_table(tmp_path / "store.sqlite")
     assert len(table) == 2 and not any(table["failure"])
     assert len(SHIPPED) == 3
+
+
+def test_faster_measures_agree_with_those_of_claims():
+    """Margins with python-control; the float64 assignment of poles with the certified one."""
+    import control
+
+    from rcac_numeric.sweeps.chunks.worker import run_in_full
+    from rcac_numeric.sweeps.study.measures import STUDY_MEASURES
+
+    study = studies.study(base={**studies.BASE, "run": {"steps": 2000}}, axes=[])
+    r = run_in_full(Cells(study), {}, 3)
+    quick, exact = (STUDY_MEASURES["worst_pole_distance"](r, exact=e) for e in (False, True))
+    assert quick == pytest.approx(exact, rel=1e-6)
+    plant = control.tf([1, -0.5], np.polymul([1, -0.9], [1, -1.1]), True)
+    c = r.run.compensator
+    L = -plant * control.tf(c.numerator, c.denominator, True)
+    gain, phase, *_ = control.stability_margins(L, returnall=True)
+    assert STUDY_MEASURES["spectral_radius"](r) < 1
+    above = min((g for g in gain if g > 1), default=np.inf)
+    assert STUDY_MEASURES["gain_margin"](r) == pytest.approx(above, rel=1e-4)
+    least = min(min(abs(p), 360 - abs(p)) for p in phase)
+    assert STUDY_MEASURES["phase_margin"](r) == pytest.approx(least, rel=1e-4)
+    assert 0 < STUDY_MEASURES["disk_margin"](r) < 2 and STUDY_MEASURES["delay_margin"](r) > 0
