@@ -211,10 +211,16 @@ def filter(
     R_root: Array,
     alpha: float,
 ) -> Filter: ...
-def linearised(
-    model: EstimationModel, k: int, x: Array, u: Array
-) -> tuple[Array, Array, Array, Array]:
-    """f, F, h and H at (k, x, u)."""
+def sensitivity(
+    model: EstimationModel,
+    x: Array,
+    u: Array,
+    measured: Array,
+    scale: Array,
+    weight: Array,
+    growth: float,
+) -> Array:
+    """T, lower triangular, with TT' = O'O for the scaled and weighed observability matrix O."""
 
 def refinement(
     *,

@@ -30,8 +30,6 @@ class Consistency(Value):
         right filter are; errors of x, for NEES over one run, are not, and the interval is then
         too narrow.
     confidence : float
-    verdict : {"consistent", "optimistic", "pessimistic"}
-        Optimistic: the errors are larger than the filter says.
     """
 
     mean: float
@@ -42,7 +40,10 @@ class Consistency(Value):
 
     @property
     def verdict(self) -> str:
-        """What the interval says of the mean."""
+        """Whether the mean lies in the interval: "consistent", else "optimistic" or "pessimistic".
+
+        Optimistic: the errors are larger than the filter says.
+        """
         low, high = self.interval
         if self.mean > high:
             return "optimistic"

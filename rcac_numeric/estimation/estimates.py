@@ -136,7 +136,7 @@ def estimate(
     >>> found.x[-1].round(2)
     array([9.8, 2. ])
     """
-    kernel = compiled_filter(settings)
+    kernel, compiled = compiled_filter(settings)
     model = settings.model
     values = _with_gaps(y, model.l_y, measured)
     steps = len(values[0])
@@ -160,7 +160,7 @@ def estimate(
             nis[:kept],
             float(likelihood[:kept].sum()),
             observability_along(
-                model, x[:kept], inputs[:kept], settings.P_0, settings.R, values[1][:kept]
+                model, compiled, x[:kept], inputs[:kept], settings.P_0, settings.R, values[1][:kept]
             ),
         )
 

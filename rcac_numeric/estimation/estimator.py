@@ -12,14 +12,19 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import vector
 from rcac_numeric.arrays.values import fingerprint
-from rcac_numeric.engine.compiled.estimators import Filter, estimation_failure, make_filter
+from rcac_numeric.engine.compiled.estimators import (
+    EstimationModel,
+    Filter,
+    estimation_failure,
+    make_filter,
+)
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.estimation.models.compiled import compiled_model
 from rcac_numeric.estimation.settings import EKF, UKF, square_root
 
 
-def compiled_filter(settings: EKF | UKF) -> Filter:
-    """The filter at step 0 for the kernel."""
+def compiled_filter(settings: EKF | UKF) -> tuple[Filter, EstimationModel]:
+    """The filter at step 0 for the kernel, and its model."""
     if type(settings) not in (EKF, UKF):
         raise InputError(f"settings = {settings!r}: an EKF or a UKF is needed.")
     kind, alpha = "unscented", 1.0
@@ -28,7 +33,8 @@ def compiled_filter(settings: EKF | UKF) -> Filter:
     else:
         kind = "extended" if settings.form == "square root" else "joseph"
     P_0, Q, R = map(square_root, (settings.P_0, settings.Q, settings.R))
-    return make_filter(kind, compiled_model(settings.model), settings.x_0, P_0, Q, R, alpha)
+    model = compiled_model(settings.model)
+    return make_filter(kind, model, settings.x_0, P_0, Q, R, alpha), model
 
 
 def _rebuilt(settings: EKF | UKF, state: SavedState) -> Estimator:
@@ -60,7 +66,7 @@ class Estimator:
     """
 
     def __init__(self, settings: EKF | UKF) -> None:
-        self._kernel = compiled_filter(settings)
+        self._kernel, _ = compiled_filter(settings)
         self.settings = settings
         self._at_work = Lock()
 

@@ -12,7 +12,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.engine.compiled.estimators import estimation_failure, linearised
+from rcac_numeric.engine.compiled.estimators import EstimationModel, estimation_failure, sensitivity
 from rcac_numeric.estimation.models.any_model import AnyModel, any_model
 from rcac_numeric.estimation.models.compiled import compiled_model
 
@@ -20,6 +20,8 @@ from rcac_numeric.estimation.models.compiled import compiled_model
 LONGEST_LOOK = 300
 # Below this share of the largest sensitivity a direction is told from none by rounding only.
 ROUNDING = 1e-10
+# What grows further hides what does not.
+LARGEST_GROWTH = 1e5
 
 
 class UnobservableWarning(UserWarning):
@@ -107,41 +109,38 @@ def observability(
     inputs = signal_array(np.zeros((steps, model.l_u)) if u is None else u, "u", model.l_u, steps)
     weight = constant_weight(P_0, "P_0", model.n, definite=False)
     return observability_along(
-        model, states, inputs, weight, np.eye(model.l_y), np.ones(steps, dtype=bool)
+        model,
+        compiled_model(model),
+        states,
+        inputs,
+        weight,
+        np.eye(model.l_y),
+        np.ones(steps, dtype=bool),
     )
 
 
 def observability_along(
-    model: AnyModel, x: Array, u: Array, P_0: Array, R: Array, measured: Array
+    model: AnyModel,
+    kernel: EstimationModel,
+    x: Array,
+    u: Array,
+    P_0: Array,
+    R: Array,
+    measured: Array,
 ) -> Observability:
-    """The same of checked arrays; rows are weighed by the deviations of R."""
-    kernel = compiled_model(model)
-    x, u = np.ascontiguousarray(x), np.ascontiguousarray(u)
-    n, steps = model.n, min(len(x), LONGEST_LOOK)
-    deviation = np.sqrt(np.diag(P_0))
+    """The same of checked arrays and a compiled model; rows are weighed by the deviations of R."""
+    steps = min(len(x), LONGEST_LOOK)
+    deviation, noise = np.sqrt(np.diag(P_0)), np.sqrt(np.diag(R))
     scale = np.where(deviation > 0, deviation, 1.0)
-    noise = np.sqrt(np.diag(R))
     weight = 1.0 / np.where(noise > 0, noise, max(noise.max(initial=0.0), 1.0))
-    triangular, transition = np.zeros((n, n)), np.diag(scale)
-    for k in range(steps):
-        try:
-            _, F, _, H = linearised(kernel, k, x[k], u[k])
-        except Exception as error:
-            raise estimation_failure(error, k) from error
-        if measured[k]:
-            rows = weight[:, None] * (H @ transition)
-            if not np.isfinite(rows).all():
-                break
-            triangular = np.asarray(np.linalg.qr(np.vstack([triangular, rows]), mode="r"))
-        transition = F @ transition
-        growth = np.abs(transition).max() / scale.max()
-        if k >= n and not growth < 1e5:  # what grows would hide what does not
-            break
-    _, values, directions = np.linalg.svd(triangular)
+    there = np.ascontiguousarray(measured[:steps], dtype=float)
+    states, inputs = np.ascontiguousarray(x[:steps]), np.ascontiguousarray(u[:steps])
+    try:
+        triangular = sensitivity(kernel, states, inputs, there, scale, weight, LARGEST_GROWTH)
+    except Exception as error:
+        raise estimation_failure(error, 0) from error
+    directions, values, _ = np.linalg.svd(triangular)
     unseen = values <= ROUNDING * values.max(initial=np.finfo(float).tiny)
     return Observability(
-        model.names,
-        values,
-        tuple(scale * direction for direction in directions[unseen]),
-        steps,
+        model.names, values, tuple(scale * direction for direction in directions.T[unseen]), steps
     )

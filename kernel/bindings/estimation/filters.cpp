@@ -8,6 +8,7 @@
 #include "bindings/estimation/python_model.hpp"
 #include "bindings/owned.hpp"
 #include "estimation/extended.hpp"
+#include "estimation/observability.hpp"
 #include "estimation/tape.hpp"
 #include "estimation/unscented.hpp"
 
@@ -158,17 +159,18 @@ void run(OwnedFilter& self, const Array& u, const Array& y, const Array& measure
     }
 }
 
-nb::tuple linearised(nb::handle model, std::int64_t k, const Array& x, const Array& u) {
+nb::object sensitivity_of(nb::handle model, const Array& x, const Array& u, const Array& measured,
+                          const Array& scale, const Array& weight, double growth) {
     Model shared;
     if (!nb::try_cast(model, shared) || !shared) throw nb::type_error("this is not a model");
-    const std::size_t n = shared->n, p = shared->l_y;
-    require(x.size(), n, "x");
-    require(u.size(), shared->l_u, "u");
-    std::vector<double> next(n), F(n * n), y(p), H(p * n);
-    shared->linear_dynamics(k, x.data(), u.data(), next.data(), F.data());
-    shared->linear_output(k, x.data(), u.data(), y.data(), H.data());
-    return nb::make_tuple(to_numpy(std::move(next), {n}), to_numpy(std::move(F), {n, n}),
-                          to_numpy(std::move(y), {p}), to_numpy(std::move(H), {p, n}));
+    const std::size_t n = shared->n, steps = measured.size();
+    require(x.size(), steps * n, "x");
+    require(u.size(), steps * shared->l_u, "u");
+    require(scale.size(), n, "scale");
+    require(weight.size(), shared->l_y, "weight");
+    return nb::cast(to_numpy(sensitivity(*shared, steps, x.data(), u.data(), measured.data(),
+                                         scale.data(), weight.data(), growth),
+                             {n, n}));
 }
 
 }  // namespace
@@ -230,7 +232,8 @@ void bind_filters(nb::module_& m) {
           nb::arg("f"), nb::arg("h"), nb::arg("f_F"), nb::arg("h_H"));
     m.def("filter", &filter, nb::arg("kind"), nb::arg("model"), nb::arg("x_0"), nb::arg("S_0"),
           nb::arg("Q_root"), nb::arg("R_root"), nb::arg("alpha"));
-    m.def("linearised", &linearised, nb::arg("model"), nb::arg("k"), nb::arg("x"), nb::arg("u"));
+    m.def("sensitivity", &sensitivity_of, nb::arg("model"), nb::arg("x"), nb::arg("u"),
+          nb::arg("measured"), nb::arg("scale"), nb::arg("weight"), nb::arg("growth"));
 }
 
 }  // namespace rcac

@@ -25,7 +25,7 @@ make_refinement = _kernel.refinement
 linear_estimation_model = _kernel.linear_estimation_model
 function_estimation_model = _kernel.function_estimation_model
 tape_estimation_model = _kernel.tape_estimation_model
-linearised = _kernel.linearised
+sensitivity = _kernel.sensitivity
 
 NEXT = {
     "model": "see that the model is defined there, or bound the states that it is called with",

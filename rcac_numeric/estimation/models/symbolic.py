@@ -142,12 +142,12 @@ class SymbolicModel(Value):
     @property
     def F(self) -> sympy.Matrix:
         """The Jacobian of f with respect to [x; p]."""
-        return self.f.jacobian(list(self.x))
+        return _jacobian(self.f, self.x)
 
     @property
     def H(self) -> sympy.Matrix:
         """The Jacobian of h with respect to [x; p]."""
-        return self.h.jacobian(list(self.x))
+        return _jacobian(self.h, self.x)
 
     def function(self, of: sympy.Matrix) -> Function:
         """An expression of this model as a Python function of (k, x, u), by `sympy.lambdify`.
@@ -158,12 +158,28 @@ class SymbolicModel(Value):
             `model.f`, `model.H`, or another one in the model's symbols.
         """
         rows: Any = [list(of.row(i)) for i in range(of.rows)]
-        made = sympy.lambdify([self.step, self.x, self.inputs], rows, modules="numpy", cse=True)
+        arguments = [self.step, self.x, self.inputs]
+        try:
+            made = sympy.lambdify(arguments, rows, modules=["numpy", "scipy"], cse=True)
+        except NotImplementedError as error:
+            raise InputError(
+                f"SymPy cannot turn this model, or its derivative, into numbers: {error}. Write it "
+                "in other functions, or as a NonlinearModel."
+            ) from None
 
         def evaluated(k: int, x: Array, u: Array) -> ArrayLike:
             return np.array(made(k, x, u), dtype=float)
 
         return evaluated
+
+
+def _jacobian(of: sympy.Matrix, x: tuple[sympy.Symbol, ...]) -> sympy.Matrix:
+    """The derivative for real x, almost everywhere: of |x| the sign, at corners no impulses."""
+    real = {s: sympy.Dummy(s.name, real=True) for s in of.free_symbols | set(x)}
+    found = of.xreplace(real).jacobian([real[s] for s in x])
+    found = found.replace(sympy.DiracDelta, lambda *_: sympy.S.Zero)
+    found = found.replace(sympy.Heaviside, lambda at, *_: (1 + sympy.sign(at)) / 2)
+    return found.xreplace({dummy: symbol for symbol, dummy in real.items()})
 
 
 def _expressions(values: Iterable[sympy.Expr], name: str) -> tuple[sympy.Expr, ...]:
