@@ -7,6 +7,7 @@ from math import gcd, lcm
 import sympy
 from sympy import QQ, Expr, ImmutableMatrix, Poly, Rational, Symbol
 from sympy.polys.domains.domain import Domain
+from sympy.polys.fields import FracElement
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError, NoSolutionError
@@ -133,8 +134,12 @@ def zero_order_hold(
     n, m = given.B.shape
     zero = ImmutableMatrix.zeros(m, n + m)
     M = ImmutableMatrix(given.A.row_join(given.B).col_join(zero))
-    E = _value_at_matrix(_interpolation(poles, bases, t, field, given.variable), M, field)
-    certificate = _certificate(E, M, bases, t)
+    own = DomainMatrix.from_Matrix(M).to_field().to_dense()
+    values_of_e = _value_at_matrix(
+        _interpolation(poles, bases, t, field, given.variable), own, field
+    )
+    certificate = _certificate(values_of_e, own, bases, t, field)
+    E = ImmutableMatrix([[field.to_sympy(entry) for entry in row] for row in values_of_e])
     values = {x: sympy.exp(rate * t).subs(t, h) for x, rate, _ in bases}
     known = {x: value for x, value in values.items() if value.is_Rational}
     sampled = E.subs({t: h, **known}) if t != h or known else E
@@ -250,6 +255,8 @@ def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
         sign = 1 if all(c > 0 for c in found) else -1
         name = "x" if monomial == 1 else f"x_{monomial}" if monomial.is_Symbol else "x_"
         bases.append((_fresh(name, used), sign * unit * monomial, monomial))
+        powers = sum(int(abs(c) / unit) for c in found)
+        ask("terms", powers * (len(poles) + 1), "the matrix exponential")
     return bases
 
 
@@ -275,25 +282,43 @@ def _interpolation(
     return total
 
 
-def _value_at_matrix(poly: Poly, M: ImmutableMatrix, field: Domain) -> ImmutableMatrix:
-    matrix = DomainMatrix.from_Matrix(M).convert_to(field).to_dense()
-    one = DomainMatrix.eye(M.rows, field).to_dense()
-    value = one * field.zero
-    for coefficient in poly.rep.to_list():
-        value = value * matrix + one * coefficient
-    return ImmutableMatrix(value.to_Matrix().applyfunc(sympy.cancel))
+def _value_at_matrix(poly: Poly, M: DomainMatrix, field: Domain) -> list[list[FracElement]]:
+    """Return the value of a polynomial at a matrix; its powers have no exponentials in them."""
+    size = M.shape[0]
+    total = [[field.zero] * size for _ in range(size)]
+    power = DomainMatrix.eye(size, M.domain).to_dense()
+    for coefficient in reversed(poly.rep.to_list()):
+        for row, entries in zip(total, power.to_list(), strict=True):
+            for j, entry in enumerate(entries):
+                if entry:
+                    row[j] += coefficient * field.convert_from(entry, M.domain)
+        power = power * M
+    return total
 
 
 def _certificate(
-    E: ImmutableMatrix, M: ImmutableMatrix, bases: list[Base], t: Symbol
+    E: list[list[FracElement]],
+    M: DomainMatrix,
+    bases: list[Base],
+    t: Symbol,
+    field: Domain,
 ) -> Certificate:
-    moved = E.diff(t)
-    for x, rate, _ in bases:
-        moved += E.diff(x) * rate * x
-    start = E.subs({t: 0, **{x: 1 for x, _, _ in bases}})
-    left = [*(moved - M * E), *(start - ImmutableMatrix(sympy.eye(M.rows)))]
-    residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
-    certificate = Certificate(IDENTITY, residual)
+    rates = [(t, field.one), *((x, field.from_sympy(rate * x)) for x, rate, _ in bases)]
+    start = [(field.field.ring(t), 0), *((field.field.ring(x), 1) for x, _, _ in bases)]
+    rows = [[field.convert_from(entry, M.domain) for entry in row] for row in M.to_list()]
+    left = []
+    for i, row in enumerate(rows):
+        for j in range(len(rows)):
+            motion = sum((E[i][j].diff(field.field(x)) * rate for x, rate in rates), field.zero)
+            for factor, other in zip(row, E, strict=True):
+                motion -= factor * other[j]
+            at_start = E[i][j].numer.evaluate(start) - int(i == j) * E[i][j].denom.evaluate(start)
+            numeric = not hasattr(at_start, "as_expr")  # where every symbol has got a value
+            left += [
+                field.to_sympy(motion),
+                QQ.to_sympy(at_start) if numeric else at_start.as_expr(),
+            ]
+    certificate = Certificate(IDENTITY, ImmutableMatrix(1, len(left), left))
     if not certificate.holds:
         raise NoSolutionError(f"{certificate}; the exponential is wrong, please report it")
     return certificate

@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from sympy import Matrix, eye
 
 import compensator_theory as exact
@@ -20,6 +20,7 @@ from compensator_theory import (
 )
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
+    fewer,
     pole_polynomial,
     realisations,
     transfer_matrices,
@@ -84,7 +85,7 @@ def test_the_basis_and_the_zero_blocks(plant):
     assert found.output_decoupling == plant.unobservable_modes
 
 
-@settings(max_examples=20)
+@fewer(2)
 @given(realisations())
 def test_the_minimal_part_has_the_same_transfer_matrix(plant):
     found = minimal_realisation(plant)
@@ -109,7 +110,7 @@ def test_the_least_order_is_the_mcmillan_degree_by_minors(G):
     assert not found.order or krylov(found.realisation.A, found.realisation.B).rank() == found.order
 
 
-@settings(max_examples=10)
+@fewer(3)
 @given(transfer_matrices(extra=2))
 def test_poles_at_infinity_count(G):
     """delta(G) is the degree of all minors' poles, the point at infinity moved to 0 by s = 1/w."""
