@@ -1,28 +1,23 @@
 """Exact sampling with a zero-order hold; exponentials of the poles stay symbols."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from math import gcd, lcm
 
 import sympy
-from sympy import QQ, Expr, ImmutableMatrix, Poly, Rational, Symbol
-from sympy.polys.domains.domain import Domain
-from sympy.polys.matrices import DomainMatrix
+from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import ask, unlimited
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import from_coefficients
+from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
 from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
-
-IDENTITY = "dE/dh = M E and E = I at h = 0, for E = exp(M h), M = [[A, B], [0, 0]]"
 
 
 @dataclass(frozen=True)
@@ -124,18 +119,15 @@ def zero_order_hold(
         raise InputError(f"the plant contains {h}, the step; name the step otherwise")
     used = {str(x) for x in given.A.free_symbols | given.B.free_symbols | given.C.free_symbols}
     used |= {str(x) for x in given.D.free_symbols | h.free_symbols} | {z.name}
-    t = h if isinstance(h, Symbol) else _fresh("h", used)
-    poles = _poles(characteristic_polynomial(given.A, given.variable))
-    bases = _bases(list(poles), used)
-    symbols = {t: 1, **{x: 1 for x, _, _ in bases}}
-    symbols |= dict.fromkeys(sorted(given.A.free_symbols | given.B.free_symbols, key=str), 1)
-    field = QQ.frac_field(*symbols)
+    t = h if isinstance(h, Symbol) else fresh_symbol("h", used)
     n, m = given.B.shape
     zero = ImmutableMatrix.zeros(m, n + m)
     M = ImmutableMatrix(given.A.row_join(given.B).col_join(zero))
-    E = _value_at_matrix(_interpolation(poles, bases, t, field, given.variable), M, field)
-    certificate = _certificate(E, M, bases, t)
-    values = {x: sympy.exp(rate * t).subs(t, h) for x, rate, _ in bases}
+    poles = characteristic_polynomial(given.A, given.variable)
+    annihilator = canonical(poles * Poly(given.variable, given.variable, domain=QQ))
+    found = matrix_exponential(M, annihilator, t, used)
+    E = found.value
+    values = {x: sympy.exp(rate * t).subs(t, h) for x, rate in found.rates}
     known = {x: value for x, value in values.items() if value.is_Rational}
     sampled = E.subs({t: h, **known}) if t != h or known else E
     if any(e.has(sympy.log, sympy.exp) for e in sampled):
@@ -147,7 +139,7 @@ def zero_order_hold(
         result = Realisation(sampled[:n, :n], sampled[:n, n:], given.C, given.D, z)
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
     exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in sampled)
-    return SampledPlant(result, h, meaning, exceptional, certificate)
+    return SampledPlant(result, h, meaning, exceptional, found.certificate)
 
 
 def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z") -> Poly:
@@ -190,10 +182,6 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
     return from_coefficients(coefficients, as_symbol(variable))
 
 
-Base = tuple[Symbol, Expr, Expr]
-"""A symbol x = exp(rate h), its rate, and the monomial that the rate is a multiple of."""
-
-
 def _positive(step: NumberLike) -> Expr:
     logarithm = isinstance(step, Expr) and step.is_number and bool(step.has(sympy.log))
     h: Expr = sympy.sympify(step if logarithm else exact_number(step))
@@ -202,98 +190,3 @@ def _positive(step: NumberLike) -> Expr:
     if not (h.is_number or isinstance(h, Symbol)):
         raise InputError(f"the step {step} must be a symbol or a number, such as 'h' or 0.1")
     return h
-
-
-def _fresh(name: str, used: set[str]) -> Symbol:
-    while name in used:
-        name += "_"
-    used.add(name)
-    return Symbol(name)
-
-
-def _poles(poly: Poly) -> dict[Expr, int]:
-    """Return the poles with multiplicity, and the 0 of the hold."""
-    poles: dict[Expr, int] = {sympy.Integer(0): 1}
-    for factor, multiplicity in poly.factor_list()[1]:
-        if factor.degree() > 1:
-            raise InputError(
-                f"the roots of {factor.as_expr()} are no rational poles; write the plant with "
-                "symbols for its poles, or approximate them by rational numbers"
-            )
-        leading, constant = factor.all_coeffs()
-        pole = sympy.expand(sympy.cancel(-constant / leading))
-        poles[pole] = poles.get(pole, 0) + multiplicity
-    return poles
-
-
-def _parts(pole: Expr) -> dict[Expr, Rational]:
-    """Return the rational coefficients of a pole by monomials in the symbols."""
-    found = {}
-    for term in sympy.Add.make_args(pole):
-        coefficient, monomial = term.as_coeff_Mul()
-        powers = monomial.as_powers_dict() if monomial != 1 else {}
-        if not all(base.is_Symbol and power.is_Integer for base, power in powers.items()):
-            raise InputError(f"the pole {pole} is no sum of monomials; write a symbol in its place")
-        if coefficient != 0:
-            found[monomial] = coefficient
-    return found
-
-
-def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
-    rates: dict[Expr, list[Rational]] = {}
-    for pole in poles:
-        for monomial, coefficient in _parts(pole).items():
-            rates.setdefault(monomial, []).append(coefficient)
-    bases = []
-    for monomial, found in rates.items():
-        unit = Rational(gcd(*(int(c.p) for c in found)), lcm(*(int(c.q) for c in found)))
-        sign = 1 if all(c > 0 for c in found) else -1
-        name = "x" if monomial == 1 else f"x_{monomial}" if monomial.is_Symbol else "x_"
-        bases.append((_fresh(name, used), sign * unit * monomial, monomial))
-    return bases
-
-
-def _interpolation(
-    poles: dict[Expr, int], bases: list[Base], t: Symbol, field: Domain, s: Symbol
-) -> Poly:
-    """Return the polynomial in s that equals exp(s t) at the poles, with its derivatives."""
-    whole = Poly(1, s, domain=field)
-    for pole, multiplicity in poles.items():
-        whole *= Poly(s - pole, s, domain=field) ** multiplicity
-    total = Poly(0, s, domain=field)
-    for pole, multiplicity in poles.items():
-        linear = Poly(s - pole, s, domain=field)
-        local = linear**multiplicity
-        parts = _parts(pole)
-        value = sympy.prod(x ** (parts.get(mono, 0) * mono / rate) for x, rate, mono in bases)
-        series = Poly(0, s, domain=field)
-        for k in range(multiplicity):
-            series += linear**k * Poly(t**k / sympy.factorial(k), s, domain=field)
-        cofactor = whole.exquo(local)
-        series = (series * Poly(value, s, domain=field) * cofactor.invert(local)).rem(local)
-        total += series * cofactor
-    return total
-
-
-def _value_at_matrix(poly: Poly, M: ImmutableMatrix, field: Domain) -> ImmutableMatrix:
-    matrix = DomainMatrix.from_Matrix(M).convert_to(field).to_dense()
-    one = DomainMatrix.eye(M.rows, field).to_dense()
-    value = one * field.zero
-    for coefficient in poly.rep.to_list():
-        value = value * matrix + one * coefficient
-    return ImmutableMatrix(value.to_Matrix().applyfunc(sympy.cancel))
-
-
-def _certificate(
-    E: ImmutableMatrix, M: ImmutableMatrix, bases: list[Base], t: Symbol
-) -> Certificate:
-    moved = E.diff(t)
-    for x, rate, _ in bases:
-        moved += E.diff(x) * rate * x
-    start = E.subs({t: 0, **{x: 1 for x, _, _ in bases}})
-    left = [*(moved - M * E), *(start - ImmutableMatrix(sympy.eye(M.rows)))]
-    residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
-    certificate = Certificate(IDENTITY, residual)
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the exponential is wrong, please report it")
-    return certificate

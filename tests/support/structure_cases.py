@@ -3,6 +3,7 @@
 import itertools
 
 import sympy
+from hypothesis import settings
 from hypothesis import strategies as st
 from sympy import Matrix, Poly, Rational
 
@@ -64,6 +65,11 @@ def realisations(draw, max_block=2, max_signals=2):
             C[:, i] = sympy.zeros(p, 1)
     D = draw(matrices(p, m))
     return exact.Realisation(*disguised(A, B, C, draw(unimodular_matrices(n))), D)
+
+
+def fewer(share):
+    """Settings with a part of the profile's examples, for what takes long."""
+    return settings(max_examples=max(5, settings.default.max_examples // share))
 
 
 def minors(matrix, size):

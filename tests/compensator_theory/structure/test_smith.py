@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sympy import QQ, Matrix, Poly, eye
 from sympy.matrices.normalforms import smith_normal_form
@@ -24,6 +24,7 @@ from compensator_theory import (
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,
+    fewer,
     minors,
     pole_polynomial,
     polynomial_matrices,
@@ -61,7 +62,7 @@ def test_the_unimodular_matrices_multiplied_out_by_sympy(P):
     assert found.certificate.holds and found.exceptional == ()
 
 
-@settings(max_examples=15)
+@fewer(2)
 @given(polynomial_matrices())
 def test_sympy_agrees(P):
     theirs = smith_normal_form(P.as_matrix(), domain=QQ[s])
@@ -143,7 +144,7 @@ def test_the_trap_of_symbols_is_named():
     assert smith_mcmillan_form("(s - a)/((s - 1)*(s - 2))", "s").exceptional == (a - 1, a - 2)
 
 
-@settings(max_examples=8)
+@fewer(4)
 @given(st.integers(-3, 3), st.integers(-3, 3))
 def test_off_the_exceptional_set_the_form_specialises(x, y):
     P = Matrix([[s + a, 1, b], [0, s + b, s * a], [b * s, 0, a - 1]])

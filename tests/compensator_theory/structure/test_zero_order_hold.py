@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 import scipy.signal
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Matrix, Rational, Symbol, log
 
 import compensator_theory as exact
 from compensator_theory import (
-    InputError,
     Realisation,
     polynomial,
     sampling_zero_polynomial,
@@ -20,6 +19,7 @@ from compensator_theory import (
 )
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
+from tests.support.structure_cases import fewer
 
 h, x, a = sympy.symbols("h x a")
 
@@ -41,7 +41,7 @@ def numbers(matrix, values):
     return np.array(value.tolist(), dtype=float).reshape(matrix.shape)
 
 
-@settings(max_examples=15)
+@fewer(2)
 @given(plants(), st.sampled_from([Rational(1, 10), Rational(1), Rational(7, 3)]))
 def test_scipy_agrees(plant, step):
     found = zero_order_hold(plant, step)
@@ -54,7 +54,7 @@ def test_scipy_agrees(plant, step):
     assert found.realisation.C == plant.C and found.realisation.D == plant.D
 
 
-@settings(max_examples=15)
+@fewer(2)
 @given(plants())
 def test_two_steps_are_one_of_twice_the_length(plant):
     """x_(k+2) of a held input: A_d(2h) = A_d(h)**2 and B_d(2h) = (A_d + I) B_d, as polynomials."""
@@ -66,7 +66,7 @@ def test_two_steps_are_one_of_twice_the_length(plant):
     assert (twice_b - (found.A + identity) * found.B).applyfunc(sympy.cancel).is_zero_matrix
 
 
-@settings(max_examples=15)
+@fewer(2)
 @given(plants())
 def test_the_poles_are_exponentials(plant):
     found = zero_order_hold(plant)
@@ -161,6 +161,7 @@ def test_a_name_that_is_taken():
         lambda: zero_order_hold("1/(s + 1)", discrete_variable="s"),
         lambda: zero_order_hold("s"),
         lambda: zero_order_hold(None),
+        lambda: zero_order_hold("1/((s + 1)*(s + 1000000007))"),
         lambda: sampling_zero_polynomial(0),
         lambda: sampling_zero_polynomial(True),
         lambda: sampling_zero_polynomial(10**6),
@@ -169,4 +170,3 @@ def test_a_name_that_is_taken():
 def test_bad_input(call):
     with pytest.raises(exact.CompensatorError):
         call()
-    assert issubclass(InputError, exact.CompensatorError)

@@ -4,7 +4,7 @@ import control
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from sympy import Matrix, Poly, eye
 
 import compensator_theory as exact
@@ -20,7 +20,7 @@ from compensator_theory import (
     smith_mcmillan_form,
     transmission_zeros,
 )
-from tests.support.structure_cases import G_OF_THE_NOTES, realisations, transfer_matrices
+from tests.support.structure_cases import G_OF_THE_NOTES, fewer, realisations, transfer_matrices
 
 s, a, b = sympy.symbols("s a b")
 HIDDEN = (
@@ -73,7 +73,7 @@ def test_of_a_square_plant_they_are_the_roots_of_the_determinant(plant):
             assert invariant_zeros(plant).polynomial == exact.monic(polynomial(determinant, "s"))
 
 
-@settings(max_examples=15)
+@fewer(2)
 @given(realisations(max_block=1))
 def test_decoupling_zeros_are_the_hidden_modes(plant):
     reach, show = input_decoupling_zeros(plant), output_decoupling_zeros(plant)
