@@ -22,7 +22,13 @@ PUBLIC = [getattr(rcac, name) for name in rcac.__all__]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
 DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
-NO_DATA = {rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted}
+NO_DATA = {
+    rcac.Controller,
+    rcac.RecursiveMarkov,
+    rcac.Simulator,
+    rcac.Signal,
+    rcac.RunInterrupted,
+}
 
 FRESH = """
 import pickle, struct, sys
