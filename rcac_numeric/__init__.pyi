@@ -72,6 +72,8 @@ from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
 from .identification.bootstrap import BootstrapZeros as BootstrapZeros
 from .identification.bootstrap import bootstrap_zeros as bootstrap_zeros
+from .identification.data_targets import DataTarget as DataTarget
+from .identification.data_targets import target_from_data as target_from_data
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.era import eigensystem_realisation as eigensystem_realisation
 from .identification.modelling import (

@@ -81,7 +81,7 @@ class IdentifiedZeros(Value):
 
     def __str__(self) -> str:
         rows = zip(self.zeros.tolist(), self.modulus_error.tolist(), self.phases(), strict=True)
-        lines = [f"{zero:.6g}, modulus {abs(zero):.6g} +- {e:.2g}, {p}" for zero, e, p in rows]
+        lines = [f"{plain_number(z):.6g}, modulus {abs(z):.6g} +- {e:.2g}, {p}" for z, e, p in rows]
         return "\n".join([f"order {self.order}, relative degree {self.d_zu}", *lines])
 
 
@@ -202,6 +202,18 @@ def _level(level: float) -> float:
     if not 0 < value < 1:
         raise InputError(f"level = {value:g}; a level of confidence is between 0 and 1.")
     return value
+
+
+def plain_number(zero: complex) -> complex | float:
+    """A complex number without imaginary part as a float.
+
+    Examples
+    --------
+    >>> from rcac_numeric.identification.zeros import plain_number
+    >>> plain_number(1.5 + 0j)
+    1.5
+    """
+    return zero.real if zero.imag == 0 else zero
 
 
 def _phase(gap: float) -> str:

@@ -216,6 +216,7 @@ SAMPLES = {
     rcac.BootstrapZeros: lambda seed: rcac.bootstrap_zeros(
         *first_order(seed), mu=4, n_mod=1, order=1, seed=seed, replicates=3
     ),
+    rcac.DataTarget: lambda seed: rcac.target_from_data(*first_order(seed), mu=5, n_mod=1, order=1),
     # the gallery
     rcac.ContinuousPlant: lambda seed: rcac.ContinuousPlant(
         random(seed, 2, 2), random(seed, 2, 1), random(seed, 1, 2), outputs=[f"y{seed}, V"]
