@@ -16,7 +16,7 @@ class NeweyWest:
     """The residual is coloured, or its variance changes: the sandwich of Newey and West.
 
     cov theta = (Phi' Phi)^-1 S (Phi' Phi)^-1,
-    S = sum_{|l| <= lags} (1 - |l|/(lags + 1)) sum_k s(k) s(k - l)',  s(k) = phi(k) e(k)
+    S = sum_{-lags <= l <= lags} (1 - abs(l)/(lags + 1)) sum_k s(k) s(k - l)',  s(k) = phi(k) e(k)
 
     scaled by rows/(rows - coefficients) and by 1/(1 - b + b^2/3), b = lags/rows, which is what the
     sum over k of s(k), zero by the normal equations, takes away from S.

@@ -41,8 +41,8 @@ def order_from_singular_values(
     Raises
     ------
     InputError
-        If there are fewer than 3 parameters, the Hankel matrix is too small for the order, or has
-        a smaller rank, or no singular value stands out of the errors.
+        If there are fewer than 3 parameters, or the Hankel matrix is too small for the order or has
+        a smaller rank.
 
     Examples
     --------

@@ -13,7 +13,7 @@ from rcac_numeric.arrays.validation import integer, number, vector
 class RecursiveMarkov:
     """The least squares of (3.8), one sample at a time, with exponential forgetting.
 
-    minimise sum_k lambda^(K-k) |y(k) - theta phi(k)|^2
+    minimise sum_k lambda^(K-k) norm(y(k) - theta phi(k))^2
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class RecursiveMarkov:
     Notes
     -----
     Square-root information form: one triangular factor, updated by a QR decomposition, so that
-    nothing is squared and there is no initial covariance; with lambda_ = 1 the estimate is that of
+    nothing is squared and there is no initial covariance; with `lambda_` = 1 the estimate is that of
     the batch. The covariance is summed from the errors of prediction, which know only the past, so
     that it is on the safe side at first.
 

@@ -73,7 +73,8 @@ def identify_windows(
     Raises
     ------
     InputError
-        If u and y are not equally long, or the record is shorter than a window.
+        If u and y are not equally long, the record is shorter than a window, or a setting is out
+        of range.
 
     Notes
     -----
@@ -94,6 +95,7 @@ def identify_windows(
     U, Y = as_signal(u, "u"), as_signal(y, "y")
     if len(U) != len(Y):
         raise InputError(f"u has {len(U)} steps and y has {len(Y)}; they must be equally long.")
+    integer(mu, "mu", at_least=1), integer(n_mod, "n_mod")  # what no window could mend
     length = integer(window, "window", at_least=1)
     stride = length if step is None else integer(step, "step", at_least=1)
     if len(U) < length:

@@ -111,7 +111,7 @@ def identified_zeros(
     ------
     InputError
         If the map is not square, no parameter is significant, the first significant one is
-        singular, the Hankel matrix is too small for the order, or no singular value stands out.
+        singular, or the Hankel matrix is too small for the order or has a smaller rank.
     IllConditionedError
         If two zeros coincide, or the order cuts between equal singular values.
 

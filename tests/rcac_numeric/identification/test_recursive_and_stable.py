@@ -114,6 +114,24 @@ def test_markov_parameters_are_those_of_python_control():
     assert ours.H.ravel() == pytest.approx(theirs, abs=1e-9)
 
 
+def test_a_realisation_of_two_inputs_and_outputs_is_that_of_python_control():
+    """From identified parameters with noise; compared by frequency response, the basis is free."""
+    rng = np.random.default_rng(0)
+    u = rng.standard_normal((400, 2))
+    x, y = np.zeros(3), []
+    A, B, C = np.diag([0.8, 0.5, -0.3]), rng.normal(size=(3, 2)), rng.normal(size=(2, 3))
+    for value in u:
+        y.append(C @ x + 0.01 * rng.standard_normal(2))
+        x = A @ x + B @ value
+    H = identify_markov_parameters(u, y, 9, 3).H
+    ours = eigensystem_realisation(H, 3)
+    theirs, size = control.eigensys_realization(H.transpose(1, 2, 0), 3, m=4, n=4)
+    assert ours.singular_values == pytest.approx(size[: len(ours.singular_values)])
+    for q in np.exp(1j * np.linspace(0.1, 3, 5)):
+        response = ours.C @ np.linalg.solve(q * np.eye(3) - ours.A, ours.B) + ours.D
+        assert response == pytest.approx(theirs(q), abs=1e-9)
+
+
 @given(st.integers(0, 2**32), st.integers(1, 4))
 def test_a_stable_realisation_is_stable_whatever_the_data(seed, order):
     H = np.random.default_rng(seed).normal(size=(12, 2, 2)) * 2.0 ** np.arange(12)[:, None, None]

@@ -184,6 +184,7 @@ U, Y = noisy(REAL, 200, 0)
         (lambda: bootstrap_zeros(U, Y, 6, 2, order=2, seed=0, block=60), "fewer than four blocks"),
         (lambda: identify_windows(U, Y, 6, 2, window=300), "200 samples, fewer than a window"),
         (lambda: identify_windows(U, Y[1:], 6, 2), "u has 200 steps and y has 199"),
+        (lambda: identify_windows(U, Y, 0, 2), "mu = 0"),
         (lambda: NeweyWest(lags=-1), "lags = -1"),
     ],
 )
