@@ -105,6 +105,10 @@ from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
+from .identification.bootstrap import BootstrapZeros as BootstrapZeros
+from .identification.bootstrap import bootstrap_zeros as bootstrap_zeros
+from .identification.data_targets import DataTarget as DataTarget
+from .identification.data_targets import target_from_data as target_from_data
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.era import eigensystem_realisation as eigensystem_realisation
 from .identification.modelling import (
@@ -112,6 +116,12 @@ from .identification.modelling import (
 )
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.mu_markov import identify_markov_parameters as identify_markov_parameters
+from .identification.noise_models import NeweyWest as NeweyWest
+from .identification.recursive import RecursiveMarkov as RecursiveMarkov
+from .identification.windows import IdentifiedWindow as IdentifiedWindow
+from .identification.windows import identify_windows as identify_windows
+from .identification.zeros import IdentifiedZeros as IdentifiedZeros
+from .identification.zeros import identified_zeros as identified_zeros
 from .margins.boundaries import StabilityBoundary as StabilityBoundary
 from .margins.classical import Margins as Margins
 from .margins.classical import stability_margins as stability_margins

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.identification.order import hankel_matrix, order_from_singular_values
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ class EigensystemRealisation(Value):
 
 
 def eigensystem_realisation(
-    H: ArrayLike, order: int | None = None, error: ArrayLike = 0.0
+    H: ArrayLike, order: int | None = None, error: ArrayLike = 0.0, *, stable: bool = False
 ) -> EigensystemRealisation:
     """Realise Markov parameters by the eigensystem realisation algorithm (ERA), section 3.6.
 
@@ -56,6 +57,11 @@ def eigensystem_realisation(
     error : array that can be broadcast to the shape of H
         Standard error of each parameter, for the default order; an error of
         eps * max(abs(H)) * (side of K_0) is assumed at least.
+    stable : bool
+        Take A = S^(-1/2) U' (U one block higher, zeros below) S^(1/2), whose eigenvalues are
+        inside the unit circle whatever the data: U' and the shift have norm 1, and the shift has
+        no eigenvalue but 0. It costs a bias where the parameters have not died out at the end of
+        K_0, and stabilises an unstable plant wrongly.
 
     Raises
     ------
@@ -65,8 +71,9 @@ def eigensystem_realisation(
 
     Notes
     -----
-    Source: [96] of the text. The same realisation, up to the sign of each state, as
-    `control.eigensys_realization` gives for the same Hankel matrix.
+    Source: [96] of the text; `stable` after J. M. Maciejowski, Guaranteed stability with subspace
+    methods, Systems and Control Letters 26 (1995). The same realisation, up to the sign of each
+    state, as `control.eigensys_realization` gives for the same Hankel matrix.
 
     Examples
     --------
@@ -85,30 +92,18 @@ def eigensystem_realisation(
     rows = len(parameters) // 2
     columns = len(parameters) - 1 - rows
     _, l_z, l_u = parameters.shape
-    K_0, K_1 = (_hankel(parameters[1 + shift :], rows, columns) for shift in (0, 1))
-    U, size, Vt = np.linalg.svd(K_0)
-    if order is None:
-        largest = np.abs(parameters).max()
-        floor = np.finfo(float).eps * largest * max(K_0.shape)
-        errors = np.maximum(_errors(error, parameters.shape), floor)
-        # Squares of numbers near 1, which a norm of very large or small ones would not form.
-        unit = largest or 1.0
-        n = int((size / unit > np.linalg.norm(_hankel(errors[1:] / unit, rows, columns))).sum())
-    else:
-        n = integer(order, "order")
-    if n > size.size:
-        raise InputError(
-            f"order = {n}, but {len(parameters)} Markov parameters give a Hankel matrix of rank "
-            f"{size.size} at most. Estimate more of them: a larger mu."
-        )
-    if n and size[n - 1] == 0:
-        raise InputError(
-            f"order = {n}, but the Hankel matrix has rank {np.count_nonzero(size)}; lower it."
-        )
+    n, size = order_from_singular_values(parameters, _errors(error, parameters.shape), order)
+    K_0, K_1 = (hankel_matrix(parameters, 1 + shift, rows, columns) for shift in (0, 1))
+    U, _, Vt = np.linalg.svd(K_0)
     root = np.sqrt(size[:n])
     left, right = U[:, :n] / root, (Vt[:n] / root[:, None]).T
+    if stable:
+        up = np.vstack([U[l_z:, :n], np.zeros((l_z, n))])
+        A = left.T @ (up * root)
+    else:
+        A = left.T @ K_1 @ right
     return EigensystemRealisation(
-        A=left.T @ K_1 @ right,
+        A=A,
         B=(root[:, None] * Vt[:n])[:, :l_u],
         C=(U[:, :n] * root)[:l_z],
         D=parameters[0].copy(),
@@ -127,10 +122,3 @@ def _errors(error: ArrayLike, shape: tuple[int, ...]) -> Array:
     if (fitted < 0).any():
         raise InputError(f"error has the entry {fitted.min():g}; a standard error is at least 0.")
     return fitted
-
-
-def _hankel(parameters: Array, rows: int, columns: int) -> Array:
-    return np.asarray(
-        np.block([[parameters[i + j] for j in range(columns)] for i in range(rows)]),
-        dtype=np.float64,
-    )

@@ -5,13 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, number, real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.identification.noise_models import (
+    NeweyWest,
+    coefficient_covariance,
+    degrees_of_freedom,
+)
+from rcac_numeric.identification.regressors import as_signal, lagged
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,12 +28,16 @@ class IdentifiedMarkovParameters(Value):
     H : array, shape (mu, l_y, l_u)
         The Markov parameters H_0, ..., H_(mu-1).
     standard_error : array, shape (mu, l_y, l_u)
-        Of each entry of H, from the residual as if it were white; at least the bound of rounding
+        Of each entry of H; at least the bound of rounding
         eps * (number of equations) * condition_number * max(abs(H)).
+    covariance : array, shape (mu l_y l_u, mu l_y l_u)
+        Of H.ravel(), with the squares of standard_error on its diagonal.
     a, b : arrays, shapes (n_mod, l_y, l_y) and (n_mod, l_y, l_u)
         The other coefficients of (3.8), those of smallest norm where several fit equally well.
     residual : array, shape (rows, l_y)
         What (3.8) leaves unexplained, one row for each equation.
+    freedom : float
+        Degrees of freedom of the covariance.
     condition_number : float
         Of the regressors of H, after the other regressors have been projected out of them and
         each has been scaled to length 1.
@@ -36,9 +45,11 @@ class IdentifiedMarkovParameters(Value):
 
     H: Array
     standard_error: Array
+    covariance: Array
     a: Array
     b: Array
     residual: Array
+    freedom: float
     condition_number: float
 
     @property
@@ -69,7 +80,11 @@ class IdentifiedMarkovParameters(Value):
 
 
 def identify_markov_parameters(
-    u: ArrayLike, y: ArrayLike, mu: int, n_mod: int
+    u: ArrayLike,
+    y: ArrayLike,
+    mu: int,
+    n_mod: int,
+    noise: NeweyWest | None = NeweyWest(),  # noqa: B008 (frozen)
 ) -> IdentifiedMarkovParameters:
     """The Markov parameters from u to y by least squares, (3.8)-(3.10).
 
@@ -83,6 +98,9 @@ def identify_markov_parameters(
         Number of Markov parameters, at least 1.
     n_mod : int
         Order of the model; at least that of the plant for the model to be exact.
+    noise : NeweyWest, optional
+        How the standard errors come about; None takes the residual as white, the textbook's
+        (Phi' Phi)^-1 x Sigma, which misses how coloured noise correlates the parameters.
 
     Raises
     ------
@@ -109,7 +127,7 @@ def identify_markov_parameters(
     >>> identify_markov_parameters(u, y, mu=4, n_mod=2).H.ravel().round(6) + 0.0
     array([0., 2., 2., 1.])
     """
-    U, Y = _signal(u, "u"), _signal(y, "y")
+    U, Y = as_signal(u, "u"), as_signal(y, "y")
     if len(U) != len(Y):
         raise InputError(f"u has {len(U)} steps and y has {len(Y)}; they must be equally long.")
     mu, n_mod = integer(mu, "mu", at_least=1), integer(n_mod, "n_mod")
@@ -120,9 +138,9 @@ def identify_markov_parameters(
             f"{len(U)} samples give {max(rows, 0)} equations for {unknowns} coefficients of each "
             f"output; record at least {unknowns + window - 1} samples, or lower mu or n_mod."
         )
-    past_u = _lagged(U, window)
+    past_u = lagged(U, window)
     recent, older = past_u[:, : mu * l_u], past_u[:, mu * l_u :]
-    rest = np.hstack([older, -_lagged(Y, window)[:, mu * l_y :]])
+    rest = np.hstack([older, -lagged(Y, window)[:, mu * l_y :]])
     present = Y[window - 1 :]
     _require_excitation(U, window)
 
@@ -142,39 +160,28 @@ def identify_markov_parameters(
     theta_rest = _least_norm(rest, explained)
     residual = explained - rest @ theta_rest
     freedom = max(rows - mu * l_u - directions.shape[1], 1)
-    variance = (residual**2).sum(axis=0) / freedom
-    inverse = np.diag(np.linalg.inv((pure / lengths).T @ (pure / lengths))) / lengths**2
+    inverse = np.linalg.inv((pure / lengths).T @ (pure / lengths)) / np.outer(lengths, lengths)
     condition_number = float(size[0] / size[-1])
     rounding = np.finfo(float).eps * rows * condition_number * np.abs(theta_H).max()
-    standard_error = np.maximum(np.sqrt(np.outer(inverse, variance)), rounding)
+    spread = coefficient_covariance(pure, inverse, residual, freedom, noise)
+    covariance = _of_parameters(spread, mu, l_u, rounding)
+    shape = (mu, Y.shape[1], l_u)
     cut = n_mod * l_u
     return IdentifiedMarkovParameters(
         H=_as_matrices(theta_H, mu, l_u),
-        standard_error=_as_matrices(standard_error, mu, l_u),
+        standard_error=real_array(np.sqrt(np.diag(covariance)).reshape(shape), "standard errors"),
+        covariance=real_array(covariance, "covariance"),
         b=_as_matrices(theta_rest[:cut], n_mod, l_u),
         a=_as_matrices(theta_rest[cut:], n_mod, l_y),
         residual=real_array(residual, "residual"),
+        freedom=degrees_of_freedom(rows, freedom, noise),
         condition_number=condition_number,
     )
 
 
-def _signal(value: ArrayLike, name: str) -> Array:
-    array = real_array(value, name)
-    array = array.reshape(-1, 1) if array.ndim == 1 else array
-    if array.ndim != 2 or array.size == 0:
-        raise InputError(f"{name} has shape {array.shape}; (steps, number of signals) is needed.")
-    return array
-
-
-def _lagged(signal: Array, window: int) -> Array:
-    """Rows [s(k)', s(k-1)', ..., s(k-window+1)'] for k = window-1, ..., steps-1."""
-    rows = sliding_window_view(signal, window, axis=0)[:, :, ::-1]
-    return np.ascontiguousarray(rows.transpose(0, 2, 1)).reshape(len(rows), -1)
-
-
 def _require_excitation(u: Array, order: int) -> None:
     def excites(length: int) -> bool:
-        rows = _lagged(u, length)
+        rows = lagged(u, length)
         return int(np.linalg.matrix_rank(rows)) >= int(rows.shape[1])
 
     if excites(order):
@@ -202,6 +209,15 @@ def _column_space(columns: Array) -> Array:
 def _least_norm(columns: Array, target: Array) -> Array:
     left, size, right, lengths = _scaled_svd(columns)
     return np.asarray((right.T @ ((left.T @ target) / size[:, None])) / lengths[:, None])
+
+
+def _of_parameters(spread: Array, mu: int, l_u: int, rounding: float) -> Array:
+    """From theta, whose rows are (lag, input), to H.ravel(), that is (lag, output, input)."""
+    l_y = spread.shape[1]
+    sixfold = spread.reshape(mu, l_u, l_y, mu, l_u, l_y).transpose(0, 2, 1, 3, 5, 4)
+    covariance = sixfold.reshape(mu * l_y * l_u, mu * l_y * l_u)
+    missing = np.maximum(rounding**2 - np.diag(covariance), 0.0)
+    return np.asarray(covariance + np.diag(missing))
 
 
 def _as_matrices(stacked: Array, count: int, width: int) -> Array:

@@ -183,6 +183,14 @@ def sweep_table(seed):
 
 def erratum(seed):
     return replace(rcac.find_errata()[0], name=f"entry-{seed}")
+def first_order(seed):
+    """u and y of a plant without memory of its output, with noise."""
+    u = random(seed, 80)
+    return u, u - 1.5 * np.r_[0, u[:-1]] + 0.5 * np.r_[0, 0, u[:-2]] + 0.01 * random(seed + 1, 80)
+
+
+def identified_window(seed):
+    return rcac.identify_windows(*first_order(seed), mu=5, n_mod=1, order=1)[0]
 
 
 SAMPLES = {
@@ -214,6 +222,13 @@ SAMPLES = {
     rcac.IdentifiedMarkovParameters: lambda seed: rcac.identify_markov_parameters(
         signals(seed)["u"], signals(seed)["y"], mu=2, n_mod=1
     ),
+    rcac.NeweyWest: lambda seed: rcac.NeweyWest(lags=seed),
+    rcac.IdentifiedZeros: lambda seed: identified_window(seed).zeros,
+    rcac.IdentifiedWindow: identified_window,
+    rcac.BootstrapZeros: lambda seed: rcac.bootstrap_zeros(
+        *first_order(seed), mu=4, n_mod=1, order=1, seed=seed, replicates=3
+    ),
+    rcac.DataTarget: lambda seed: rcac.target_from_data(*first_order(seed), mu=5, n_mod=1, order=1),
     # the gallery
     rcac.ContinuousPlant: lambda seed: rcac.ContinuousPlant(
         random(seed, 2, 2), random(seed, 2, 1), random(seed, 1, 2), outputs=[f"y{seed}, V"]

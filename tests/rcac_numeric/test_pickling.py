@@ -27,6 +27,13 @@ NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     rcac.ProgressLine, rcac.StoreError, rcac.StudyInterrupted,
 }  # fmt: skip
+NO_DATA = {
+    rcac.Controller,
+    rcac.RecursiveMarkov,
+    rcac.Simulator,
+    rcac.Signal,
+    rcac.RunInterrupted,
+}
 
 FRESH = """
 import pickle, struct, sys

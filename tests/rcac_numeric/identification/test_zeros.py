@@ -1,0 +1,213 @@
+"""Identified zeros: exact without noise, and inside their stated regions as often as stated."""
+
+import numpy as np
+import pytest
+import scipy.signal
+import scipy.stats
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import IllConditionedError, InputError
+from rcac_numeric import (
+    NeweyWest,
+    aircraft_plant,
+    aircraft_transition,
+    bootstrap_zeros,
+    eigensystem_realisation,
+    identified_zeros,
+    identify_markov_parameters,
+    identify_windows,
+    plant_zeros,
+)
+from rcac_numeric.identification.windows import rms_residual
+from rcac_numeric.identification.zero_gradients import realised_zeros, zeros_and_gradients
+from rcac_numeric.plants.frozen import plant_at
+from tests.rcac_numeric.identification.records import COMPLEX, REAL, noisy, simulated
+
+ORDER = {COMPLEX: 3, REAL: 2}
+
+
+def hankelised(seed, width, noise=0.1):
+    rng = np.random.default_rng(seed)
+    A, B, C = rng.normal(size=(3, 3)) / 2, rng.normal(size=(3, width)), rng.normal(size=(width, 3))
+    H = [np.eye(width), *(C @ np.linalg.matrix_power(A, i) @ B for i in range(10))]
+    return np.array(H) + noise * rng.normal(size=(11, width, width))
+
+
+@given(st.integers(0, 2**32), st.integers(1, 2))
+def test_the_zeros_are_those_of_the_realisation(seed, width):
+    H = hankelised(seed, width)
+    model = eigensystem_realisation(H, 3)
+    expected = np.linalg.eigvals(model.A - model.B @ np.linalg.solve(model.D, model.C))
+    found = realised_zeros(H, 3)
+    scale = 1 + np.abs(expected).max()
+    for zero in expected:
+        assert np.abs(found - zero).min() < 1e-6 * scale
+
+
+@pytest.mark.parametrize("width", [1, 2])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_gradients_are_finite_differences(width, seed):
+    H = hankelised(seed, width)
+    zeros, gradients = zeros_and_gradients(H, 3)
+    for index in np.ndindex(H.shape):
+        step = np.zeros(H.shape)
+        step[index] = 1e-6
+        up, down = realised_zeros(H + step, 3), realised_zeros(H - step, 3)
+        for zero, gradient in zip(zeros, gradients, strict=True):
+            nearest = [other[np.abs(other - zero).argmin()] for other in (up, down)]
+            numeric = (nearest[0] - nearest[1]) / 2e-6
+            assert gradient[index] == pytest.approx(numeric, rel=1e-4, abs=1e-4)
+
+
+@pytest.mark.parametrize("condition", ["nominal", "off-nominal"])
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_free_windows_at_mu_10_give_the_zeros_of_the_aircraft_to_1e_6(condition, seed):
+    """Section 3.6: windows of 70, n_mod = 4; the sampling zero included."""
+    plant = aircraft_plant(condition)
+    u = np.random.default_rng(seed).standard_normal(70)
+    markov = identify_markov_parameters(u, simulated(plant, u), mu=10, n_mod=4)
+    found = identified_zeros(markov, order=4)
+    expected = plant_zeros(plant)
+    assert found.d_zu == 1 and len(found.zeros) == 3
+    for zero in expected:
+        assert np.abs(found.zeros - zero).min() < 1e-6
+
+
+def test_figure_3_9_in_windows_that_move_through_the_transition():
+    """The zeros before and after it; the window that holds it has a large residual."""
+    schedule = aircraft_transition(start=7.0, duration=1.0)
+    u = np.random.default_rng(0).standard_normal(280)
+    x, y = np.zeros(4), []
+    for k, value in enumerate(u):
+        plant = plant_at(schedule, k)
+        y.append(plant.E_1 @ x)
+        x = plant.A @ x + plant.B[:, 0] * value
+    windows = identify_windows(u, y, mu=10, n_mod=4, window=70, order=4)
+    assert [(w.start, w.stop) for w in windows] == [(0, 70), (70, 140), (140, 210), (210, 280)]
+    for index, condition in ((0, "nominal"), (2, "off-nominal"), (3, "off-nominal")):
+        for zero in plant_zeros(aircraft_plant(condition)):
+            assert np.abs(windows[index].zeros.zeros - zero).min() < 1e-6
+    clean = max(rms_residual(windows[i]) for i in (0, 2, 3))
+    assert rms_residual(windows[1]) > 1e6 * clean
+    pairs = identify_windows(u, y, mu=10, n_mod=4, window=70, step=35)
+    assert len(pairs) == 7 and pairs[0].zeros is None
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("zero", [COMPLEX, REAL])
+@pytest.mark.parametrize("pole", [0.0, 0.8])
+def test_the_zero_is_in_its_95_percent_region_in_93_to_97_percent_of_runs(zero, pole, in_full):
+    """With white and with coloured noise; the reduced form allows four standard deviations."""
+    runs = 400 if in_full else 40
+    hits = 0
+    for seed in range(runs):
+        u, y = noisy(zero, 2000, seed, pole=pole)
+        found = identified_zeros(
+            identify_markov_parameters(u, y, 10, ORDER[zero]), order=ORDER[zero]
+        )
+        hits += found.contains(int(np.abs(found.zeros - zero).argmin()), zero)
+    if in_full:
+        assert 0.93 <= hits / runs <= 0.97
+    else:
+        assert hits >= 0.95 * runs - 4 * np.sqrt(runs * 0.95 * 0.05)
+
+
+@pytest.mark.long
+def test_white_standard_errors_are_not_honest_where_the_noise_is_coloured(in_full):
+    """Markov parameters correlate through the noise: the 95 % regions of the textbook fail."""
+    runs = 200 if in_full else 30
+    white, honest = 0, 0
+    for seed in range(runs):
+        u, y = noisy(COMPLEX, 1500, seed, pole=0.9)
+        for noise in (None, NeweyWest()):
+            found = identified_zeros(identify_markov_parameters(u, y, 10, 3, noise), order=3)
+            inside = found.contains(int(np.abs(found.zeros - COMPLEX).argmin()), COMPLEX)
+            white, honest = (
+                white + (inside and noise is None),
+                honest + (inside and noise is not None),
+            )
+    assert white < 0.87 * runs, "five standard deviations below 95 % with 200 runs"
+    assert honest > white
+    assert honest >= 0.95 * runs - 4 * np.sqrt(runs * 0.95 * 0.05)
+
+
+@pytest.mark.parametrize("zero", [COMPLEX, REAL])
+def test_bootstrap_and_delta_method_agree_where_errors_are_small(zero):
+    u, y = noisy(zero, 2000, 0, noise=0.05)
+    found = bootstrap_zeros(u, y, 10, ORDER[zero], order=ORDER[zero], seed=1, replicates=150)
+    index = int(np.abs(found.delta.zeros - zero).argmin())
+    # 150 draws know a standard error to 6 %; both estimates share the data.
+    assert found.error_ratio[index] == pytest.approx(1, abs=0.3)
+    low, high = found.modulus_interval(index)
+    half = scipy.stats.norm.ppf(0.975) * found.delta.modulus_error[index]
+    assert (high - low) / 2 == pytest.approx(half, rel=0.35)
+    again = bootstrap_zeros(u, y, 10, ORDER[zero], order=ORDER[zero], seed=1, replicates=150)
+    assert again == found
+
+
+def test_phases_are_believed_only_beyond_their_errors():
+    u, y = noisy(REAL, 2000, 3, noise=0.05)
+    good = identified_zeros(identify_markov_parameters(u, y, 10, 2), order=2)
+    assert good.phases() == ("nonminimum phase",)
+    assert "nonminimum phase" in str(good) and "order 2, relative degree 1" in str(good)
+    u, y = noisy(1.02, 300, 0)
+    close = identified_zeros(identify_markov_parameters(u, y, 8, 2), order=2)
+    assert close.phases() == ("undecided",)
+    u, y = noisy(REAL, 80, 0, noise=3.0)
+    with pytest.raises(InputError, match="singular value of H_1 is"):
+        identified_zeros(identify_markov_parameters(u, y, 8, 2), order=2, d_zu=1)
+
+
+def markov(u, y, mu=6, n_mod=1):
+    return identify_markov_parameters(u, y, mu, n_mod)
+
+
+rng = np.random.default_rng(0)
+WIDE = rng.standard_normal((200, 2))
+U, Y = noisy(REAL, 200, 0)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: identified_zeros(markov(WIDE, WIDE[:, 0])), "the identified map is 1 x 2"),
+        (lambda: identified_zeros(markov(U, rng.standard_normal(200))), "none of the 6 Markov"),
+        (lambda: identified_zeros(markov(U, Y), order=4), "order = 4, but 5 Markov .* larger mu"),
+        (
+            lambda: identified_zeros(markov(U, Y), d_zu=0),
+            "of H_0 is .* its error allows",
+        ),
+        (lambda: identified_zeros(markov(U, Y), d_zu=4), "only 1 Markov parameters follow H_4"),
+        (lambda: identified_zeros(markov(U, Y), order=2).contains(0, 1, 2.0), "level = 2"),
+        (lambda: identified_zeros(markov(U, Y), order=1).contains(0, 1), "the model has 0 zeros"),
+        (lambda: bootstrap_zeros(U, Y, 6, 2, order=2, seed=0, block=60), "fewer than four blocks"),
+        (lambda: identify_windows(U, Y, 6, 2, window=300), "200 samples, fewer than a window"),
+        (lambda: identify_windows(U, Y[1:], 6, 2), "u has 200 steps and y has 199"),
+        (lambda: identify_windows(U, Y, 0, 2), "mu = 0"),
+        (lambda: NeweyWest(lags=-1), "lags = -1"),
+    ],
+)
+def test_what_cannot_be_had_from_the_data_is_named(make, message):
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+def test_a_window_that_says_nothing_does_not_stop_the_others():
+    u = np.concatenate([U[:70], np.zeros(70)])
+    windows = identify_windows(u, np.concatenate([Y[:70], np.zeros(70)]), 6, 2, order=2)
+    assert windows[0].refusal == "" and windows[0].zeros is not None
+    assert "persistently exciting of order 0" in windows[1].refusal and windows[1].markov is None
+    short = identify_windows(U, Y, 30, 4, window=70)
+    assert all("equations for" in w.refusal for w in short)
+
+
+def test_coinciding_zeros_have_no_first_order():
+    """(q - 1)^2/(q - 0.5)^2 exactly: the derivative of a double zero is infinite."""
+    impulse = np.eye(1, 9).ravel()
+    H = scipy.signal.lfilter([1, -2, 1], [1, -1, 0.25], impulse).reshape(-1, 1, 1)
+    try:
+        _, gradients = zeros_and_gradients(H, 2)
+    except IllConditionedError:
+        return
+    assert np.abs(gradients).max() > 1e5, "or so large that every region says so"
