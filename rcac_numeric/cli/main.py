@@ -19,6 +19,7 @@ COMMANDS = {
     "list": ("rcac_numeric.cli.list:list_examples", "List the examples that can be verified."),
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),
     "place": ("rcac_numeric.cli.place:place", "Place closed-loop poles exactly."),
+    "reproduce": ("rcac_numeric.cli.reproduce:reproduce_command", "Verify all examples; one page."),
     "schema": ("rcac_numeric.cli.schema:schema", "Print the JSON Schema of experiment files."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }

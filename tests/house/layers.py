@@ -38,6 +38,8 @@ LAYERS = {
         "reports",
         "errata.evidence",
         "errata",
+        "reports.page",
+        "reproduction",
         "cli",
     ],
 }
