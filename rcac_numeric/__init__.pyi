@@ -158,6 +158,8 @@ from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
 from .plots.requested import plot_request as plot_request
 from .plots.run import plot_sheet as plot_sheet
+from .reproduction.reproduce import Reproduction as Reproduction
+from .reproduction.reproduce import reproduce as reproduce
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
 from .signals.recordings import recorded_channels as recorded_channels

@@ -23,6 +23,7 @@ COMMANDS = {
         "rcac_numeric.cli.studies.replay:replay",
         "Run one run of a study again, bit for bit.",
     ),
+    "reproduce": ("rcac_numeric.cli.reproduce:reproduce_command", "Verify all examples; one page."),
     "schema": ("rcac_numeric.cli.schema:schema", "Print the JSON Schema of experiment files."),
     "show": ("rcac_numeric.cli.studies.show:show_store", "Show what a study came to."),
     "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),

@@ -4,16 +4,30 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
 
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
 from rcac_numeric.experiments.budgets import Budget
+from compensator_theory.errors import InputError
+from rcac_numeric.cli.output import as_json_option, picture_option, show
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.files.builder import load_example, load_experiment
 from rcac_numeric.experiments.verdicts import verify as verified
+from rcac_numeric.reports.page.cases import case_of
+from rcac_numeric.reports.page.pages import case_page, write_page
 from rcac_numeric.reports.verification import verification_sheet
+
+
+def _checked_page(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+    """The option --page, whose file is refused before anything long is run."""
+    if value is not None and value.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"--page {value}: the name must end in .html.")
+    if value is not None and not value.parent.is_dir():
+        raise InputError(f"--page {value}: there is no folder {value.parent}.")
+    return value
 
 
 @click.command("verify")
@@ -22,6 +36,10 @@ from rcac_numeric.reports.verification import verification_sheet
 @budget_option(of_runs=True)
 @as_json_option
 def verify(case: str, picture: Path | None, as_json: bool, budget: Budget) -> int:
+@click.option("--page", type=click.Path(dir_okay=False, path_type=Path),
+              help="Write a web page of the case into this file, .html; it needs no network.",
+              callback=_checked_page)  # fmt: skip
+def verify(case: str, picture: Path | None, page: Path | None, as_json: bool) -> int:
     """Run CASE and hold it against the exact prediction.
 
     CASE is the number of an example (see `rcac list`) or the path of a TOML file.
@@ -31,6 +49,10 @@ def verify(case: str, picture: Path | None, as_json: bool, budget: Budget) -> in
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
         show(verification_sheet(found), as_json, picture, found.plot)
+        if page is not None:
+            write_page(case_page(case_of(found)), page)
+            if not as_json:
+                click.echo(f"\nPage: {page}")
     return found.exit_status
 
 

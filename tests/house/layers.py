@@ -54,6 +54,8 @@ LAYERS = {
         "reports.studies",
         "errata.evidence",
         "errata",
+        "reports.page",
+        "reproduction",
         "cli",
         "cli.studies",
     ],

@@ -1,0 +1,106 @@
+"""The command `rcac reproduce`: all examples, or those of a chapter, and one page of them."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections import Counter
+from pathlib import Path
+
+import click
+
+from compensator_theory.errors import InputError
+from rcac_numeric.cli.output import as_json_option, show
+from rcac_numeric.experiments.claims import VERDICTS
+from rcac_numeric.experiments.files.builder import load_example
+from rcac_numeric.experiments.files.documents import example_ids
+from rcac_numeric.reports.page.cases import Case
+from rcac_numeric.reports.sheet import Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reproduction.reproduce import Reproduction, reduced, reproduce
+from rcac_numeric.reproduction.workers import case_workers
+
+LARGEST_JOBS = 256
+
+
+@click.command("reproduce")
+@click.option("--chapter", help="Only the examples of this chapter: 2, 4, A, ...")
+@click.option("--quick", is_flag=True, help="Repeat runs less often; verdicts may be coarser.")
+@click.option(
+    "-o", "--output", "folder", type=click.Path(file_okay=False, path_type=Path), required=True,
+    help="The folder for index.html and for what is done already.",
+)  # fmt: skip
+@click.option(
+    "--jobs", type=click.IntRange(1, LARGEST_JOBS), default=None,
+    help="Processes; by default as many as there are processors.",
+)  # fmt: skip
+@as_json_option
+def reproduce_command(
+    chapter: str | None, quick: bool, folder: Path, jobs: int | None, as_json: bool
+) -> int:
+    """Verify the examples of the dissertation and write a page of them.
+
+    What is done is kept: after a kill the same command goes on where it was.
+    """
+    numbers = [n for n in example_ids() if chapter is None or n.split(".")[0] == chapter.upper()]
+    if not numbers:
+        raise InputError(f"there is no example of chapter {chapter!r}; see `rcac list`.")
+    experiments = [load_example(number) for number in numbers]
+    if quick:
+        experiments = [reduced(experiment) for experiment in experiments]
+    count = min(jobs or os.cpu_count() or 1, len(experiments))
+    with case_workers(count) as executor:
+        found = reproduce(
+            experiments,
+            folder,
+            executor=executor,
+            progress=_progress if sys.stderr.isatty() else _silence,
+        )
+    if sys.stderr.isatty():
+        click.echo("\r\033[K", err=True, nl=False)
+    show(_sheet(found), as_json)
+    return found.exit_status
+
+
+def _progress(name: str, done: int, of: int) -> None:
+    width = 30
+    bar = "=" * (width * done // of)
+    click.echo(f"\r[{bar:<{width}}] {done} of {of}, {name} is done\033[K", err=True, nl=False)
+
+
+def _silence(name: str, done: int, of: int) -> None:
+    """Say nothing of what is done."""
+
+
+def _sheet(found: Reproduction) -> Sheet:
+    rows = tuple(cells(case.id, case.title, _verdicts(case), _end(case)) for case in found.cases)
+    count = Counter(claim.verdict for case in found.cases for claim in case.claims)
+    record = {
+        "page": str(found.page),
+        "verdicts": {verdict: count[verdict] for verdict in VERDICTS},
+        "examples": [
+            {"id": case.id, "status": case.status, "verdicts": [c.verdict for c in case.claims]}
+            for case in found.cases
+        ],
+    }
+    total = ", ".join(f"{count[verdict]} {verdict}" for verdict in VERDICTS if count[verdict])
+    blocks = (
+        Table(("example", "title", "claims", "outcome"), rows),
+        Fact("verdicts", total or "none"),
+        Fact("page", str(found.page)),
+    )
+    return Sheet("The dissertation's examples", sections=(Section("", blocks, record),))
+
+
+def _verdicts(case: Case) -> str:
+    count = Counter(claim.verdict for claim in case.claims)
+    return ", ".join(f"{count[verdict]} {verdict}" for verdict in VERDICTS if count[verdict])
+
+
+def _end(case: Case) -> Text:
+    told = {
+        0: Text("as on record", "quiet"),
+        1: Text("a verdict has changed", "bad"),
+        2: Text("could not be verified", "bad"),
+        3: Text("diverged unexpectedly", "bad"),
+    }
+    return told[case.status]

@@ -1,0 +1,76 @@
+"""A run in several small pictures, each readable on a phone."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from compensator_theory.errors import CompensatorError
+from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.plots.axes import draw_coefficients, draw_control, draw_pole_zero
+from rcac_numeric.plots.style import draw_history, draw_magnitude, draw_phase
+
+WIDTH = 4.6  # inches; at 9 points the words are still words on a screen of 360 pixels
+
+
+def single_figures(repetition: AnalysedRun) -> dict[str, Figure]:
+    """The response, the coefficients, the poles and zeros, and the intercalated match.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.plots.single import single_figures
+    >>> list(single_figures(load_example("4.7").main_run.execute().first))
+    ['Performance z and control u', 'Controller coefficients', 'Closed-loop poles and zeros', \
+'Target model and what was reached']
+    """
+    found = {
+        "Performance z and control u": _response(repetition),
+        "Controller coefficients": _coefficients(repetition),
+        "Closed-loop poles and zeros": _pole_zero(repetition),
+    }
+    try:
+        repetition.match  # noqa: B018 asked for before anything is drawn
+    except CompensatorError:
+        return found
+    return {**found, "Target model and what was reached": _match(repetition)}
+
+
+def _response(repetition: AnalysedRun) -> Figure:
+    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+    first, second = figure.subplots(2, 1, sharex=True)
+    draw_history(first, repetition.run.z, "performance $z$", "z")
+    draw_control(second, repetition.run)
+    second.set_xlabel("step $k$")
+    if repetition.run.outcome != "completed":
+        first.set_yscale("symlog")
+        second.set_yscale("symlog")
+    return _with_grid(figure)
+
+
+def _coefficients(repetition: AnalysedRun) -> Figure:
+    figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
+    draw_coefficients(figure.subplots(), repetition.run)
+    return _with_grid(figure)
+
+
+def _pole_zero(repetition: AnalysedRun) -> Figure:
+    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
+    draw_pole_zero(figure.subplots(), repetition)
+    return _with_grid(figure)
+
+
+def _match(repetition: AnalysedRun) -> Figure:
+    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+    first, second = figure.subplots(2, 1, sharex=True)
+    draw_magnitude(first, repetition.match)
+    draw_phase(second, repetition.match)
+    return _with_grid(figure)
+
+
+def _with_grid(figure: Figure) -> Figure:
+    for axis in figure.axes:
+        axis.grid(alpha=0.25)
+        axis.locator_params(axis="x", nbins=5)
+        for side in ("top", "right"):
+            axis.spines[side].set_visible(False)
+    return figure

@@ -1,0 +1,172 @@
+"""One case of a page: its claims with their verdicts, its report and its pictures, as text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from html import escape
+from typing import Any
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.experiments.claims import Verdict
+from rcac_numeric.experiments.verdicts import Verification
+from rcac_numeric.reports.page.html import sheet_html
+from rcac_numeric.reports.page.svg import svg_of
+from rcac_numeric.reports.sheet import Sheet
+from rcac_numeric.reports.verification import verification_sheet
+
+FIRST = 2  # sections of a verification's sheet that come before the pictures: problem and claims
+
+
+@dataclass(frozen=True)
+class ClaimRow(Value):
+    """A claim and its verdict, in words."""
+
+    text: str
+    claimed: str
+    measured: str
+    verdict: str
+    correction: str
+    was: str
+
+
+@dataclass(frozen=True)
+class Picture(Value):
+    """A picture and what it shows."""
+
+    title: str
+    svg: str
+
+
+@dataclass(frozen=True)
+class Case(Value):
+    """What a page says of one experiment; plain text throughout, so that it can be kept.
+
+    Attributes
+    ----------
+    id, title, source : str
+    status : int
+        The exit status that `rcac verify` has for it.
+    claims : tuple of ClaimRow
+    body, details : str
+        HTML of its report: the problem, the claims and the notes; runs and controller.
+    pictures : tuple of Picture
+    settings : str
+        Seeds and arithmetic of its runs.
+    """
+
+    id: str
+    title: str
+    source: str
+    status: int
+    claims: tuple[ClaimRow, ...]
+    body: str
+    details: str
+    pictures: tuple[Picture, ...]
+    settings: str
+
+    @property
+    def anchor(self) -> str:
+        """Where it stands on a page."""
+        return "e" + re.sub(r"[^A-Za-z0-9.-]+", "-", self.id)
+
+    @property
+    def chapter(self) -> str:
+        """What stands before the first dot of its number; empty where it has none."""
+        found = re.match(r"([1-9]|[A-B])\.\d", self.id)
+        return found[1] if found else ""
+
+    def to_record(self) -> dict[str, Any]:
+        """As JSON can hold it."""
+        return asdict(self)
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Case:
+        """What `to_record` gave.
+
+        Raises
+        ------
+        InputError
+            If it is something else.
+        """
+        try:
+            claims = tuple(ClaimRow(**row) for row in record["claims"])
+            pictures = tuple(Picture(**picture) for picture in record["pictures"])
+            return cls(**{**record, "claims": claims, "pictures": pictures})
+        except (KeyError, TypeError) as error:
+            raise InputError(f"this is no case of a page: {error}.") from None
+
+
+def case_of(verification: Verification) -> Case:
+    """What a page says of a verification.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric.reports.page.cases import Case, case_of
+    >>> case = case_of(verify(load_example("7.1")))
+    >>> case.anchor, case.chapter, case.claims[0].verdict, case.pictures
+    ('e7.1', '7', 'reproduced', ())
+    >>> Case.from_record(case.to_record()) == case
+    True
+    """
+    experiment = verification.experiment
+    sheet = verification_sheet(verification)
+    name = experiment.id or "case"
+    return Case(
+        id=name,
+        title=experiment.title,
+        source=experiment.source,
+        status=verification.exit_status,
+        claims=tuple(map(_row, verification.verdicts)),
+        body=sheet_html(replace(sheet, sections=sheet.sections[:FIRST]), level=3),
+        details=sheet_html(Sheet("", sections=sheet.sections[FIRST:]), level=3),
+        pictures=_pictures(verification, name),
+        settings=_settings(verification),
+    )
+
+
+def _row(verdict: Verdict) -> ClaimRow:
+    claim = verdict.claim
+    was = claim.recorded if verdict.has_changed else ""
+    return ClaimRow(
+        claim.text, claim.claimed, verdict.measured, verdict.verdict, claim.correction, was
+    )
+
+
+def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
+    if not verification.results:
+        return ()
+    prefix = re.sub(r"[^A-Za-z0-9]+", "-", name)
+    try:
+        drawn = plot(verification)
+    except CompensatorError as error:
+        return (Picture(f"No picture: {shortened(str(error))}", ""),)
+    return tuple(
+        Picture(title, svg_of(figure, f"p{prefix}-{i}", f"{name}: {title}"))
+        for i, (title, figure) in enumerate(drawn.items())
+    )
+
+
+def plot(verification: Verification) -> dict[str, figures.Figure]:
+    """The pictures of the main run, by what they show."""
+    from rcac_numeric.plots.single import single_figures
+
+    return single_figures(verification.main.first)
+
+
+def _settings(verification: Verification) -> str:
+    """What makes each run what it is, in a line: arithmetic, seed, steps."""
+    return "; ".join(
+        f"{name}: {run.arithmetic}, seed {run.seed}, {run.steps} steps"
+        for name, run in verification.experiment.runs.items()
+    )
+
+
+def picture_html(picture: Picture) -> str:
+    """A figure with its caption."""
+    return f"<figure>{picture.svg}<figcaption>{escape(picture.title)}</figcaption></figure>"

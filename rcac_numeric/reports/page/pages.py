@@ -1,0 +1,217 @@
+"""Whole pages: one case, or a gallery of cases with all their claims in one table."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from importlib import resources
+from importlib.metadata import version
+from pathlib import Path
+
+from rcac_numeric.arrays.files import replacing
+from rcac_numeric.errata.entries import Erratum
+from rcac_numeric.errata.reading import find_errata
+from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, VERDICTS
+from rcac_numeric.reports.page.cases import Case, ClaimRow, picture_html
+from rcac_numeric.reports.page.html import words
+
+NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "control", "matplotlib")
+LEADS = {
+    REPRODUCED: "good",
+    CORRECTED: "warning",
+    "not reproduced": "bad",
+    "ill-posed": "warning",
+}
+COLUMNS = ("example", "claim", "claimed", "measured", "verdict")
+_EQUATION = re.compile(r"\(([1-9AB]\.\d+)\)")
+
+
+def case_page(case: Case) -> str:
+    """The page of one case, a whole HTML document.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric.reports.page.cases import case_of
+    >>> from rcac_numeric.reports.page.pages import case_page
+    >>> page = case_page(case_of(verify(load_example("7.1"))))
+    >>> page.startswith("<!DOCTYPE html>"), "Errata of the text" in page
+    (True, True)
+    """
+    wrong = _errata_at([case])
+    title = f"{case.id}: {case.title}".strip(": ")
+    inside = [
+        f'<main id="content" class="one">{_section_of(case, wrong, "Claims and report")}',
+        *_errata(wrong),
+        *_made_with([case]),
+        "</main>",
+    ]
+    return _document(title, case.source or "A case, its claims and what was measured.", inside)
+
+
+def gallery_page(cases: Sequence[Case], title: str = "The dissertation's examples") -> str:
+    """The page of several cases, with a table of all claims that can be searched.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+    title : str
+    """
+    wrong = _errata_at(cases)
+    inside = [
+        '<main id="content">',
+        *_summary(cases),
+        *_filters(cases),
+        *_claims(cases),
+        *(_section_of(case, wrong, f"{case.id} {case.title}") for case in cases),
+        *_errata(wrong),
+        *_made_with(cases),
+        "</main>",
+    ]
+    lead = (
+        "What the text claims of its examples, what was measured, and why the two differ where "
+        "they do. A verdict is computed from the runs; none is typed in."
+    )
+    return _document(title, lead, inside)
+
+
+def write_page(page: str, path: str | Path) -> None:
+    """Write a page; the file that was there stays whole until the new one is."""
+    with replacing(path) as new:
+        new.write_text(page, encoding="utf-8")
+
+
+def _document(title: str, lead: str, inside: Sequence[str]) -> str:
+    folder = resources.files("rcac_numeric.reports.page")
+    css, js = (folder.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
+    lines = [
+        "<!DOCTYPE html>",
+        '<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        '<link rel="icon" href="data:,">',
+        f"<title>{words(title)}</title>",
+        f"<style>\n{css}</style></head><body>",
+        '<a class="skip" href="#content">To the content</a>',
+        f"<header><h1>{words(title)}</h1>",
+        '<button id="theme" class="theme" type="button" hidden>Light or dark</button></header>',
+        f"<p>{words(lead)}</p>",
+        *inside,
+        f"<script>\n{js}</script></body></html>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _summary(cases: Sequence[Case]) -> Iterator[str]:
+    count = Counter(row.verdict for case in cases for row in case.claims)
+    yield '<ul class="counts">'
+    for verdict in VERDICTS:
+        yield f'<li><span class="{LEADS[verdict]} verdict">{count[verdict]}</span> {verdict}</li>'
+    yield "</ul>"
+    for case in cases:
+        if case.status:
+            reason = "a loop diverged unexpectedly" if case.status == 3 else "a verdict has changed"
+            yield f'<p class="bad">{_link(case)}: {reason}.</p>'
+
+
+def _filters(cases: Sequence[Case]) -> Iterator[str]:
+    chapters = list(dict.fromkeys(case.chapter for case in cases if case.chapter))
+    yield '<form id="filters" class="filters" role="search" hidden onsubmit="return false">'
+    yield '<label>Search <input id="query" type="search" placeholder="words, or press /"></label>'
+    yield '<label>Verdict <select id="verdict"><option value="">all</option>'
+    yield from (f"<option>{verdict}</option>" for verdict in VERDICTS)
+    yield "</select></label>"
+    yield '<label>Chapter <select id="chapter"><option value="">all</option>'
+    yield from (f"<option>{chapter}</option>" for chapter in chapters)
+    yield '</select></label><output id="count" aria-live="polite"></output></form>'
+
+
+def _claims(cases: Sequence[Case]) -> Iterator[str]:
+    yield '<table id="claims" class="claims"><caption>All claims and their verdicts</caption>'
+    heads = "".join(f'<th scope="col">{head}</th>' for head in COLUMNS)
+    yield f"<thead><tr>{heads}</tr></thead><tbody>"
+    for case in cases:
+        for row in case.claims:
+            entries = [
+                _link(case),
+                *map(words, (row.text, row.claimed, row.measured)),
+                _verdict(row),
+            ]
+            told = "".join(
+                f'<td data-l="{head}"><div>{entry}</div></td>'
+                for head, entry in zip(COLUMNS, entries, strict=True)
+            )
+            yield (
+                f'<tr data-case="{case.anchor}" data-chapter="{case.chapter}" '
+                f'data-verdict="{row.verdict}">{told}</tr>'
+            )
+    yield "</tbody></table>"
+
+
+def _verdict(row: ClaimRow) -> str:
+    told = f'<span class="{LEADS.get(row.verdict, "bad")} verdict">{words(row.verdict)}</span>'
+    if row.correction:
+        told += f'<br><span class="quiet">{words(row.correction)}</span>'
+    if row.was:
+        told += f'<br><span class="bad">was: {words(row.was)}</span>'
+    return told
+
+
+def _link(case: Case) -> str:
+    return f'<a href="#{case.anchor}">{words(case.id)}</a>'
+
+
+def _section_of(case: Case, wrong: Sequence[Erratum], heading: str) -> str:
+    own = [entry for entry in wrong if f"Example {case.id}" in entry.named]
+    lines = [
+        f'<section class="case" id="{case.anchor}" data-chapter="{case.chapter}">',
+        f"<h2>{words(heading)}</h2>",
+        case.body,
+        *_pictures(case),
+    ]
+    if case.details:
+        lines += ["<details><summary>Runs and controller</summary>", case.details, "</details>"]
+    if own:
+        links = ", ".join(f'<a href="#erratum-{entry.name}">{entry.name}</a>' for entry in own)
+        lines.append(f'<p class="quiet">Errata of this example: {links}.</p>')
+    return "\n".join([*lines, "</section>"])
+
+
+def _pictures(case: Case) -> Iterator[str]:
+    if case.pictures:
+        yield '<div class="figures">'
+        yield from map(picture_html, case.pictures)
+        yield "</div>"
+
+
+def _errata_at(cases: Sequence[Case]) -> list[Erratum]:
+    """The errata of the examples, and of the equations that their sources name."""
+    named = {f"Example {case.id}" for case in cases}
+    cited = {number for case in cases for number in _EQUATION.findall(case.source)}
+    return [
+        entry for entry in find_errata() if named & set(entry.named) or cited & set(entry.equations)
+    ]
+
+
+def _errata(entries: Sequence[Erratum]) -> Iterator[str]:
+    if not entries:
+        return
+    yield "<h2>Errata of the text</h2>"
+    for entry in entries:
+        yield f'<section id="erratum-{entry.name}"><h3>{words(entry.where)}</h3><dl>'
+        for name, told in (
+            ("printed", entry.printed),
+            ("true", entry.true),
+            ("evidence", entry.evidence.words),
+        ):
+            yield f"<div><dt>{name}</dt><dd>{words(told)}</dd></div>"
+        yield "</dl></section>"
+
+
+def _made_with(cases: Sequence[Case]) -> Iterator[str]:
+    versions = ", ".join(f"{name} {version(name)}" for name in NAMED)
+    yield f'<h2>How this page was made</h2><p class="quiet">{words(versions)}.</p><dl>'
+    for case in cases:
+        if case.settings:
+            yield f"<div><dt>{_link(case)}</dt><dd>{words(case.settings)}</dd></div>"
+    yield "</dl>"

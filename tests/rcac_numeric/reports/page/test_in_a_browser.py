@@ -1,0 +1,96 @@
+"""The page in headless Chromium, where there is one: no error, no request, filters, phones."""
+
+import shutil
+
+import pytest
+
+from rcac_numeric import load_example, verify
+from rcac_numeric.reports.page.cases import case_of
+from rcac_numeric.reports.page.pages import gallery_page, write_page
+
+playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install it")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium on this machine")
+# A container's root needs the first; the others keep Chromium from asking for things of its own.
+FLAGS = ["--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"]
+
+
+@pytest.fixture(scope="module")
+def url(tmp_path_factory):
+    file = tmp_path_factory.mktemp("page") / "index.html"
+    cases = [case_of(verify(load_example(number))) for number in ("2.2", "2.5", "7.1", "B.2")]
+    write_page(gallery_page(cases), file)
+    return file.as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as driver:
+        found = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield found
+        found.close()
+
+
+@pytest.fixture
+def opened(browser, url):
+    """Open the page at a width, in a scheme, at an anchor; what went wrong fails the test."""
+    wrong, pages = [], []
+
+    def open_(width=1280, scheme="light", anchor=""):
+        page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+        page.on("console", lambda message: wrong.append(message.text))
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.on("request", lambda r: r.url.startswith(("file:", "data:")) or wrong.append(r.url))
+        page.goto(url + anchor)
+        pages.append(page)
+        return page
+
+    yield open_
+    assert not wrong
+    for page in pages:
+        page.close()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [360, 1280])
+def test_nothing_is_wider_than_the_window(opened, width, scheme):
+    page = opened(width, scheme)
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    paper = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert paper == ("rgb(255, 255, 255)" if scheme == "light" else "rgb(19, 21, 25)")
+
+
+def test_every_picture_is_there_and_not_empty(opened):
+    sizes = opened().evaluate(
+        "[...document.querySelectorAll('figure svg')].map(s => s.getBBox())"
+        ".map(box => box.width * box.height)"
+    )
+    assert len(sizes) == 8 and min(sizes) > 1000
+
+
+def test_filters_work_and_stand_in_the_address(opened):
+    page = opened()
+    page.keyboard.press("/")
+    page.keyboard.type("gain margin nothing")
+    assert page.inner_text("#count").startswith("0 of")
+    page.keyboard.press("Escape")
+    page.select_option("#verdict", "not reproduced")
+    shown = page.locator("#claims tbody tr:visible")
+    assert shown.count() == 1 and shown.first.get_attribute("data-case") == "e7.1"
+    assert page.url.endswith("?verdict=not+reproduced")
+    assert page.locator(".case:visible").count() == 1
+    page.reload()
+    assert page.locator("#claims tbody tr:visible").count() == 1
+
+
+def test_a_link_to_an_example_leads_there(opened):
+    page = opened(360, anchor="#e7.1")
+    page.wait_for_timeout(400)
+    assert abs(page.evaluate("document.getElementById('e7.1').getBoundingClientRect().top")) < 60
+
+
+def test_the_button_changes_the_theme(opened):
+    page = opened()
+    before = page.evaluate("getComputedStyle(document.body).backgroundColor")
+    page.click("#theme")
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") != before

@@ -1,0 +1,132 @@
+"""Pages: whole, without a network, the same words as the report, one id for each thing."""
+
+import re
+from itertools import pairwise
+
+import pytest
+from matplotlib.figure import Figure
+
+from rcac_numeric import load_example, verify
+from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.reports.page.cases import Case, case_of
+from rcac_numeric.reports.page.html import sheet_html, words
+from rcac_numeric.reports.page.pages import case_page, gallery_page
+from rcac_numeric.reports.page.svg import COLOURS, svg_of
+from rcac_numeric.reports.sheet import Fact, Section, Sheet, Table, Text, cells
+from tests.support.pages import Page
+
+NUMBERS = ("2.2", "2.5", "7.1", "B.2")
+
+
+@pytest.fixture(scope="module")
+def cases():
+    return [case_of(verify(load_example(number))) for number in NUMBERS]
+
+
+@pytest.fixture(scope="module")
+def gallery(cases):
+    return gallery_page(cases)
+
+
+def test_every_element_is_closed_and_no_id_stands_twice(gallery):
+    page = Page(gallery)
+    assert not page.open
+    assert len(page.ids) == len(set(page.ids))
+
+
+def test_it_asks_for_nothing_from_a_network(gallery):
+    page = Page(gallery)
+    outside = [
+        (tag, value)
+        for tag, attributes in page.elements
+        for name, value in attributes.items()
+        if name in ("src", "href", "xlink:href", "action", "srcset") and value[0] != "#"
+    ]
+    assert outside == [("link", "data:,")]
+    assert not re.search(r"@import|url\((?!#)|fetch\(|https?://(?!www\.w3\.org)", gallery)
+
+
+def test_every_reference_has_its_target(gallery):
+    page = Page(gallery)
+    wanted = set(re.findall(r'(?:href="#|url\(#)([^")]+)', gallery))
+    wanted |= {a["aria-labelledby"] for a in page.all("svg")}
+    assert wanted <= set(page.ids)
+
+
+def test_every_claim_stands_in_the_table_with_its_verdict(gallery, cases):
+    rows = [row for row in Page(gallery).all("tr") if "data-verdict" in row]
+    asked = [(case.anchor, claim.verdict) for case in cases for claim in case.claims]
+    assert [(row["data-case"], row["data-verdict"]) for row in rows] == asked
+    text = Page(gallery).text
+    for case in cases:
+        for claim in case.claims:
+            assert " ".join(claim.text.split()) in text
+
+
+def test_examples_that_run_have_pictures_with_titles(gallery, cases):
+    page = Page(gallery)
+    pictures = [picture for case in cases for picture in case.pictures]
+    assert len(page.all("svg")) == len(pictures) == 8
+    assert all(svg["role"] == "img" and svg["viewbox"] for svg in page.all("svg"))
+    assert all(picture.svg.count("<path") > 10 for picture in pictures)
+
+
+def test_headings_leave_no_level_out(gallery):
+    levels = [int(tag[1]) for tag, _ in Page(gallery).elements if re.fullmatch("h[1-6]", tag)]
+    assert levels[0] == 1 and levels.count(1) == 1
+    assert all(b - a <= 1 for a, b in pairwise(levels))
+
+
+def test_every_control_has_a_label(gallery):
+    page = Page(gallery)
+    assert len(page.all("label")) == len(page.all("input")) + len(page.all("select")) == 3
+    assert all("scope" in head for head in page.all("th"))
+
+
+def test_errata_of_the_examples_are_told(gallery):
+    assert 'id="erratum-coefficient-8-26"' in gallery
+    assert "8.25 s + 23.25" in Page(gallery).text
+
+
+def test_the_same_case_gives_the_same_page(cases):
+    again = case_of(verify(load_example("2.5")))
+    assert again == cases[1]
+    assert Case.from_record(again.to_record()) == again
+
+
+def test_words_of_a_user_are_words_and_no_markup():
+    table = {
+        "id": "<b>x", "title": '<script>alert("x")</script>', "notes": "a & b",
+        "exact": {"a": "s + 1", "b": "s + 2"},
+        "claims": [{"text": "<img src=x>", "checks": [{"statement": "common_roots", "equals": 0}]}],
+    }  # fmt: skip
+    page = Page(case_page(case_of(verify(build(table, "case.toml")))))
+    assert len(page.all("script")) == 1 and not page.all("b") and not page.all("img")
+    assert '<script>alert("x")</script>' in page.text and "<img src=x>" in page.text
+    assert "a & b" in page.text and words("<\x1b") == "&lt;\\x1b"
+
+
+def test_a_sheet_keeps_the_order_of_its_blocks():
+    blocks = (Text("one"), Fact("two", "2"), Table(("three",), (cells("3"),)), Text("four", "bad"))
+    found = Page(
+        sheet_html(Sheet("", sections=(Section("Title", blocks, remark=": r"),), notes="n"))
+    )
+    assert found.text == "Title: r one two 2 three 3 four n"
+
+
+def test_a_picture_follows_the_theme_and_keeps_its_labels():
+    figure = Figure(figsize=(3, 2))
+    axis = figure.subplots()
+    axis.plot([0, 1, 2], [0.0, 0.05, 0.1], color="#0b62a3", label="x")
+    axis.legend()
+    one, other = (svg_of(figure, prefix, "A title") for prefix in "ab")
+    assert "var(--c1)" in one and not [colour for colour in COLOURS if colour in one]
+    assert "0.02" in Page(one).text, "labels are words, and no coordinates to be rounded"
+    assert not set(Page(one).ids) & set(Page(other).ids)
+    assert one == svg_of(figure, "a", "A title")
+    longest = max(len(n.split(".")[1]) for n in re.findall(r"\d+\.\d+", "".join(_paths(one))))
+    assert longest == 1
+
+
+def _paths(svg):
+    return [attributes["d"] for attributes in Page(svg).all("path")]
