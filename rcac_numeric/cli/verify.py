@@ -9,10 +9,9 @@ from typing import Any
 import click
 import numpy as np
 
+from compensator_theory.errors import InputError
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
 from rcac_numeric.experiments.budgets import Budget
-from compensator_theory.errors import InputError
-from rcac_numeric.cli.output import as_json_option, picture_option, show
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.files.builder import load_example, load_experiment
 from rcac_numeric.experiments.verdicts import verify as verified
@@ -33,13 +32,14 @@ def _checked_page(context: click.Context, option: click.Parameter, value: Path |
 @click.command("verify")
 @click.argument("case")
 @picture_option("Draw response, poles and zeros, and the intercalated match into this file.")
-@budget_option(of_runs=True)
-@as_json_option
-def verify(case: str, picture: Path | None, as_json: bool, budget: Budget) -> int:
 @click.option("--page", type=click.Path(dir_okay=False, path_type=Path),
               help="Write a web page of the case into this file, .html; it needs no network.",
               callback=_checked_page)  # fmt: skip
-def verify(case: str, picture: Path | None, page: Path | None, as_json: bool) -> int:
+@budget_option(of_runs=True)
+@as_json_option
+def verify(
+    case: str, picture: Path | None, page: Path | None, as_json: bool, budget: Budget
+) -> int:
     """Run CASE and hold it against the exact prediction.
 
     CASE is the number of an example (see `rcac list`) or the path of a TOML file.

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_history
 
 

@@ -6,9 +6,7 @@ from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
-from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.axes import draw_coefficients, draw_control, draw_pole_zero
 from rcac_numeric.plots.style import (

@@ -183,6 +183,8 @@ def sweep_table(seed):
 
 def erratum(seed):
     return replace(rcac.find_errata()[0], name=f"entry-{seed}")
+
+
 def first_order(seed):
     """u and y of a plant without memory of its output, with noise."""
     u = random(seed, 80)

@@ -25,15 +25,8 @@ DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
 NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
-    rcac.ProgressLine, rcac.StoreError, rcac.StudyInterrupted,
+    rcac.ProgressLine, rcac.RecursiveMarkov, rcac.StoreError, rcac.StudyInterrupted,
 }  # fmt: skip
-NO_DATA = {
-    rcac.Controller,
-    rcac.RecursiveMarkov,
-    rcac.Simulator,
-    rcac.Signal,
-    rcac.RunInterrupted,
-}
 
 FRESH = """
 import pickle, struct, sys
