@@ -34,9 +34,9 @@ class RecursiveMarkov:
     Notes
     -----
     Square-root information form: one triangular factor, updated by a QR decomposition, so that
-    nothing is squared and there is no initial covariance; with `lambda_` = 1 the estimate is that
-    of the batch. The covariance is summed from the errors of prediction, which know only the past, so
-    that it is on the safe side at first.
+    nothing is squared and there is no initial covariance; with `lambda_` = 1 the estimate is
+    that of the batch. The covariance is summed from the errors of prediction, which know only the
+    past, so that it is on the safe side at first.
 
     Examples
     --------

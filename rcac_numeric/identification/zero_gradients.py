@@ -28,7 +28,7 @@ def realised_zeros(H: Array, order: int) -> ComplexArray:
 
 
 def zeros_and_gradients(H: Array, order: int) -> tuple[ComplexArray, ComplexArray]:
-    """Those zeros and the derivative of each by each entry of H; shapes (n,), n times that of H.
+    """Those zeros, shape (n,), and the derivative of each by each entry of H.
 
     First-order perturbation of the generalised eigenvalues, the turning of the subspaces U and V
     with K_0 counted.
