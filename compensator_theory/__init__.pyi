@@ -18,6 +18,7 @@ from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polyno
 from .loops.closed_loop_maps import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .loops.closed_loop_maps import closed_loop_zero_polynomial as closed_loop_zero_polynomial
 from .loops.closed_loop_matrix import closed_loop_matrix as closed_loop_matrix
+from .loops.feedback import feedback_connection as feedback_connection
 from .loops.intercalation import (
     control_perturbation_transfer_function as control_perturbation_transfer_function,
 )
@@ -104,6 +105,42 @@ from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
 from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
+from .stabilisation.conditions import stability_conditions as stability_conditions
+from .stabilisation.stabilising_gains import stabilising_gains as stabilising_gains
+from .stabilisation.stability_intervals import StabilityCell as StabilityCell
+from .stabilisation.stability_intervals import StabilityIntervals as StabilityIntervals
+from .stabilisation.stability_intervals import stability_intervals as stability_intervals
+from .stabilisation.strong_stabilisability import StrongStabilisability as StrongStabilisability
+from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRealZero
+from .stabilisation.strong_stabilisability import (
+    decide_strong_stabilisability as decide_strong_stabilisability,
+)
+from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
+from .structure.coprime_fractions import coprime_fractions as coprime_fractions
+from .structure.kalman import KalmanDecomposition as KalmanDecomposition
+from .structure.kalman import kalman_decomposition as kalman_decomposition
+from .structure.minimal_realisations import MinimalRealisation as MinimalRealisation
+from .structure.minimal_realisations import hankel_matrix as hankel_matrix
+from .structure.minimal_realisations import mcmillan_degree as mcmillan_degree
+from .structure.minimal_realisations import minimal_realisation as minimal_realisation
+from .structure.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
+from .structure.polynomial_matrices import polynomial_matrix as polynomial_matrix
+from .structure.row_forms import RowForm as RowForm
+from .structure.row_forms import hermite_form as hermite_form
+from .structure.row_forms import row_reduced_form as row_reduced_form
+from .structure.smith import SmithForm as SmithForm
+from .structure.smith import smith_form as smith_form
+from .structure.smith_mcmillan import SmithMcMillanForm as SmithMcMillanForm
+from .structure.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
+from .structure.zero_order_hold import SampledPlant as SampledPlant
+from .structure.zero_order_hold import sampling_zero_polynomial as sampling_zero_polynomial
+from .structure.zero_order_hold import zero_order_hold as zero_order_hold
+from .structure.zeros import ZeroDirection as ZeroDirection
+from .structure.zeros import Zeros as Zeros
+from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros
+from .structure.zeros import invariant_zeros as invariant_zeros
+from .structure.zeros import output_decoupling_zeros as output_decoupling_zeros
+from .structure.zeros import transmission_zeros as transmission_zeros
 from .systems.canonical_forms import realisation as realisation
 from .systems.canonical_text import canonical as canonical
 from .systems.controllability import controllability_matrix as controllability_matrix
@@ -111,9 +148,14 @@ from .systems.controllability import is_controllable as is_controllable
 from .systems.controllability import uncontrollable_polynomial as uncontrollable_polynomial
 from .systems.conversions import transfer_function as transfer_function
 from .systems.difference_equations import compensator_polynomials as compensator_polynomials
+from .systems.expansions import PartialFraction as PartialFraction
+from .systems.expansions import PartialFractions as PartialFractions
+from .systems.expansions import markov_parameters as markov_parameters
+from .systems.expansions import partial_fractions as partial_fractions
+from .systems.matrix_conversions import transfer_matrix as transfer_matrix
 from .systems.problems import servo_problem as servo_problem
 from .systems.problems import standard_problem as standard_problem
 from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
-from .systems.transfer_functions import TransferFunction as TransferFunction
-from .systems.transfer_matrices import TransferMatrix as TransferMatrix
+from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
+from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix

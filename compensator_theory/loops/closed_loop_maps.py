@@ -7,7 +7,7 @@ from sympy import Poly
 from compensator_theory.errors import InputError
 from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.systems.transfer_matrices import TransferMatrix
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
 def closed_loop_polynomial(

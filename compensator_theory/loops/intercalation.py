@@ -4,8 +4,8 @@ import sympy
 
 from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.systems.transfer_functions import TransferFunction
-from compensator_theory.systems.transfer_matrices import TransferMatrix
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
 def intercalated_transfer_matrix(

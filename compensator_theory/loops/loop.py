@@ -19,7 +19,7 @@ from compensator_theory.polynomials.poly import PolynomialLike, from_expression,
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.systems.transfer_matrices import TransferMatrix
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 PolynomialMatrixLike: TypeAlias = PolynomialLike | MatrixBase | Sequence[Sequence[PolynomialLike]]
 """A polynomial, or a SymPy matrix or nested lists of polynomials."""

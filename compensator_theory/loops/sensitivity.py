@@ -6,7 +6,7 @@ from sympy import Poly
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
 from compensator_theory.polynomials.poly import canonical, scaled
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
 def sensitivity_function(

@@ -11,7 +11,10 @@ from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.variables import is_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
+from compensator_theory.transfer_functions.transfer_functions import (
+    TransferFunction,
+    require_proper,
+)
 
 LoopPart: TypeAlias = TransferFunctionLike | Realisation
 """What :func:`read_loop` reads: a transfer function in any form, or a realisation."""

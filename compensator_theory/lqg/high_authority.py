@@ -14,7 +14,7 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.transfer_functions import require_proper
+from compensator_theory.transfer_functions.transfer_functions import require_proper
 
 
 def place_poles_at_least_order(

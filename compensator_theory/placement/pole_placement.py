@@ -30,7 +30,10 @@ from compensator_theory.polynomials.poly import polynomial as read_polynomial
 from compensator_theory.polynomials.shared import is_list
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.transfer_functions import TransferFunction, require_proper
+from compensator_theory.transfer_functions.transfer_functions import (
+    TransferFunction,
+    require_proper,
+)
 
 
 def place_poles(

@@ -12,7 +12,7 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 DANGEROUS_SHARE = 0.1
 

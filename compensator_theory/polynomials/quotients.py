@@ -115,6 +115,8 @@ class Quotient:
 def multiplied_out(tree: Tree, *, least_denominators: bool = False) -> Quotient:
     """Evaluate a tree; sums use the product of two different denominators, or the least common one.
 
+    Denominators that differ by a number are one denominator.
+
     Raises
     ------
     InputError
@@ -148,6 +150,8 @@ def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
     >>> by_powers(a * s**2 + s**2 + 1, s) == {2: a + 1, 0: 1}
     True
     """
+    if expression == 0:
+        return {}  # SymPy takes 0 for a power of the variable
     found: dict[int, list[Expr]] = {}
     for term in sympy.Add.make_args(expression):
         rest, power = term.as_independent(variable, as_Add=False)
@@ -230,8 +234,9 @@ def _in_pairs(items: list[_Sides], join: Callable[[_Sides, _Sides], _Sides]) -> 
 
 def _added(left: _Sides, right: _Sides, least: bool) -> _Sides:
     (n_1, d_1), (n_2, d_2) = left, right
-    if d_1 == d_2:
-        return n_1 + n_2, d_1
+    ratio = d_1.leading_coefficient() / d_2.leading_coefficient()
+    if d_1 == d_2 * ratio:
+        return n_1 + n_2 * ratio, d_1
     if least:
         common = d_1.gcd(d_2)
         first, second = d_1 / common, d_2 / common

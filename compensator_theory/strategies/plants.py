@@ -6,7 +6,7 @@ from sympy import ImmutableMatrix
 from compensator_theory.strategies.polynomials import coprime_pairs, rationals
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import controllable_canonical_form
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
 @st.composite

@@ -16,8 +16,8 @@ from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.systems.transfer_functions import TransferFunction
-from compensator_theory.systems.transfer_matrices import TransferMatrix
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
 def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -> str:

@@ -24,8 +24,8 @@ from compensator_theory.systems.foreign import (
     is_foreign,
 )
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.systems.transfer_functions import TransferFunction
-from compensator_theory.systems.transfer_matrices import TransferMatrix
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 TransferFunctionLike: TypeAlias = (
     TransferFunction

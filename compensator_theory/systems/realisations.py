@@ -13,8 +13,8 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-from compensator_theory.systems.transfer_functions import TransferFunction
-from compensator_theory.systems.transfer_matrices import TransferMatrix
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
 @dataclass(frozen=True, init=False)

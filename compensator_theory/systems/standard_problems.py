@@ -12,8 +12,8 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
-from compensator_theory.systems.transfer_functions import TransferFunction
-from compensator_theory.systems.transfer_matrices import TransferMatrix
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 if TYPE_CHECKING:
     import control

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import os
 import stat
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from compensator_theory.errors import InputError
+
+if sys.platform != "win32":
+    import fcntl
+
+MARK = "rcac-"  # in the name of what is being written; nobody else's hidden file has it
 
 
 @contextmanager
@@ -18,6 +24,10 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
     Whatever happens in between, a full disk, an exception or a kill, the file that was there
     stays whole. What is no ordinary file, such as a pipe, is written to as it is.
+
+    A process that is killed cannot remove its new file, hidden under the name
+    ``.STEM.rcac-XXXXXXXX.SUFFIX``. The next one that writes the same file does, if nobody holds
+    the lock on it any more, which the system releases when a process ends.
 
     Raises
     ------
@@ -40,9 +50,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
             yield target
             return
         mode = _mode(target)
-        # The suffix stays: writers of pictures and arrays choose their format by it.
-        handle, name = tempfile.mkstemp(target.suffix, f".{target.stem[:40]}.", target.parent)
-        os.close(handle)
+        _remove_abandoned(target)
+        handle, name = _locked(target)
         try:
             yield Path(name)
             _settle(name, mode)
@@ -50,8 +59,64 @@ def replacing(path: str | Path) -> Iterator[Path]:
         finally:
             with suppress(OSError):
                 os.unlink(name)
+            if handle is not None:
+                os.close(handle)
     except OSError as error:
         raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
+
+
+def _prefix(target: Path) -> str:
+    return f".{target.stem[:40]}.{MARK}"
+
+
+def _locked(target: Path) -> tuple[int | None, str]:
+    """A new file beside `target`, and the lock on it, which ends with this process."""
+    while True:
+        # The suffix stays: writers of pictures and arrays choose their format by it.
+        handle, name = tempfile.mkstemp(target.suffix, _prefix(target), target.parent)
+        if sys.platform == "win32":  # an open file cannot be renamed there
+            os.close(handle)
+            return None, name
+        try:
+            _lock(handle)
+        except BlockingIOError:  # somebody took it for abandoned, in the moment before the lock
+            os.close(handle)
+            continue
+        if os.path.exists(name):
+            return handle, name
+        os.close(handle)
+
+
+def _lock(handle: int) -> bool:
+    """Whether this process holds the lock now; some file systems have none."""
+    if sys.platform == "win32":
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise
+    except OSError:
+        return False
+    return True
+
+
+def _remove_abandoned(target: Path) -> None:
+    """Remove what a killed process was writing in place of `target`."""
+    if sys.platform == "win32":
+        return
+    prefix = _prefix(target)
+    with suppress(OSError), os.scandir(target.parent) as entries:
+        for entry in entries:
+            random = entry.name.removeprefix(prefix).removesuffix(target.suffix)
+            if entry.name != f"{prefix}{random}{target.suffix}" or "." in random:
+                continue
+            with suppress(OSError):
+                handle = os.open(entry.path, os.O_RDWR | os.O_NOFOLLOW)
+                try:
+                    if _lock(handle):
+                        os.unlink(entry.path)
+                finally:
+                    os.close(handle)
 
 
 def _mode(target: Path) -> int:

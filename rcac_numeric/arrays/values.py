@@ -61,6 +61,8 @@ def _contents(value: Any) -> dict[str, Any]:
 
 def _pieces(value: Any) -> list[bytes]:
     if isinstance(value, np.ndarray):
+        if value.dtype.kind not in "biufc":  # texts and objects
+            return [str(value.shape).encode(), *_pieces(value.tolist())]
         kind = "<c16" if value.dtype.kind == "c" else "<f8"
         return [str(value.shape).encode(), np.ascontiguousarray(value, dtype=kind).tobytes()]
     if is_dataclass(value) and not isinstance(value, type):

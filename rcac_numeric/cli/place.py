@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import re
-
 import click
 
 import compensator_theory as exact
-from compensator_theory.errors import InputError
 from rcac_numeric.cli.output import as_json_option, show
 from rcac_numeric.reports.placement import placement_sheet
-
-# A second number in one entry: the sign stands before it, and not between the two.
-TWO_NUMBERS = re.compile(r"[\w.)]\s+[+-][\w.(]")
 
 
 @click.command("place")
 @click.option("--plant", required=True, help='N/D, for instance "4/((s + 1)*(s + 3))".')
 @click.option(
     "--poles", required=True,
-    help='The roots wanted, separated by commas: "-6, -5, -4, -2" or "-1+2j, -1-2j".',
+    help='The roots wanted, between commas or spaces: "-6, -5, -4, -2" or "-1+2j -1-2j".',
 )  # fmt: skip
 @click.option(
     "--order", "n_c", type=int, default=None,
@@ -36,18 +30,5 @@ def place(plant: str, poles: str, n_c: int | None, feedback: str, as_json: bool)
     Everything is a rational number: 0.1 is 1/10, and j is the imaginary unit. Where there is no
     solution the status is 2.
     """
-    placement = exact.place_poles(plant, _roots(poles), n_c, feedback=int(feedback))
+    placement = exact.place_poles(plant, exact.read_roots(poles), n_c, feedback=int(feedback))
     show(placement_sheet(placement), as_json)
-
-
-def _roots(poles: str) -> list[str]:
-    wanted = [pole.strip() for pole in poles.split(",")]
-    if not all(wanted):
-        raise InputError(f"--poles {poles!r} has an empty entry; write for instance '-1, -2+1j'")
-    for pole in wanted:
-        if TWO_NUMBERS.search(pole):
-            raise InputError(
-                f"--poles: {pole!r} is two numbers or a sum; separate numbers by commas, and write "
-                "a sum without spaces, or with one on both sides of its sign."
-            )
-    return wanted

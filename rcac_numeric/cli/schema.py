@@ -6,10 +6,10 @@ import json
 
 import click
 
-from rcac_numeric.experiments.files.schema import json_schema
+from rcac_numeric.sweeps.study.files import study_schema
 
 
 @click.command("schema")
 def schema() -> None:
-    """Print the JSON Schema of experiment files, for an editor."""
-    click.echo(json.dumps(json_schema(), indent=2))
+    """Print the JSON Schema of experiment files and studies, for an editor."""
+    click.echo(json.dumps(study_schema(), indent=2))

@@ -3,6 +3,9 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from rcac_numeric.arrays.array_types import Array
 
 Pairs = Sequence[tuple[int, int]]
@@ -123,6 +126,125 @@ def python_plant(
     sizes: Sizes, advance: Callable[..., Any], output: Callable[..., Any], x_0: Array
 ) -> Plant: ...
 def compiled_plant(sizes: Sizes, advance: Any, output: Any, x_0: Array) -> Plant: ...
+
+class EstimationError(Exception): ...
+class EstimationModel: ...
+
+class Filter:
+    def move(self, y: object, u: object, corrects: bool, predicts: bool) -> bool:
+        """Whether the arguments could be read at once; then the filter has moved."""
+    def run(
+        self,
+        u: Array,
+        y: Array,
+        measured: Array,
+        x: Array,
+        deviation: Array,
+        P: Array,
+        innovation: Array,
+        nis: Array,
+        log_likelihood: Array,
+    ) -> None: ...
+    def save(self) -> Array: ...
+    def restore(self, state: Array) -> None: ...
+    @property
+    def k(self) -> int: ...
+    @property
+    def nis(self) -> float: ...
+    @property
+    def innovation(self) -> Array: ...
+    @property
+    def corrected(self) -> Array: ...
+    @property
+    def x(self) -> Array: ...
+    @property
+    def P(self) -> Array: ...
+
+class Refinement:
+    def step(self, w: object, y: object, x: object) -> bool:
+        """Whether the arguments could be read at once; then the model has moved."""
+    def half(self, given: object, x: object, measures: bool) -> bool:
+        """Measuring y(k), or else advancing with w(k); the same answer."""
+    def run(self, w: Array, y: Array, x: Array, theta: Array, z: Array, u: Array) -> None: ...
+    def freeze(self, frozen: bool) -> None: ...
+    def save(self) -> Array: ...
+    def restore(self, state: Array) -> None: ...
+    @property
+    def k(self) -> int: ...
+    @property
+    def x(self) -> Array: ...
+    @property
+    def theta(self) -> Array: ...
+    @property
+    def z(self) -> Array: ...
+    @property
+    def u(self) -> Array: ...
+    @property
+    def P(self) -> Array: ...
+    @property
+    def guard_count(self) -> int: ...
+
+Tape = tuple[Array, NDArray[np.int32], NDArray[np.int32]]
+
+def linear_estimation_model(
+    n: int, l_u: int, l_y: int, A: Array, B: Array, C: Array, D: Array
+) -> EstimationModel: ...
+def function_estimation_model(
+    n: int,
+    l_u: int,
+    l_y: int,
+    f: Callable[..., Any],
+    h: Callable[..., Any],
+    F: Callable[..., Any] | None,
+    H: Callable[..., Any] | None,
+    scale: Array,
+) -> EstimationModel: ...
+def tape_estimation_model(
+    n: int, l_u: int, l_y: int, f: Tape, h: Tape, f_F: Tape, h_H: Tape
+) -> EstimationModel: ...
+def filter(
+    kind: str,
+    model: EstimationModel,
+    x_0: Array,
+    S_0: Array,
+    Q_root: Array,
+    R_root: Array,
+    alpha: float,
+) -> Filter: ...
+def linearised(
+    model: EstimationModel, k: int, x: Array, u: Array
+) -> tuple[Array, Array, Array, Array]:
+    """f, F, h and H at (k, x, u)."""
+
+def refinement(
+    *,
+    sizes: Sequence[int],
+    A: Array,
+    D_1: Array,
+    B: Array,
+    C: Array,
+    delays: Sequence[int],
+    stack: Sequence[int],
+    H: Array,
+    R: Array,
+    eigenvalues: Array,
+    V_d: Array,
+    W: Array,
+    chosen: int,
+    eta_bar: float,
+    forgetting: float,
+    direct: bool,
+    change: bool,
+    k_update: int,
+    E_1: Array,
+    n_c: int,
+    strictly_proper: bool,
+    A_j: Array,
+    D_j: Array,
+    P_0: Array,
+    theta_0: Array,
+    x_0: Array,
+) -> Refinement: ...
 
 lanes: int
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
@@ -42,9 +42,28 @@ def run_to_end(prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = 
     RunInterrupted
         On Ctrl-C, within about 0.1 s, with what had been computed.
     """
+    for _ in in_slices(prepared, threads, lanes):
+        pass
+
+
+def in_slices(
+    prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False, keep: bool = True
+) -> Iterator[None]:
+    """Run every job to its end; hands over after each slice of time, and once at the end.
+
+    Raises
+    ------
+    RunInterrupted
+        On Ctrl-C while the jobs run, within about 0.1 s, with what had been computed; a plain
+        KeyboardInterrupt where that need not be kept.
+    """
     jobs = [one.job for one in prepared]
-    try:
-        while _kernel.run_jobs(jobs, threads, CHUNK, lanes):
-            pass
-    except KeyboardInterrupt:
-        raise RunInterrupted([one.result(interrupted=True) for one in prepared]) from None
+    go_on = True
+    while go_on:
+        try:
+            go_on = _kernel.run_jobs(jobs, threads, CHUNK, lanes)
+        except KeyboardInterrupt:
+            if not keep:
+                raise
+            raise RunInterrupted([one.result(interrupted=True) for one in prepared]) from None
+        yield

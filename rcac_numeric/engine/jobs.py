@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -62,7 +64,6 @@ class PreparedRun:
             compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
         ]
         self._loop = self._compiled_loop(body)
-        self._name = fingerprint((plant, settings, saturation))
         self.first_step = 0
         if start is not None:
             self._continue(start)
@@ -86,8 +87,18 @@ class PreparedRun:
         )
         self.first_step = start.k
 
-    def result(self, interrupted: bool = False) -> Run:
-        """What the job has done so far, as a run.
+    @cached_property
+    def _name(self) -> str:
+        """What a state of this loop is recognised by."""
+        return fingerprint((self.plant, self.settings, self.saturation))
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether every step is done, or one failed."""
+        return self.job.outcome != 0 or self.job.done == len(self.w)
+
+    def result(self, interrupted: bool = False, with_state: bool = True) -> Run:
+        """What the job has done so far, as a run; with the state that it can go on from.
 
         A function of the user that failed is an outcome, "plant failed" or "weight failed", and
         `Run.failure` says how. Where the job was interrupted in a function of the user, its state
@@ -102,7 +113,7 @@ class PreparedRun:
         )
         stopped = interrupted and done < len(self.w) and (outcome == 0 or in_function)
         state = None
-        if outcome == 0 and not (stopped and self._failures.guards_something):
+        if with_state and outcome == 0 and not (stopped and self._failures.guards_something):
             state = SavedState.taken("loop", self.first_step + done, self._loop.save(), self._name)
         return Run(
             plant=self.plant,

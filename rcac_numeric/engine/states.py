@@ -15,6 +15,7 @@ from rcac_numeric.arrays.values import Value, fingerprint
 from rcac_numeric.engine import _kernel
 
 Counter = Callable[[], int]
+Compiled = _kernel.Controller | _kernel.Loop | _kernel.Filter | _kernel.Refinement
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +24,7 @@ class SavedState(Value):
 
     Attributes
     ----------
-    kind : {"controller", "loop"}
+    kind : {"controller", "loop", "filter", "refinement"}
     k : int
         Number of steps taken.
     values : array
@@ -103,9 +104,7 @@ class SavedState(Value):
             raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
         return cls(kind, int(k), values, of, checksum)
 
-    def restore_into(
-        self, compiled: _kernel.Controller | _kernel.Loop, kind: str, of: str, steps: Counter
-    ) -> None:
+    def restore_into(self, compiled: Compiled, kind: str, of: str, steps: Counter) -> None:
         """Put the state into a compiled object; raise where it does not belong there.
 
         `steps` says how many steps the object has taken.

@@ -29,7 +29,7 @@ _NAMED = re.compile(
 
 
 @dataclass(frozen=True)
-class Evidence(Value):
+class ErratumEvidence(Value):
     """What shows that an erratum is right: one of four kinds.
 
     Attributes
@@ -92,7 +92,7 @@ class Erratum(Value):
         A key of `KINDS`.
     printed, true : str
         What the text says, and what is so.
-    evidence : Evidence
+    evidence : ErratumEvidence
     chapter : str
         2 to 9, A or B.
 
@@ -109,7 +109,7 @@ class Erratum(Value):
     kind: str
     printed: str
     true: str
-    evidence: Evidence = field()
+    evidence: ErratumEvidence = field()
     chapter: str = ""
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ from importlib import resources
 from typing import Any
 
 from compensator_theory.errors import InputError
-from rcac_numeric.errata.entries import KINDS, Erratum, Evidence
+from rcac_numeric.errata.entries import KINDS, Erratum, ErratumEvidence
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
@@ -25,7 +25,9 @@ def _file(chapter: str, erratum: list[Any]) -> str:
 
 
 _ERRATUM: Table[Erratum] = Table(
-    Erratum, given=["chapter"], forms={"evidence": Table(Evidence), "kind": Choice(tuple(KINDS))}
+    Erratum,
+    given=["chapter"],
+    forms={"evidence": Table(ErratumEvidence), "kind": Choice(tuple(KINDS))},
 )
 _FILE: Table[str] = Table(
     _file, forms={"chapter": Choice(CHAPTERS), "erratum": ListOf(_ERRATUM, 1)}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from compensator_theory.errors import InputError
@@ -13,6 +13,7 @@ from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compatibility import controllers_of
@@ -21,6 +22,8 @@ from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel
+
+SIGNALS = ("w", "u", "y", "z", "u_applied")
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +48,33 @@ class AnalysedRun(Value):
 
     run: Run
     target: TargetModel | None = None
+
+    def until(self, k: int) -> AnalysedRun:
+        """The same run cut off before step k: the controller theta(k), which must have been kept.
+
+        Examples
+        --------
+        >>> from rcac_numeric import load_example
+        >>> whole = load_example("4.7").main_run.execute().first
+        >>> whole.until(90).run.steps, whole.until(90).match.worst < 1e-5
+        (90, True)
+        """
+        run = self.run
+        length = integer(k, "k") - run.first_step
+        if length == run.steps:
+            return self
+        if k not in self._earlier:
+            run.compensator_at(k)  # raises where theta(k) was not kept
+            row = length // run.stride
+            signals = {name: getattr(run, name)[:length] for name in SIGNALS}
+            kept = {"theta": run.theta[:row], "theta_final": run.theta[row]}
+            cut = replace(run, **signals, **kept, outcome="completed", state=None)
+            self._earlier[k] = AnalysedRun(cut, self.target)
+        return self._earlier[k]
+
+    @cached_property
+    def _earlier(self) -> dict[int, AnalysedRun]:
+        return {}
 
     @property
     def is_scalar(self) -> bool:
@@ -111,7 +141,8 @@ class AnalysedRun(Value):
         Behind a saturation it is that of the applied input, which the controller's own past holds.
         """
         run = self.run
-        if isinstance(run.plant, PlantSchedule) and len(run.plant.changes) > 1:
+        plant = run.plant
+        if isinstance(plant, PlantSchedule) and plant.at(self.last_step) is not plant.changes[0]:
             raise InputError("the plant changes during the run")
         return self._against_target.split(u=run.u_applied, y=run.y, z=run.z, w=run.w)
 

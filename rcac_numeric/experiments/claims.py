@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 
@@ -35,6 +35,11 @@ class Check(Value):
         At least one of them is finite: a check without a bound could not fail.
     statistic : {"each", "median"}
         Whether every repetition must lie in the interval, or the median.
+    share : float
+        With "each": the least share of the repetitions that must lie in the interval.
+    until : int, optional
+        The step at which the run is cut off before it is measured: its controller is then theta
+        of that step, its plant that of the step before, its signals end there.
     """
 
     measure: str
@@ -44,12 +49,20 @@ class Check(Value):
     relative_to: str = ""
     statistic: str = "each"
     arguments: Mapping[str, object] = field(default_factory=dict)
+    share: float = 1.0
+    until: int | None = None
 
     def __post_init__(self) -> None:
         for name in ("measure", "run", "relative_to", "statistic"):
             instance_of(getattr(self, name), name, str)
         one_of(self.statistic, "statistic", STATISTICS)
         object.__setattr__(self, "arguments", dict(self.arguments))
+        if not 0 < number(self.share, "share") <= 1:
+            raise InputError(f"share = {self.share} must be above 0 and at most 1.")
+        if self.share < 1 and self.statistic != "each":
+            raise InputError(f"share = {self.share} is for statistic = 'each'; leave it out.")
+        if self.until is not None:
+            integer(self.until, "until", at_least=1)
         if not (self.at_least > -np.inf or self.at_most < np.inf):
             raise InputError(
                 f"the check of {self.measure!r} needs at_least, at_most or both: a check without "
@@ -74,6 +87,10 @@ class Claim(Value):
         What had to be read differently from the source for the checks to be the right ones.
     recorded : str
         The verdict of record; a run that computes another one has changed.
+    run : str
+        The variant that the claim is judged on; empty where its checks are of several.
+    reason : str
+        Why it does not hold as it is said, from what was measured.
     """
 
     text: str
@@ -81,39 +98,64 @@ class Claim(Value):
     checks: tuple[Check | ExactCheck, ...]
     correction: str = ""
     recorded: str = ""
+    run: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class CheckResult(Value):
-    """The values of a check, one for each repetition."""
+    """The values of a check, one for each repetition.
+
+    Attributes
+    ----------
+    check : Check
+    values : tuple of float
+    over_seeds : bool
+        Whether the repetitions are other draws of the noise; otherwise they have the same data
+        but for their last digits.
+    """
 
     check: Check
     values: tuple[float, ...]
+    over_seeds: bool = False
 
     @property
     def holds(self) -> bool | None:
-        """Whether the check holds; None where it hangs on the last bits of the input."""
-        judged = (
-            [float(np.median(self.values))] if self.check.statistic == "median" else self.values
-        )
-        inside = [self._inside(value) for value in judged]
-        return True if all(inside) else None if any(inside) else False
+        """Whether the check holds; None where it hangs on the last digits of the input."""
+        if self.check.statistic == "median":
+            return self._inside(float(np.median(self.values)))
+        if self.inside >= self.check.share * len(self.values):
+            return True
+        is_open = self.inside and self.check.share == 1 and not self.over_seeds
+        return None if is_open else False
+
+    @property
+    def inside(self) -> int:
+        """How many repetitions lie in the interval."""
+        return sum(map(self._inside, self.values))
 
     def __str__(self) -> str:
         name = self.check.measure.replace("_", " ")
         ratio = f" / that of {self.check.relative_to}" if self.check.relative_to else ""
-        value = self._words(float(np.median(self.values)))
+        step = "" if self.check.until is None else f" at step {self.check.until}"
+        known = [number for number in self.values if not np.isnan(number)] or [np.nan]
+        value = self._words(float(np.median(known)))
         if len(self.values) > 1:
-            low, high = self._words(min(self.values)), self._words(max(self.values))
-            value = f"median {value} [{low}, {high}] of {len(self.values)}"
-        return f"{name}{ratio} ({self.check.run}): {value}"
+            kind = "seeds" if self.over_seeds else "repetitions"
+            value = f"median {value} [{self._words(min(known))}, {self._words(max(known))}] of "
+            value += f"{len(self.values)} {kind}"
+            if missing := int(np.isnan(self.values).sum()):
+                value += f", {missing} without a value"
+            if self.check.statistic == "each" and self.inside < len(self.values):
+                value += f", {self.inside} in the interval"
+        return f"{name}{step}{ratio} ({self.check.run}): {value}"
 
     def _inside(self, value: float) -> bool:
         return self.check.at_least <= value <= self.check.at_most
 
     def _words(self, value: float) -> str:
-        """Three digits, or as many more as it takes to stand on its side of the bounds."""
-        for digits in range(3, 17):
+        """Five digits, or as many more as it takes to stand on its side of the bounds."""
+        for digits in range(5, 17):
             words = f"{value:.{digits}g}"
             if self._inside(float(words)) == self._inside(value):
                 break

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController, controllers_of
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.analysed_run import AnalysedRun
-from rcac_numeric.experiments.claims import Claim
+from rcac_numeric.experiments.claims import Check, Claim
+from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -36,11 +38,21 @@ class RunSpecification(Value):
     reference : bool
         Whether the run is made in certified ball arithmetic with 250 digits.
     repetitions, perturbation : int, float
-        The run is repeated with w multiplied by 1 + perturbation * (standard normal), to see
-        whether its outcome hangs on the last bits. The first repetition is unperturbed.
+        The run is repeated with w and x_0 multiplied by 1 + perturbation * (standard normal), to
+        see whether its outcome hangs on the last bits. The first repetition is unperturbed.
+    seeds : int
+        In place of repetitions: with how many seeds it is run, from `seed` on.
     saturation : Saturation, optional
     expected : {"completed", "diverged"}
-        How the run is known to end; a run that shows a divergence says so.
+        How the run is known to end; a run that shows a divergence says so. With seeds or
+        repetitions it is "mixed" where some end in one way and some in the other.
+    x_0 : array, shape (n,), optional
+        Initial state; zero by default.
+    x_0_deviation : float
+        Standard deviation of what is added to each entry of x_0, drawn anew for each seed.
+    correction : str
+        What this run reads differently from the source, or adds to it; its claims that hold are
+        reproduced with that correction.
     """
 
     name: str
@@ -56,6 +68,10 @@ class RunSpecification(Value):
     saturation: Saturation | None = None
     expected: str = "completed"
     target: TargetModel | None = None
+    seeds: int = 1
+    x_0: Array | None = None
+    x_0_deviation: float = 0.0
+    correction: str = ""
 
     @property
     def arithmetic(self) -> str:
@@ -67,21 +83,39 @@ class RunSpecification(Value):
 
     def execute(self) -> RunResult:
         """Run it, as often as it asks for."""
-        w = exogenous(self.signals, self.steps, self.seed)
-        rng = np.random.default_rng([self.seed, 1])
-        runs = []
-        for repetition in range(self.repetitions):
-            factor = 1 + self.perturbation * rng.standard_normal(w.shape) if repetition else 1.0
-            runs.append(self._run(w * factor))
-        return RunResult(self, tuple(AnalysedRun(run, self.target) for run in runs))
-
-    def _run(self, w: np.ndarray) -> Run:
+        runs: list[Run]
         if self.reference:
             plant, settings = require_supported(self.plant, self.settings, self.saturation)
-            return simulate_reference(plant, settings, w)
-        return simulate(
-            self.plant, self.settings, w, stride=self.stride, saturation=self.saturation
-        )
+            runs = [simulate_reference(plant, settings, np.asarray(c.w)) for c in self.cases()]
+        else:
+            runs = simulate_many(self.cases())
+        return RunResult(self, tuple(AnalysedRun(run, self.target) for run in runs))
+
+    def cases(self) -> list[SimulationCase]:
+        """What is simulated: one case for each seed, or for each repetition."""
+        rng = np.random.default_rng([self.seed, 1])
+        made = []
+        for number in range(self.seeds * self.repetitions):
+            seed = self.seed + number if self.seeds > 1 else self.seed
+            w = exogenous(self.signals, self.steps, seed)
+            start = self._start(seed)
+            if number and self.repetitions > 1:
+                w = w * (1 + self.perturbation * rng.standard_normal(w.shape))
+                start = {
+                    name: value * (1 + self.perturbation * rng.standard_normal(value.shape))
+                    for name, value in start.items()
+                }
+            options = {"stride": self.stride, "saturation": self.saturation, **start}
+            made.append(SimulationCase(self.plant, self.settings, w, options))
+        return made
+
+    def _start(self, seed: int) -> dict[str, Array]:
+        """The initial state, where it is not zero."""
+        if self.x_0 is None and not self.x_0_deviation:
+            return {}
+        given = np.zeros(self.plant.n) if self.x_0 is None else self.x_0
+        drawn = np.random.default_rng([seed, 2]).standard_normal(self.plant.n)
+        return {"x_0": given + self.x_0_deviation * drawn}
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +138,8 @@ class RunResult(Value):
     @property
     def as_expected(self) -> bool:
         """Whether the run ended as its specification says."""
-        return self.diverged == (self.specification.expected == "diverged")
+        expected = self.specification.expected
+        return expected == "mixed" or self.diverged == (expected == "diverged")
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,12 +160,14 @@ class Experiment(Value):
     runs: Mapping[str, RunSpecification]
     claims: Sequence[Claim]
     notes: str = ""
+    figures: Sequence[FigureRequest] = ()
     description: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("runs", "description"):
             object.__setattr__(self, name, dict(getattr(self, name)))
         object.__setattr__(self, "claims", tuple(self.claims))
+        object.__setattr__(self, "figures", tuple(self.figures))
 
     @property
     def main_run(self) -> RunSpecification:
@@ -138,3 +175,24 @@ class Experiment(Value):
         if not self.runs:
             raise InputError(f"{self.id or self.title!r} is exact: it runs nothing.")
         return next(iter(self.runs.values()))
+
+    def reduced(self, seeds: int = 3) -> Experiment:
+        """The same experiment with at most so many seeds for each run, for a quick look.
+
+        Runs that a claim judges by a share of their seeds keep them all: a share of a few says
+        nothing.
+
+        Examples
+        --------
+        >>> from rcac_numeric import load_example
+        >>> experiment = load_example("5.1")
+        >>> experiment.main_run.seeds, experiment.reduced().main_run.seeds
+        (20, 3)
+        """
+        checks = [c for claim in self.claims for c in claim.checks if isinstance(c, Check)]
+        whole = {check.run for check in checks if check.share < 1}
+        runs = {
+            name: run if name in whole else replace(run, seeds=min(run.seeds, seeds))
+            for name, run in self.runs.items()
+        }
+        return replace(self, runs=runs)

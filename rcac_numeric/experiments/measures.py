@@ -9,7 +9,12 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.experiments import cost_measures, signal_measures
+from rcac_numeric.experiments import (
+    cost_measures,
+    margin_measures,
+    match_measures,
+    signal_measures,
+)
 from rcac_numeric.experiments.analysed_run import AnalysedRun
 
 Measure = Callable[..., float]
@@ -22,7 +27,12 @@ def measure(function: Measure) -> Measure:
     return function
 
 
-for _function in (*cost_measures.COST_MEASURES, *signal_measures.SIGNAL_MEASURES):
+for _function in (
+    *cost_measures.COST_MEASURES,
+    *signal_measures.SIGNAL_MEASURES,
+    *margin_measures.MARGIN_MEASURES,
+    *match_measures.MATCH_MEASURES,
+):
     measure(_function)
 
 
@@ -45,12 +55,6 @@ def polynomial_distance(r: AnalysedRun) -> float:
     if c.asked is None:
         raise InputError(f"there is no characteristic polynomial to compare with: {c.obstacle}")
     return float(max(map(abs, (c.reached - c.asked).all_coeffs())))
-
-
-@measure
-def worst_match(r: AnalysedRun) -> float:
-    """Largest relative distance of the intercalated transfer function to G_f over frequency."""
-    return r.match.worst
 
 
 @measure

@@ -134,13 +134,14 @@ def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
         others = _values(check, results[check.relative_to])
         with np.errstate(divide="ignore", invalid="ignore"):
             values = tuple(float(np.divide(a, b)) for a, b in zip(values, others, strict=True))
-    return CheckResult(check, values)
+    return CheckResult(check, values, over_seeds=results[check.run].specification.seeds > 1)
 
 
 def _values(check: Check, result: RunResult) -> tuple[float, ...]:
     def value(repetition: AnalysedRun) -> float:
         try:
-            return MEASURES[check.measure](repetition, **check.arguments)
+            measured = repetition if check.until is None else repetition.until(check.until)
+            return MEASURES[check.measure](measured, **check.arguments)
         except CompensatorError:
             if repetition.run.outcome != "completed":
                 return float("nan")  # nothing to measure at the end; the check fails
@@ -166,3 +167,9 @@ def _known(check: Check, experiment: Experiment) -> None:
                 f"a claim refers to the run {name!r}; the runs are {', '.join(experiment.runs)}."
                 f"{did_you_mean(name, experiment.runs)}"
             )
+    pair = [experiment.runs[name] for name in (check.run, check.relative_to) if name]
+    if len({run.seeds * run.repetitions for run in pair}) > 1:
+        raise InputError(
+            f"a claim divides a measure of {check.run!r} by that of {check.relative_to!r}, "
+            "repetition by repetition; give them as many seeds and repetitions."
+        )

@@ -125,24 +125,39 @@ def stabilising_solution(
 
 
 def _best(A: Array, B: Array, weights: tuple[Array, Array, Array]) -> StabilisingSolution | None:
-    """The better of SciPy's answers with and without balancing, after Newton steps."""
-    import warnings
+    """The best of SciPy's answers after Newton steps: balanced, as it is, and shifted.
 
-    from scipy.linalg import solve_discrete_are
-
-    R_1, R_12, R_2 = weights
+    Where P is zero or nearly, as for a square G_zu whose zeros are all inside the unit circle,
+    SciPy holds rounding noise against itself and refuses. P + cI is not small.
+    """
     found = []
-    for balanced in (True, False):
+    for balanced, shifted in ((True, False), (False, False), (True, True), (False, True)):
         try:
-            with warnings.catch_warnings(), np.errstate(all="ignore"):
-                warnings.simplefilter("ignore")
-                P = solve_discrete_are(A, B, R_1, R_2, s=R_12, balanced=balanced)
-                found.append(_refined(_evaluated(A, B, weights, P)))
+            P = _from_scipy(A, B, weights, balanced=balanced, shifted=shifted)
+            found.append(_refined(_evaluated(A, B, weights, P)))
         except (np.linalg.LinAlgError, ValueError):
             continue
         if found[-1].margin > 0 and found[-1].residual < 1e-13:
             break
     return min(found, key=lambda s: (not s.margin > 0, s.residual), default=None)
+
+
+def _from_scipy(
+    A: Array, B: Array, weights: tuple[Array, Array, Array], *, balanced: bool, shifted: bool
+) -> Array:
+    """SciPy's P; `shifted` by way of P + cI, which solves the equation with other weights."""
+    import warnings
+
+    from scipy.linalg import solve_discrete_are
+
+    R_1, R_12, R_2 = weights
+    c = norm(R_1) / (1 + norm(A) ** 2) if shifted else 0.0
+    if shifted:
+        R_1, R_12, R_2 = R_1 + c * (np.eye(len(A)) - A.T @ A), R_12 - c * A.T @ B, R_2 - c * B.T @ B
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        P = solve_discrete_are(A, B, R_1, R_2, s=R_12, balanced=balanced)
+    return np.asarray(P - c * np.eye(len(A)))
 
 
 def _refined(solution: StabilisingSolution) -> StabilisingSolution:

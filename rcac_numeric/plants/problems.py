@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import compensator_theory as exact
-from compensator_theory.errors import InputError
+from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.plants.linear import MATRICES, Plant
 
@@ -43,7 +43,8 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     Parameters
     ----------
     G : transfer function, optional
-        Anything `compensator_theory.transfer_function` accepts.
+        Anything `compensator_theory.transfer_function` accepts; or one row of them,
+        [[G_1, G_2]], for a plant whose inputs add up in one output, (6.7).
     **matrices
         A, B, D_1, C and D_0 of (2.16)-(2.17) in place of G; and
         performance="measured" (z = e_n, the default) or "true" (z = e_0).
@@ -51,17 +52,71 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     Returns
     -------
     Plant
-        With w = [r; d; v] and y = e_n.
+        With w = [r; d; v] and y = e_n; a row of transfer functions has a d for each input.
+
+    Raises
+    ------
+    NotCoprimeError
+        Where all entries of a row and their common denominator share a factor: no controller
+        moves that pole.
 
     Examples
     --------
     >>> from rcac_numeric import servo_plant
     >>> servo_plant("(q - 0.85)/((q - 0.8)*(q - 0.9))").blocks
     {'r': 1, 'd': 1, 'v': 1}
+    >>> servo_plant([["1/(q - 0.8)", "(q - 2)/((q - 0.8)*(q - 0.9))"]])
+    Plant(n=2, l_u=2, l_w=4, l_y=1, l_z=1)
     """
+    if isinstance(G, list) and len(G) == 1 and isinstance(G[0], list):
+        matrices, G = {**matrices, **realised_row(G[0])}, None
     problem = _discrete(exact.servo_problem(G, **matrices))
     l_y = problem.C.shape[0]
     return from_problem(problem, {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y})
+
+
+def realised_row(entries: list[Any]) -> dict[str, Any]:
+    """A, B and C of one row of strictly proper transfer functions, in observer canonical form.
+
+    Its order is the degree of the least common denominator D, so that it is controllable where the
+    numerators over D and D itself have no factor in common.
+
+    Examples
+    --------
+    >>> from rcac_numeric.plants.problems import realised_row
+    >>> realised_row(["1/(q - 2)", "3/q"])["B"]
+    [[1, 3], [0, -6]]
+    """
+    given = [exact.transfer_function(entry) for entry in entries]
+    if len({str(g.variable) for g in given}) > 1:
+        raise InputError("the entries of G are in different variables; write all of them in q.")
+    if not all(g.is_strictly_proper for g in given):
+        raise ImproperError(
+            "an entry of G is not strictly proper, so that a disturbance at its input does not "
+            "reach the output as u does; give the matrices A, B, D_1, C, D_0."
+        )
+    D = given[0].denominator
+    for g in given[1:]:
+        D = D.lcm(g.denominator)
+    D = D.monic()
+    numerators = [g.numerator * D.quo(g.denominator) for g in given]
+    shared = D
+    for N in numerators:
+        shared = shared.gcd(N)
+    if shared.degree() > 0:
+        raise NotCoprimeError(
+            f"all entries of G share the factor {shared.as_expr()} with their denominator: no "
+            "controller moves that pole. Cancel the factor."
+        )
+    n = D.degree()
+    below = [-D.nth(n - 1 - row) for row in range(n)]
+    A = [[below[row], *(int(column == row) for column in range(n - 1))] for row in range(n)]
+    return {
+        "A": A,
+        "B": [[N.nth(n - 1 - row) for N in numerators] for row in range(n)],
+        "C": [[1] + [0] * (n - 1)],
+        "variable": given[0].variable,
+    }
 
 
 def _discrete(problem: exact.StandardProblem) -> exact.StandardProblem:

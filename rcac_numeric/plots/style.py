@@ -11,8 +11,23 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.wording import printable, shortened
 
 INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
+# Okabe and Ito's colours, told apart by every kind of colour vision, and lines for black and white.
+PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
+DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 # An axis spans at least this factor in gain and these radians: rounding is to look like rounding.
 LEAST_FACTOR, LEAST_PHASE = 2.0, 0.5
+
+
+def line_style(index: int) -> dict[str, object]:
+    """Colour and dashes of the index-th of several lines in one pair of axes.
+
+    Examples
+    --------
+    >>> from rcac_numeric.plots.style import line_style
+    >>> line_style(0)["color"] != line_style(1)["color"]
+    True
+    """
+    return {"color": PALETTE[index % len(PALETTE)], "linestyle": DASHES[index % len(DASHES)]}
 
 
 def draw_title(figure: Figure, title: str) -> None:

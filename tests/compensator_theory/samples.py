@@ -73,7 +73,52 @@ def transfer_matrices(draw):
     return draw(standard_problems(max_order=2)).G_zu
 
 
+INTERVALS = nonzero_rationals().map(
+    lambda b: exact.stability_intervals(f"s**3 + s + k + ({b})", "k")
+)
+PARITIES = strictly_proper_plants().map(exact.decide_strong_stabilisability)
+EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
+
+STATE_SPACES = st.builds(
+    lambda plant, a: exact.Realisation(*plant, variable="z") if a is None else
+    exact.Realisation([[0, a], [0, 0]], [[0], [1]], [[1, 0]], variable="q"),
+    minimal_plants(2), st.none() | SYMBOLS
+)  # fmt: skip
+
+POLYNOMIAL_MATRICES = st.builds(
+    lambda p, q, a: exact.polynomial_matrix([[p.as_expr(), a], [0, q.as_expr()]], "s"),
+    polynomials(max_degree=2), polynomials(max_degree=2), SYMBOLS | st.just(0)
+)  # fmt: skip
+
+ZEROS = STATE_SPACES.map(exact.output_decoupling_zeros) | st.sampled_from(
+    ["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)", "3"]
+).map(lambda text: exact.transmission_zeros(text, "s"))
+
 SAMPLES = {
+    exact.StabilityIntervals: INTERVALS,
+    exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
+    exact.StrongStabilisability: PARITIES,
+    exact.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
+    exact.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
+        exact.zero_order_hold
+    )
+    | st.just(exact.zero_order_hold("b/(s*(s + a))", "h", "s")),
+    exact.Zeros: ZEROS,
+    exact.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
+        lambda text: exact.transmission_zeros(text, "s").directions[0]
+    ),
+    exact.RowForm: POLYNOMIAL_MATRICES.map(exact.hermite_form)
+    | POLYNOMIAL_MATRICES.map(exact.row_reduced_form),
+    exact.CoprimeFractions: transfer_matrices().map(exact.coprime_fractions)
+    | st.just(exact.coprime_fractions("(s + a)/(s**2 + b)", "s")),
+    exact.PolynomialMatrix: POLYNOMIAL_MATRICES,
+    exact.SmithForm: POLYNOMIAL_MATRICES.map(exact.smith_form),
+    exact.SmithMcMillanForm: transfer_matrices().map(exact.smith_mcmillan_form),
+    exact.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
+    exact.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
+    | transfer_matrices().map(exact.minimal_realisation),
+    exact.PartialFractions: EXPANSIONS,
+    exact.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.Certificate: minimal_plants().map(
         lambda plant: exact.realisation(plant).transfer_function().certificate
     ),

@@ -9,8 +9,10 @@ from fractions import Fraction
 import numpy as np
 
 import rcac_numeric as rcac
+from rcac_numeric.experiments.analysed_run import AnalysedRun
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.signals.signal import Scaled, Sum
+from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
 SEEDS = 100_000  # seeds are below
 
@@ -172,7 +174,15 @@ def two_outputs(seed):
     return rcac.Plant(A=np.diag([0.5, 0.9]), B=random(seed, 2, 1), D_1=[[1], [0]], C=np.eye(2))
 
 
+def sweep_table(seed):
+    outcomes = np.array(["completed", "diverged"] * 2, dtype=object)
+    columns = {"run": np.arange(4), "gain": np.array([1, 1, 2, 2]), "outcome": outcomes,
+               "rms": np.abs(random(seed, 4))}  # fmt: skip
+    return rcac.SweepTable(columns, ("gain",), ("rms",))
+
+
 SAMPLES = {
+    **ESTIMATION_SAMPLES,
     # plants
     rcac.Plant: lambda seed: exact_plant(seed) if seed % 2 else plant(seed),
     rcac.PlantChange: lambda seed: schedule(seed).changes[seed % 2],
@@ -200,6 +210,15 @@ SAMPLES = {
     rcac.IdentifiedMarkovParameters: lambda seed: rcac.identify_markov_parameters(
         signals(seed)["u"], signals(seed)["y"], mu=2, n_mod=1
     ),
+    # the gallery
+    rcac.ContinuousPlant: lambda seed: rcac.ContinuousPlant(
+        random(seed, 2, 2), random(seed, 2, 1), random(seed, 1, 2), outputs=[f"y{seed}, V"]
+    ),
+    rcac.ZeroPath: lambda seed: rcac.zero_path(schedule(seed), [0, 3]),
+    rcac.OperatingPoint: lambda seed: rcac.OperatingPoint(random(seed, 2), [seed]),
+    rcac.BoostConverter: lambda seed: rcac.BoostConverter(supply=1 + seed),
+    rcac.CartPendulum: lambda seed: rcac.CartPendulum(length=1 + seed),
+    rcac.MassSpringDamper: lambda seed: rcac.MassSpringDamper(mass=1 + seed),
     # controllers
     rcac.Tap: lambda seed: rcac.Tap("y", 0, seed),
     rcac.DerivedSignal: lambda seed: rcac.DerivedSignal(random(seed, 2), [0, 1], pole=-1.0),
@@ -252,7 +271,37 @@ SAMPLES = {
     rcac.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
     ),
+    # sweeps
+    rcac.CaseResult: lambda seed: rcac.CaseResult(seed, "completed", random(seed, 3)),
+    rcac.Axis: lambda seed: rcac.Axis("gain", random(seed, 3), sets="plant.gain"),
+    rcac.RandomAxis: lambda seed: rcac.RandomAxis("gain", "normal", [seed, 1], draws=2),
+    rcac.Kept: lambda seed: rcac.Kept("peak", "late", {"start": seed}),
+    rcac.Study: lambda seed: rcac.Study(
+        {"run": {"steps": 9}}, [rcac.Axis("R_theta", [seed, -1], sets="run.R_theta")], [], seed=seed
+    ),
+    rcac.Progress: lambda seed: rcac.Progress(seed, SEEDS, 2.5, diverged=1),
+    rcac.SweepTable: sweep_table,
+    rcac.SweepOverview: lambda seed: rcac.SweepOverview(
+        "store",
+        "",
+        "",
+        "plain",
+        "",
+        {},
+        seed,
+        2,
+        {"gain": ("plant.gain", 2)},
+        4,
+        4,
+        sweep_table(seed),
+        rcac.summarise(sweep_table(seed), "rms"),
+    ),
+    rcac.ReplayedRun: lambda seed: rcac.ReplayedRun(
+        seed, 1, {"gain": 1}, AnalysedRun(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
+    ),
+    rcac.SweepSummary: lambda seed: rcac.summarise(sweep_table(seed), "rms"),
     # experiments, checks
+    rcac.FigureRequest: lambda seed: rcac.FigureRequest("responses", "", first=seed),
     rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),
     rcac.Experiment: experiment,
     rcac.Verification: lambda seed: rcac.verify(experiment(seed)),

@@ -17,12 +17,16 @@ from hypothesis import strategies as st
 import rcac_numeric as rcac
 from rcac_numeric.arrays.values import equal
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
+from tests.support.estimation_samples import ESTIMATORS
 
 PUBLIC = [getattr(rcac, name) for name in rcac.__all__]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
 DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
-NO_DATA = {rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted}
+NO_DATA = ESTIMATORS | {
+    rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
+    rcac.ProgressLine, rcac.StoreError, rcac.StudyInterrupted,
+}  # fmt: skip
 
 FRESH = """
 import pickle, struct, sys

@@ -105,6 +105,7 @@ class Book:
             self.prior, self.P = (self.R_theta, self.theta), np.linalg.inv(self.R_theta)
         self.last_reset, self.first = -1, settings.k_update
         self.resets = self.reflections = 0
+        self.curvatures = [0.0]  # of a gradient's costs: of each step the largest
 
     def observe(self, y, r=None):
         self.s.values["y"][self.k] = np.array(y)
@@ -194,6 +195,7 @@ class Book:
     def update(self, rows, goal):
         rule = self.rule
         if isinstance(rule, Gradient):
+            self.curvatures.append(np.linalg.norm(rows, 2) ** 2)
             cost = lambda theta: np.sum((rows @ theta - goal) ** 2)  # noqa: E731
             steps = 1e-3 * np.eye(self.theta.size)  # differences of a quadratic are exact
             slope = [(cost(self.theta + d) - cost(self.theta - d)) / 2e-3 for d in steps]

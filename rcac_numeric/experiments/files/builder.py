@@ -7,9 +7,10 @@ from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.exact_examples import exact_experiment, is_exact
+from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
-from rcac_numeric.experiments.files.claims import CLAIM, claim_of
+from rcac_numeric.experiments.figure_requests import FIGURE, require_drawable
+from rcac_numeric.experiments.files.claims import CLAIM, claims_of
 from rcac_numeric.experiments.files.documents import named, read_example, read_file, require_plain
 from rcac_numeric.experiments.files.runs import FORMS, OVERRIDE, RunTables, read_run, words_of
 from rcac_numeric.experiments.format.lists import ListOf
@@ -26,6 +27,7 @@ def _file(
     plant: Any, title: str = "", id: str = "", source: str = "", notes: str = "",
     signals: Any = None, target: Any = None, controller: Any = None, controllers: Any = None,
     saturation: Any = None, run: Any = None, runs: Any = None, claims: Any = None,
+    figures: Any = None,
 ) -> str:  # fmt: skip
     """An experiment.
 
@@ -55,6 +57,8 @@ def _file(
         Several runs, the first being the main one.
     claims : tables
         What is said of it, and what decides whether it holds.
+    figures : tables
+        What is drawn of it; a sheet on the main run where they are left out.
     """
     return title
 
@@ -65,6 +69,7 @@ FILE = Table(
         **FORMS,
         "runs": ListOf(OVERRIDE, needed="an array of tables, [[runs]]"),
         "claims": ListOf(CLAIM, needed="an array of tables, [[claims]]"),
+        "figures": ListOf(FIGURE, needed="an array of tables, [[figures]]"),
     },
 )
 
@@ -141,7 +146,10 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
-    claims = tuple(claim_of(part, names[0]) for part in read.arguments.get("claims", ()))
+    corrections = {run.name: run.correction for run in runs}
+    parts = read.arguments.get("claims", ())
+    claims = tuple(claim for part in parts for claim in claims_of(part, corrections))
+    figures = [part.build() for part in read.arguments.get("figures", ())]
     common = runs[0].plant.build()
     plants = [
         run.plant.build() if "plant" in override else common
@@ -158,6 +166,7 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         notes=text["notes"].strip(),
         runs=made,
         claims=claims,
+        figures=[require_drawable(figure, names) for figure in figures],
         description=_description(table),
     )
 

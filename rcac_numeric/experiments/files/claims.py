@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
+from compensator_theory.errors import InputError
 from rcac_numeric.experiments.claims import VERDICTS, Check, Claim
 from rcac_numeric.experiments.format.lists import ListOf, MapOf
 from rcac_numeric.experiments.format.parts import Part
+from rcac_numeric.experiments.format.places import brief, did_you_mean
 from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.format.values import Choice, Numbers, Real
+from rcac_numeric.experiments.format.values import Choice, Integer, Numbers, Real
 from rcac_numeric.experiments.measures import MEASURES
 from rcac_numeric.experiments.signal_measures import SIGNALS
 
@@ -20,6 +23,8 @@ def _check(
     run: str = "",
     relative_to: str = "",
     statistic: str = "each",
+    share: float = 1.0,
+    until: int | None = None,
     at_least: float | None = None,
     at_most: float | None = None,
 ) -> Any:
@@ -34,7 +39,12 @@ def _check(
     relative_to : str
         Another run, whose measure it is divided by, repetition by repetition.
     statistic : {"each", "median"}
-        Whether every repetition must lie in the interval, or the median.
+        Whether every seed or repetition must lie in the interval, or the median.
+    share : number
+        With "each": the least share of them that must lie in the interval.
+    until : int
+        A step at which theta is kept: the run is cut off before it, so that its controller is the
+        one that is then in force and its plant that of the step before.
     at_least, at_most : number
         The interval; one of them is needed.
     """
@@ -42,7 +52,14 @@ def _check(
 
 
 def _claim(
-    text: str, checks: list[Any], claimed: str = "", correction: str = "", verdict: str = ""
+    text: str,
+    checks: list[Any],
+    claimed: str = "",
+    correction: str = "",
+    run: str = "",
+    reason: str = "",
+    verdict: str = "",
+    verdicts: dict[str, str] | None = None,
 ) -> Any:
     """Something said of the case.
 
@@ -53,9 +70,18 @@ def _claim(
     checks : tables
         What decides it: it holds where all of them do.
     correction : str
-        What had to be read differently from the source for the checks to be the right ones.
+        What had to be read differently from the source for the checks to be the right ones; that
+        of the run where it is left out.
+    run : str
+        The run whose claim it is: checks that name none are of it. The main one where it is left
+        out.
+    reason : str
+        Where it does not hold: why, in a sentence.
     verdict : str
         The verdict of record; exit status 1 says that a run gave another.
+    verdicts : table
+        In place of run and verdict, for several variants: from the name of each run to the
+        verdict of record that the claim has for it.
     """
     return text
 
@@ -73,19 +99,56 @@ CHECK = Table(
     forms={
         "measure": _kinds(),
         "statistic": Choice(("each", "median")),
+        "share": Real(),
+        "until": Integer(1),
         "at_least": Real(),
         "at_most": Real(),
     },
 )
-CLAIM = Table(_claim, forms={"checks": ListOf(CHECK, 1), "verdict": Choice(VERDICTS)})
+CLAIM = Table(
+    _claim,
+    forms={
+        "checks": ListOf(CHECK, 1),
+        "verdict": Choice(VERDICTS),
+        "verdicts": MapOf(Choice(VERDICTS)),
+    },
+)
 
 
-def claim_of(part: Part[Any], main_run: str) -> Claim:
-    """The claim that a table of [[claims]] makes; checks without a run are of the main one."""
-    arguments = dict(part.arguments)
-    checks = tuple(_check_of(check, main_run) for check in arguments.pop("checks"))
-    recorded = arguments.pop("verdict", "")
-    return Claim(checks=checks, recorded=recorded, **{"claimed": "", **arguments})
+def claims_of(part: Part[Any], corrections: Mapping[str, str]) -> list[Claim]:
+    """The claims that a table of [[claims]] makes: one, or one for each variant that it names.
+
+    Parameters
+    ----------
+    part : Part
+    corrections : mapping from names of runs, the main one first
+        What each run reads differently from the source.
+    """
+    said = dict(part.arguments)
+    run, recorded = said.pop("run", ""), said.pop("verdict", "")
+    verdicts = said.pop("verdicts", None)
+    if verdicts is not None and (run or recorded):
+        raise InputError(
+            f"the claim {brief(said['text'])} has verdicts, so that run and verdict have no "
+            "meaning; leave them out."
+        )
+    for name in [run, *(verdicts or {})]:
+        if name and name not in corrections:
+            raise InputError(
+                f"a claim refers to the run {name!r}; the runs are {', '.join(corrections)}."
+                f"{did_you_mean(name, corrections)}"
+            )
+    pairs = {run: recorded} if verdicts is None else verdicts
+    return [_claim_of(said, name, verdict, corrections) for name, verdict in pairs.items()]
+
+
+def _claim_of(
+    said: Mapping[str, Any], run: str, recorded: str, corrections: Mapping[str, str]
+) -> Claim:
+    of_run = run or next(iter(corrections))
+    checks = tuple(_check_of(check, of_run) for check in said["checks"])
+    defaults = {"claimed": "", "correction": corrections[of_run] if run else ""}
+    return Claim(**{**defaults, **said, "checks": checks, "recorded": recorded, "run": run})
 
 
 def _check_of(part: Part[Any], main_run: str) -> Check:

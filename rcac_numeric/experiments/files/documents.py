@@ -23,7 +23,29 @@ def example_ids() -> list[str]:
     """The numbers of the dissertation's examples that are here, in order."""
     names = [path.name.removesuffix(".toml") for path in _folder().iterdir()]
     numbers = [name for name in names if not name.startswith("__")]
-    return sorted(numbers, key=lambda name: [part.zfill(2) for part in name.split(".")])
+    return sorted(numbers, key=in_order)
+
+
+def in_order(number: str) -> list[str]:
+    """By chapter and then by number, 2.10 after 2.9; the appendices last."""
+    return [part.zfill(2) for part in number.split(".")]
+
+
+def absent_examples() -> Iterator[tuple[str, str]]:
+    """The numbered examples that are not here, each with the reason.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.files.documents import absent_examples
+    >>> dict(absent_examples())["8.1"]
+    'it estimates, and an experiment file runs a controller'
+    """
+    here = set(example_ids())
+    table = tomllib.loads(_folder().joinpath("__absent__.toml").read_text("utf-8"))
+    for entry in table["absent"]:
+        for number in entry["numbers"]:
+            if number not in here:
+                yield number, str(entry["reason"])
 
 
 def example_titles() -> Iterator[tuple[str, str]]:

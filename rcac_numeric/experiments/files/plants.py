@@ -28,7 +28,8 @@ def _standard_of_G(G: Any) -> Plant:
     Parameters
     ----------
     G : transfer function
-        In q.
+        In q. Of the servo problem also one row of several, [["G_1", "G_2"]], for a plant with
+        several inputs.
     """
     _require_coprime(G)
     return standard_plant(G)
@@ -59,11 +60,13 @@ def _servo_of_G(G: Any, performance: str = "measured") -> Plant:
     Parameters
     ----------
     G : transfer function
-        In q.
+        In q. Of the servo problem also one row of several, [["G_1", "G_2"]], for a plant with
+        several inputs.
     performance : {"measured", "true"}
         Whether z is e_n, which is measured, or e_0, without the noise v.
     """
-    _require_coprime(G)
+    if not isinstance(G, list):
+        _require_coprime(G)
     return servo_plant(G, performance=performance)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rcac_numeric.experiments.figure_requests import FIGURE
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
 from rcac_numeric.experiments.files.controllers import CONTROLLER
@@ -47,6 +48,7 @@ def reference_tables() -> dict[str, str]:
         "runs": keys_table(OVERRIDE),
         "claims": keys_table(CLAIM),
         "claims.checks": keys_table(CHECK),
+        "figures": keys_table(FIGURE),
     }
     spread: dict[str, tuple[str, Kinds[Any]]] = {
         "problems": ("problem", PROBLEMS),

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.controllers.decentralized import Decentralized
-from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.engine.compatibility import controllers_of, require_fit
-from rcac_numeric.engine.reference.run import require_supported
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import RunSpecification
 from rcac_numeric.experiments.files.controllers import (
@@ -33,6 +31,7 @@ from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Raw, Table
 from rcac_numeric.experiments.format.values import Choice, Form, Integer, Numbers
+from rcac_numeric.experiments.run_checks import require_sense
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -59,8 +58,15 @@ class Course:
         How often it is run; for other than the first time w is changed by `perturbation`.
     perturbation : number
         The relative change of w, to see whether the outcome hangs on the last bits.
-    expected : {"completed", "diverged"}
-        "diverged" for a run that is there to show a divergence.
+    expected : {"completed", "diverged", "mixed"}
+        "diverged" for a run that is there to show a divergence; "mixed" where only some of its
+        seeds or repetitions diverge.
+    seeds : int
+        With how many seeds it is run, `seed` and those after it; in place of repetitions.
+    x_0 : list of numbers
+        The initial state, zero where it is left out; `perturbation` changes it too.
+    x_0_deviation : number
+        The standard deviation of what each seed adds to the initial state.
     """
 
     steps: int
@@ -70,6 +76,9 @@ class Course:
     repetitions: int = 1
     perturbation: float = 0.0
     expected: str = "completed"
+    seeds: int = 1
+    x_0: Any = None
+    x_0_deviation: float = 0.0
 
 
 COURSE = Deferred(
@@ -79,6 +88,8 @@ COURSE = Deferred(
             "steps": Integer(1),
             "stride": Integer(1),
             "repetitions": Integer(1),
+            "seeds": Integer(1),
+            "x_0": Numbers(),
             "arithmetic": Choice(ARITHMETICS),
         },
     )
@@ -103,7 +114,7 @@ FORMS: dict[str, Form] = {
 
 def _override(
     name: str, plant: Any = None, signals: Any = None, target: Any = None, controller: Any = None,
-    controllers: Any = None, saturation: Any = None, run: Any = None,
+    controllers: Any = None, saturation: Any = None, run: Any = None, correction: str = "",
 ) -> str:  # fmt: skip
     """One of several runs: its name, and what it changes.
 
@@ -115,6 +126,9 @@ def _override(
         What differs from the table of that name.
     controllers : tables
         In place of [[controllers]].
+    correction : str
+        What this variant reads differently from the source, or adds to it: its claims that hold
+        are reproduced with that correction.
     """
     return name
 
@@ -133,6 +147,7 @@ class RunTables(Value):
     saturation: Part[Saturation] | None
     course: Course
     folder: Path
+    correction: str = ""
 
     def cost(self, plant: Plant | PlantSchedule, budget: Budget) -> float:
         """About how many multiplications it takes; raises where it takes too much memory."""
@@ -144,13 +159,13 @@ class RunTables(Value):
             structures,
             steps=course.steps,
             stride=course.stride,
-            repetitions=course.repetitions,
+            repetitions=course.repetitions * course.seeds,
             window=max(map(_window, parts), default=0),
         )
         return budget.operations_of(
             structures,
             steps=course.steps,
-            repetitions=course.repetitions,
+            repetitions=course.repetitions * course.seeds,
             reference=course.arithmetic == "reference",
         )
 
@@ -172,8 +187,12 @@ class RunTables(Value):
             saturation=None if self.saturation is None else self.saturation.build(),
             expected=course.expected,
             target=target,
+            seeds=course.seeds,
+            x_0=None if course.x_0 is None else np.atleast_1d(course.x_0),
+            x_0_deviation=course.x_0_deviation,
+            correction=self.correction,
         )
-        _require_sense(made)
+        require_sense(made)
         return made
 
 
@@ -207,6 +226,7 @@ def read_run(base: Raw, override: Raw, file: str) -> RunTables:
         else None,
         course=course,
         folder=Path(file).parent,
+        correction=str(override.get("correction", "")),
     )
 
 
@@ -237,31 +257,6 @@ def _structure(part: Part[Any], plant: Plant | PlantSchedule) -> Structure | Non
 def _window(part: Part[Any]) -> int:
     chosen = part.arguments.get("update")
     return 0 if chosen is None else int(chosen.arguments.get("window", 0))
-
-
-def _require_sense(run: RunSpecification) -> None:
-    """Refuse a run that does not fit together or could not adapt."""
-    require_fit(run.plant, run.settings)
-    if run.saturation is not None:
-        run.saturation.bounds(run.plant.l_u)
-        if isinstance(run.settings, Decentralized) and not run.settings.shared_u:
-            raise InputError(
-                "with saturation, controllers that hold their own u cannot know which part of it "
-                "was applied. Set shared_u = true in [controller]."
-            )
-    if run.reference:
-        require_supported(run.plant, run.settings, run.saturation)
-    for controller in controllers_of(run.settings):
-        if isinstance(controller, FixedController):
-            continue
-        for name in ("k_w", "k_update"):
-            if (start := getattr(controller, name)) >= run.steps:
-                raise InputError(
-                    f"{name} = {start} is not before the end of the run of {run.steps} steps, so "
-                    "nothing would be adapted. Use more steps."
-                )
-    for signal in run.signals:
-        signal.require_length(run.steps)
 
 
 def words_of(table: Mapping[str, Any]) -> str:

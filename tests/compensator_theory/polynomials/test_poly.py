@@ -122,3 +122,7 @@ def test_a_root_next_to_the_circle_needs_no_tolerance():
     inside, outside = split_at_unit_circle(near * polynomial([10**60, -(10**60) + 1], "q"))
     assert (inside.degree(), outside.degree()) == (1, 1)
     assert outside == monic(near)
+
+
+def test_what_cancels_is_zero():
+    assert polynomial("a - a + 0*s", "s").is_zero and polynomial("a*s - s*a", "s").is_zero

@@ -105,6 +105,34 @@ def test_control_c(in_full):
         assert "Traceback" not in errors
 
 
+@pytest.mark.parametrize(("ignored", "status"), [(False, exits.INTERRUPTED), (True, exits.DONE)])
+def test_control_c_while_a_command_is_imported(ignored, status):
+    """Every import is interrupted; what a shell has put into its background ignores it."""
+    code = (
+        "import importlib, os, signal\n"
+        f"if {ignored}: signal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+        "from rcac_numeric.cli.__main__ import main\n"
+        "load = importlib.import_module\n"
+        "importlib.import_module = lambda name: os.kill(os.getpid(), signal.SIGINT) or load(name)\n"
+        "main()"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code, "list"], capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == status
+    assert ended.stderr == ("" if ignored else "rcac: interrupted.\n")
+    assert bool(ended.stdout) == ignored
+
+
+def test_the_program_answers_control_c_before_it_imports_anything():
+    code = "import sys, rcac_numeric.cli.__main__; print({'typing', 'click'} & set(sys.modules))"
+    shown = subprocess.run(
+        [sys.executable, "-S", "-c", f"import sys; sys.path[:] = {sys.path}; {code}"],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert shown.stdout == "set()\n"
+
+
 def test_the_table_of_commands_is_that_of_the_commands():
     """`rcac --help` imports no command, so what it says of each is compared here."""
     for name, (place, help_text) in main.COMMANDS.items():
@@ -136,12 +164,18 @@ def test_help_is_quick_to_import():
     assert result.stdout.splitlines()[-1] == "set()"
 
 
-def test_two_numbers_are_not_one(tmp_path):
-    wrong = CliRunner().invoke(main.main, ["place", "--plant", "1/s", "--poles", "-1 -2"])
-    assert wrong.exit_code == 2 and "separate numbers by commas" in wrong.stderr
-    for same in ("-1+2j, -1-2j", "-1 + 2j, -1 - 2j", "-1+2j,-1-2j"):
-        placed = CliRunner().invoke(main.main, ["place", "--plant", "1/s", "--poles", same])
-        assert "s**2 + 2*s + 5" in placed.stdout
+def placed(poles):
+    return CliRunner().invoke(main.main, ["place", "--plant", "1/s", "--poles", poles])
+
+
+def test_two_numbers_are_not_one():
+    """-1 -2 was once read as -3; the reader is that of the exact half."""
+    assert "s**2 + 3*s + 2" in placed("-1 -2").stdout
+    for same in ("-1+2j, -1-2j", "-1 + 2j, -1 - 2j", "-1+2j,-1-2j", "-1+2j -1-2j", "-1+2i;-1-2i"):
+        assert "s**2 + 2*s + 5" in placed(same).stdout
+    for poles, words in (("-1 - 2", "'-'"), ("-1 -2, -3", "'-1 -2'"), (",", "empty entry")):
+        wrong = placed(poles)
+        assert wrong.exit_code == 2 and words in wrong.stderr, wrong.stderr
 
 
 def test_coefficients_below_the_normal_range_are_no_defect(tmp_path):

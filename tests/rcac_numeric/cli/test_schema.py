@@ -4,10 +4,10 @@ import json
 
 from click.testing import CliRunner
 
-from rcac_numeric import json_schema
 from rcac_numeric.cli.main import main
+from rcac_numeric.sweeps.study.files import study_schema
 
 
 def test_the_schema_is_printed_as_it_is():
     result = CliRunner().invoke(main, ["schema"])
-    assert result.exit_code == 0 and json.loads(result.stdout) == json_schema()
+    assert result.exit_code == 0 and json.loads(result.stdout) == study_schema()

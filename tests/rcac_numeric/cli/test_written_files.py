@@ -44,6 +44,27 @@ def test_an_exception_leaves_the_old_file_and_nothing_else(tmp_path):
     assert list(tmp_path.iterdir()) == [file] and file.read_bytes() == OLD
 
 
+def test_what_a_killed_process_was_writing_is_removed_by_the_next(tmp_path):
+    file, alien = tmp_path / "log.csv", tmp_path / ".log.rcac-x.y.csv"
+    for path in (file, alien):
+        path.write_bytes(OLD)
+    code = (
+        "import os, sys; from rcac_numeric.arrays.files import replacing\n"
+        "with replacing(sys.argv[1]) as new:\n    new.write_text('half'); os.kill(os.getpid(), 9)"
+    )
+    for _ in range(2):
+        subprocess.run([sys.executable, "-c", code, str(file)], check=False)
+        (left,) = set(tmp_path.iterdir()) - {file, alien}
+        assert left.read_text() == "half" and file.read_bytes() == OLD
+    with replacing(file) as mine:
+        assert mine != left and not left.exists()
+        with replacing(file) as other:
+            assert mine.exists(), "who writes it is alive"
+            other.write_text("second")
+        mine.write_text("third")
+    assert file.read_text() == "third" and set(tmp_path.iterdir()) == {file, alien}
+
+
 def test_a_link_stays_a_link(tmp_path):
     (tmp_path / "folder").mkdir()
     file, link = tmp_path / "folder" / "a.csv", tmp_path / "a.csv"

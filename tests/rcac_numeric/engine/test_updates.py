@@ -26,7 +26,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from tests.support.comparisons import tame
+from tests.support.comparisons import steady, tame
 from tests.support.engine_cases import cases, engine_plants, positive, settings_for, structures
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes, targets
@@ -43,10 +43,12 @@ def step_of(size):
 
 
 def follows(data, seed, l_u, l_y, l_z, kinds=PLAIN, l_r=0, saturation=None, **fixed):
-    case = data.draw(cases(l_u, l_y, l_z, l_r, kinds, **fixed))
+    settings, regressor = data.draw(cases(l_u, l_y, l_z, l_r, kinds, **fixed))
     plant = data.draw(engine_plants(l_u, l_y, l_z, l_r))
-    run = simulate(plant, case[0], noise(seed, STEPS, plant.l_w), saturation=saturation)
-    return tame(run), assert_follows(run, [case])["books"][0]
+    w = noise(seed, STEPS, plant.l_w)
+    settings = steady(plant, settings, regressor, w, saturation)
+    run = simulate(plant, settings, w, saturation=saturation)
+    return tame(run), assert_follows(run, [(settings, regressor)])["books"][0]
 
 
 @given(st.data(), sizes, sizes, sizes, RECURSIVE, st.sampled_from([1.0, 0.98, 0.8]), seeds)
@@ -192,7 +194,9 @@ def test_reflected_poles_are_inside(data, l_y, l_z, seed):
     structure, regressor = data.draw(structures(1, l_y, 0, ["iir"]))
     settings = data.draw(settings_for(structure, l_z, update=update, reflect_poles=True))
     plant = data.draw(engine_plants(1, l_y, l_z))
-    run = simulate(plant, settings, noise(seed, STEPS, plant.l_w))
+    w = noise(seed, STEPS, plant.l_w)
+    settings = steady(plant, settings, regressor, w)
+    run = simulate(plant, settings, w)
     of_u = slice(0, structure.n_c)
     sizes_of_poles = [np.abs(np.roots([1.0, *-row])) for row in run.theta[:, of_u]]
     moved = run.theta[settings.k_update + 1 :]

@@ -8,7 +8,7 @@ import pytest
 from compensator_theory import InputError
 from proofs.ledger.checks import run_counterexample
 from proofs.ledger.ledger import ledger
-from rcac_numeric import Evidence, check_erratum, find_errata
+from rcac_numeric import ErratumEvidence, check_erratum, find_errata
 from rcac_numeric.errata.entries import EVIDENCE
 from rcac_numeric.errata.reading import CHAPTERS, read_chapter
 from rcac_numeric.experiments.files.documents import example_ids, read_example
@@ -135,4 +135,7 @@ def test_a_check_that_is_not_there_is_named():
 
 
 def test_evidence_says_itself_in_a_line():
-    assert Evidence(ledger="x", counterexample="m.c").words == "ledger of proofs: x, refuted by m.c"
+    assert (
+        ErratumEvidence(ledger="x", counterexample="m.c").words
+        == "ledger of proofs: x, refuted by m.c"
+    )

@@ -6,7 +6,7 @@ import pytest
 
 from compensator_theory import InputError
 from rcac_numeric import verify
-from rcac_numeric.experiments.claims import Check
+from rcac_numeric.experiments.claims import Check, CheckResult
 from rcac_numeric.experiments.files.builder import build
 
 CASE = {
@@ -45,6 +45,11 @@ def with_check(**check):
         ({"at_most": float("nan")}, "at_most has the entry nan"),
         ({"at_least": 2}, "at least 2.0 and at most 1.0, which no number is"),
         ({"statistic": "mean"}, "statistic = 'mean' is not known"),
+        ({"share": 0}, "share = 0.0 must be above 0 and at most 1"),
+        ({"share": 1.5}, "share = 1.5 must be above 0"),
+        ({"share": 0.5, "statistic": "median"}, "share = 0.5 is for statistic = 'each'"),
+        ({"until": 0}, "until = 0 must be at least 1"),
+        ({"until": 2.5}, "until must be an integer"),
         ({"measure": "closed_loop_zero_distance"}, "needs the key 'channel'"),
     ],
 )
@@ -58,6 +63,93 @@ def test_checks_that_are_refused(check, message):
 def test_a_run_that_there_is_not(check):
     with pytest.raises(InputError, match="refers to the run"):
         verify(build(with_check(**check), "case"))
+
+
+CHECK = {"measure": "rms", "at_most": 1}
+
+
+@pytest.mark.parametrize(
+    ("claim", "message"),
+    [
+        ({"run": "mian"}, "refers to the run 'mian'; the runs are main. Did you mean 'main'"),
+        ({"verdicts": {"mian": "reproduced"}}, "refers to the run 'mian'"),
+        ({"verdicts": {"main": "reprodced"}}, "Did you mean 'reproduced'"),
+        ({"verdicts": {"main": "reproduced"}, "run": "main"}, "leave them out"),
+        ({"verdicts": {"main": "reproduced"}, "verdict": "reproduced"}, "leave them out"),
+    ],
+)
+def test_variants_that_are_refused(claim, message):
+    with pytest.raises(InputError) as refused:
+        build({**CASE, "claims": [{"text": "x", "checks": [CHECK], **claim}]}, "case")
+    assert message in str(refused.value)
+
+
+def test_a_claim_is_judged_for_each_variant():
+    """A run that reads the source differently makes its claims corrected ones; checks follow."""
+    table = {
+        **copy.deepcopy(CASE),
+        "runs": [{"name": "as printed"}, {"name": "more", "correction": "n_c = 4"}],
+        "claims": [
+            {
+                "text": "x",
+                "checks": [CHECK, {**CHECK, "run": "as printed"}],
+                "verdicts": {"as printed": "reproduced", "more": "reproduced with a correction"},
+            },
+            {"text": "y", "checks": [CHECK], "run": "more", "correction": "its own"},
+            {"text": "z", "checks": [CHECK]},
+        ],
+    }
+    table["runs"][1]["controller"] = {"n_c": 4}
+    claims = build(table, "case").claims
+    assert [(c.text, c.run, c.correction) for c in claims] == [
+        ("x", "as printed", ""),
+        ("x", "more", "n_c = 4"),
+        ("y", "more", "its own"),
+        ("z", "", ""),
+    ]
+    assert [[check.run for check in c.checks] for c in claims] == [
+        ["as printed", "as printed"], ["more", "as printed"], ["more"], ["as printed"]
+    ]  # fmt: skip
+    assert verify(build(table, "case")).exit_status == 0
+
+
+@pytest.mark.parametrize(
+    ("check", "values", "over_seeds", "holds"),
+    [
+        ({}, (0.5, 0.9), False, True),
+        ({}, (0.5, 1.1), False, None),
+        ({}, (0.5, 1.1), True, False),
+        ({}, (1.2, 1.1), False, False),
+        ({}, (0.5, float("nan")), False, None),
+        ({"share": 0.5}, (0.5, 1.1), False, True),
+        ({"share": 0.5}, (0.5, 1.1), True, True),
+        ({"share": 0.6}, (0.5, 1.1), False, False),
+        ({"share": 2 / 3}, (0.5, 1.1, float("nan")), True, False),
+        ({"statistic": "median"}, (0.5, 0.9, 7.0), True, True),
+        ({"statistic": "median"}, (0.5, 1.1, 7.0), True, False),
+        ({"statistic": "median"}, (0.5, 0.9, float("nan")), True, False),
+    ],
+)
+def test_when_a_check_holds(check, values, over_seeds, holds):
+    result = CheckResult(Check("rms", "main", at_most=1.0, **check), values, over_seeds)
+    assert result.holds is holds
+    assert result.inside == sum(value <= 1 for value in values)
+
+
+def test_the_words_say_how_many_and_of_what():
+    words = str(CheckResult(Check("rms", "main", at_most=1, until=9), (0.5, 2, float("nan")), True))
+    assert words == (
+        "rms at step 9 (main): median 1.25 [0.5, 2] of 3 seeds, 1 without a value, "
+        "1 in the interval"
+    )
+
+
+def test_a_ratio_needs_as_many_of_both():
+    table = copy.deepcopy(CASE)
+    table["runs"] = [{"name": "a", "run": {"seeds": 3}}, {"name": "b"}]
+    table["claims"] = [{"text": "x", "checks": [{**CHECK, "run": "a", "relative_to": "b"}]}]
+    with pytest.raises(InputError, match="give them as many seeds and repetitions"):
+        verify(build(table, "case"))
 
 
 def test_a_check_of_ones_own_is_asked_before_anything_runs():

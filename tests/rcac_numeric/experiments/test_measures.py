@@ -15,6 +15,7 @@ from rcac_numeric import (
     iir,
     pole_placement_target,
     servo_plant,
+    stability_margins,
     standard_plant,
 )
 from rcac_numeric.experiments.files.builder import build
@@ -165,6 +166,71 @@ def test_of_the_cost():
     assert MEASURES["cost_over_high_authority"](closed_with(0.3)) > 1.001
     assert MEASURES["high_authority_response_distance"](closed_with(0.3)) > 0.1
     assert MEASURES["h2_cost"](closed_with(1.5)) == np.inf
+
+
+def test_of_the_cost_without_what_w_adds_directly():
+    """(4.21) leaves E_0 w out: of z = e_n the noise v itself."""
+    measured, true = (servo_plant("1/(q - 0.5)", performance=p) for p in ("measured", "true"))
+    noise = {"d": 1.0, "v": 0.25}
+    controller = iir(1).compensator([0.1, -0.2])
+    a, b = (SimpleNamespace(plant=p, loop=ClosedLoop(p, controller)) for p in (measured, true))
+    for name in ("h2_cost", "high_authority_cost"):
+        with_v = MEASURES[name](a, noise=noise)
+        assert MEASURES[name](a, noise=noise, direct=False) == pytest.approx(with_v - 0.25)
+        assert MEASURES[name](b, noise=noise) == pytest.approx(with_v - 0.25)
+    ratio = MEASURES["cost_over_high_authority"](b, noise=noise)
+    assert MEASURES["cost_over_high_authority"](a, noise=noise, direct=False) == ratio
+
+
+def test_of_the_response_from_one_channel():
+    """The direct part of v hides the difference that the response from d shows."""
+    plant = servo_plant("1/(q - 0.5)")
+    r = SimpleNamespace(plant=plant, loop=ClosedLoop(plant, iir(1).compensator([0.0, 0.0])))
+    noise = {"d": 1.0, "v": 4.0}
+    of_d = MEASURES["high_authority_response_distance"](r, noise=noise, response_from="d")
+    assert of_d > MEASURES["high_authority_response_distance"](r, noise=noise) > 0
+
+
+def test_of_whether_there_is_an_lqg_controller():
+    there, none = (standard_plant(G) for G in ("(q - 2)/(q*(q - 0.5))", "(q - 1)/(q*(q - 0.5))"))
+    assert MEASURES["high_authority_exists"](SimpleNamespace(plant=there)) == 1
+    assert MEASURES["high_authority_exists"](SimpleNamespace(plant=none)) == 0
+
+
+def test_of_the_margins():
+    """q^2 - q - 2 + 2.5 gain: stable for 0.8 < gain < 1.2, poles at -1 and at exp(+-j pi/3)."""
+    plant = standard_plant("1/(q - 2)")
+    controller = Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]])
+    r = SimpleNamespace(loop=ClosedLoop(plant, controller))
+    assert MEASURES["margin"](r) == pytest.approx(1.2)
+    assert MEASURES["margin"](r, kind="gain down") == pytest.approx(0.8)
+    assert MEASURES["margin_frequency"](r, kind="gain up") == pytest.approx(np.pi / 3)
+    assert MEASURES["margin_frequency"](r, kind="gain down") == pytest.approx(0)
+    margins = stability_margins(r.loop)
+    assert MEASURES["margin"](r, kind="delay") == margins.delay.value
+    assert MEASURES["margin"](r, kind="phase lag") == margins.phase_lag.value
+    assert MEASURES["margin"](r, kind="phase lead") == margins.phase_lead.value
+    unstable = SimpleNamespace(loop=ClosedLoop(plant, iir(1).compensator([0.0, 0.0])))
+    assert np.isnan(MEASURES["margin"](unstable)), "an unstable loop has no margin"
+    with pytest.raises(InputError, match="kind = 'gain' is not known"):
+        MEASURES["margin"](r, kind="gain")
+
+
+def test_of_when_a_loop_is_stable_again():
+    r = repetition(np.zeros(6), [STABLE, BOTH, LOOP, STABLE, STABLE, STABLE])
+    assert MEASURES["stable_from"](r) == 3 and MEASURES["stable_from"](r, start=4) == 4
+    assert MEASURES["frozen_spectral_radius"](r, at=1) == pytest.approx(2)
+    assert MEASURES["frozen_spectral_radius"](r, at=3) == pytest.approx(0.5)
+    unstable = repetition(np.zeros(2), [STABLE, BOTH])
+    assert MEASURES["stable_from"](unstable) == np.inf
+    r.run.outcome = "diverged"
+    assert MEASURES["stable_from"](r) == np.inf
+
+
+def test_of_the_residual():
+    """The power of one part over that of the other."""
+    split = SimpleNamespace(power=lambda start: {"matching error": 2.0, "disturbance response": 8})
+    assert MEASURES["matching_error_share"](SimpleNamespace(split=split)) == 0.25
 
 
 def test_of_the_cost_with_intensities():

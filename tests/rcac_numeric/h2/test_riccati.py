@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 
@@ -139,6 +139,22 @@ def test_a_zero_beside_the_circle_is_solved(distance):
     assert found.margin == pytest.approx(1 - expected, abs=10 * EPS * found.condition)
     # R_2 + B'PB of (A.15)'s spectral factor: H^2 times the squared zeros outside
     assert found.innovation[0, 0] == pytest.approx(max(zero, 1.0) ** 2, rel=1e-9)
+
+
+@given(seeds, st.integers(1, 5), st.integers(1, 2), st.floats(-5, -1))
+@example(seed=938, n=3, m=2, distance=-3.9779766779117742)  # where SciPy finds no solution
+def test_a_square_map_with_zeros_inside_costs_nothing(seed, n, m, distance):
+    """u = -E_2^{-1} E_1 x keeps z at zero and moves the poles to the zeros, so that P = 0."""
+    rng = np.random.default_rng(seed)
+    zeros, B = rng.standard_normal((n, n)), rng.standard_normal((n, m))
+    zeros *= (1 - 10**distance) / np.abs(np.linalg.eigvals(zeros)).max()
+    E_1, E_2 = rng.standard_normal((m, n)), np.eye(m) + rng.uniform(-0.3, 0.3, (m, m))
+    gain = -np.linalg.solve(E_2, E_1)
+    found = solve_dare(zeros - B @ gain, B, E_1.T @ E_1, E_2.T @ E_2, E_1.T @ E_2)
+    assert found.residual < 1e-13 and found.margin > 0
+    accuracy = 1e3 * EPS * max(found.condition, 1.0)
+    assert np.abs(found.P).max() <= accuracy * np.linalg.norm(found.R_1, 2)
+    assert np.abs(found.gain - gain).max() <= accuracy * np.linalg.norm(gain, 2)
 
 
 def test_an_unobservable_mode_on_the_circle_counts_as_a_zero():

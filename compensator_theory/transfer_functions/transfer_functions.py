@@ -13,13 +13,15 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
+from compensator_theory.transfer_functions.substitution import Substitution
 
 if TYPE_CHECKING:
     import control
+    from sympy.physics.control import TransferFunction as SympyTransferFunction
 
 
 @dataclass(frozen=True, repr=False)
-class TransferFunction(ExactValue):
+class TransferFunction(Substitution, ExactValue):
     r"""A quotient of two exact polynomials with monic denominator, never reduced silently.
 
     .. math:: G = \frac{N}{D}, \qquad D(s) = s^n + D_{n-1}s^{n-1} + \cdots + D_0
@@ -147,6 +149,12 @@ class TransferFunction(ExactValue):
         """Return a SymPy expression; SymPy may cancel factors in it."""
         return self.numerator.as_expr() / self.denominator.as_expr()
 
+    def to_sympy(self) -> "SympyTransferFunction":
+        """Return the class of sympy.physics.control, numerator and denominator as they are."""
+        from sympy.physics.control import TransferFunction as Sympys  # slow to import
+
+        return Sympys(self.numerator.as_expr(), self.denominator.as_expr(), self.variable)
+
     def to_control(self, dt: float | bool | None = None) -> "control.TransferFunction":
         """Return the python-control object; every coefficient is rounded once to float64.
 
@@ -208,7 +216,7 @@ def require_proper(G: TransferFunction, name: str) -> None:
     Examples
     --------
     >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.systems.transfer_functions import require_proper
+    >>> from compensator_theory.transfer_functions.transfer_functions import require_proper
     >>> require_proper(transfer_function("s/(s + 1)"), "plant")
     """
     if not G.is_proper:

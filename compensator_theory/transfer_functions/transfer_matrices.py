@@ -9,11 +9,12 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.systems.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.matrix_arithmetic import MatrixArithmetic
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
 @dataclass(frozen=True, repr=False)
-class TransferMatrix(ExactValue):
+class TransferMatrix(MatrixArithmetic, ExactValue):
     r"""A polynomial matrix over one monic polynomial.
 
     .. math:: G = \frac{1}{D}\begin{bmatrix} N_{11} & \cdots \\ \vdots & \ddots \end{bmatrix}

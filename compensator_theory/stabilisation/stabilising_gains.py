@@ -1,0 +1,66 @@
+"""All gains with which a loop is stable, exact."""
+
+from sympy import Symbol
+
+from compensator_theory.loops.siso import LoopPart, read_loop
+from compensator_theory.polynomials.poly import canonical, from_coefficients
+from compensator_theory.polynomials.variables import as_symbol
+from compensator_theory.stabilisation.stability_intervals import (
+    StabilityIntervals,
+    stability_intervals,
+)
+
+
+def stabilising_gains(
+    plant: LoopPart,
+    compensator: LoopPart = 1,
+    *,
+    feedback: int,
+    gain: str | Symbol = "k",
+) -> StabilityIntervals:
+    r"""Find all real gains k with which k G_c stabilises G.
+
+    .. math:: \tilde D(s) = D D_c - f\,k\,N N_c
+
+    Parameters
+    ----------
+    plant, compensator : transfer function
+        N/D and :math:`N_c/D_c` with rational coefficients in one variable; anything
+        :func:`transfer_function` reads. By default the compensator is the gain alone.
+    feedback : {+1, -1}
+        The sign f.
+    gain : str or Symbol
+        What the gain is called in the result.
+
+    Returns
+    -------
+    StabilityIntervals
+        ``around(1)`` is the gain margin of the loop as it is, downwards and upwards, exact, and
+        conditional stability shows as several intervals. A mode that is hidden and not stable
+        leaves none.
+
+    Raises
+    ------
+    InputError
+        If a coefficient is symbolic, the variables differ, or `feedback` is neither +1 nor -1.
+
+    Examples
+    --------
+    >>> from compensator_theory import stabilising_gains
+    >>> print(stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=-1))
+    s**3 + 3*s**2 + 2*s + k is stable for k in (0, 6)
+    """
+    G, G_c = read_loop(plant, compensator, feedback)
+    k = as_symbol(gain)
+    through, around = G.numerator * G_c.numerator, G.denominator * G_c.denominator
+    size = max(through.degree(), around.degree())
+    polynomial = from_coefficients(
+        [
+            around.coeff_monomial(G.variable**i) - feedback * k * through.coeff_monomial(
+                G.variable**i
+            )
+            for i in range(int(size), -1, -1)
+        ],
+        G.variable,
+    )  # fmt: skip
+    return stability_intervals(canonical(polynomial), k)

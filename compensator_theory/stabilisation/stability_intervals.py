@@ -1,0 +1,196 @@
+"""For which values of one symbol a polynomial is stable: intervals with exact end points."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import sympy
+from sympy import QQ, Expr, Poly, Rational, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.roots.counts import RootCount, count_half_plane_roots
+from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.stabilisation.critical_values import (
+    CriticalValue,
+    critical_polynomials,
+    number_between,
+    real_roots,
+)
+
+
+@dataclass(frozen=True)
+class StabilityCell(ExactValue):
+    """An open interval in which no root crosses the boundary.
+
+    Attributes
+    ----------
+    lower, upper : sympy.Expr
+        Exact; -oo and oo at the ends.
+    sample : sympy.Rational
+        A value inside.
+    count : RootCount
+        Where the roots lie there, and so in the whole interval.
+
+    Examples
+    --------
+    >>> from compensator_theory import stability_intervals
+    >>> stability_intervals("s + k", "k", variable="s").cells[0].count.unstable
+    1
+    """
+
+    lower: Expr
+    upper: Expr
+    sample: Rational
+    count: RootCount
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every root is stable."""
+        return self.count.stable == self.count.total
+
+    def __contains__(self, value: object) -> bool:
+        return bool(self.lower < value) and bool(value < self.upper)
+
+    def __str__(self) -> str:
+        return f"({_written(self.lower)}, {_written(self.upper)})"
+
+
+@dataclass(frozen=True)
+class StabilityIntervals(ExactValue):
+    """The values of a parameter for which all roots are stable, and what holds elsewhere.
+
+    Attributes
+    ----------
+    polynomial : sympy.Poly
+        As asked.
+    parameter : sympy.Symbol
+    cells : tuple of StabilityCell
+        In ascending order, all of the real line but their end points, at which a root lies on the
+        boundary or the degree drops. Empty where that is so for every value.
+
+    Examples
+    --------
+    >>> from compensator_theory import stability_intervals
+    >>> print(stability_intervals("z*(z - 1)*(z - 1/2) + k", "k", variable="z"))
+    z**3 - 3*z**2/2 + z/2 + k is stable for k in (0, -3/4 + sqrt(17)/4 = 0.280776)
+    """
+
+    polynomial: Poly
+    parameter: Symbol
+    cells: tuple[StabilityCell, ...]
+
+    @property
+    def intervals(self) -> tuple[StabilityCell, ...]:
+        """The cells in which every root is stable."""
+        return tuple(cell for cell in self.cells if cell.is_stable)
+
+    def __contains__(self, value: NumberLike) -> bool:
+        number = exact_number(value)
+        return any(number in cell for cell in self.intervals)
+
+    def around(self, value: NumberLike) -> StabilityCell:
+        """Return the interval of stability that contains a value; InputError if none does."""
+        number = exact_number(value)
+        for cell in self.intervals:
+            if number in cell:
+                return cell
+        raise InputError(f"{self.parameter} = {number} is not stable. {self}")
+
+    def __str__(self) -> str:
+        words = " or ".join(map(str, self.intervals))
+        verdict = f"is stable for {self.parameter} in {words}" if words else (
+            f"is stable for no real {self.parameter}"
+        )  # fmt: skip
+        return f"{format_polynomial(self.polynomial)} {verdict}"
+
+
+def stability_intervals(
+    poly: PolynomialLike, parameter: str | Symbol, *, variable: str | Symbol | None = None
+) -> StabilityIntervals:
+    r"""Find all real values of one parameter for which every root is stable.
+
+    The roots of :func:`critical_polynomials` cut the line into cells; in each the roots are counted
+    exactly at one rational value.
+
+    Parameters
+    ----------
+    poly : polynomial
+        In s, or in z or q; its coefficients rational functions of the parameter.
+    parameter : str or Symbol
+    variable : str or Symbol, optional
+        Default: evident.
+
+    Returns
+    -------
+    StabilityIntervals
+        End points are rational, in square roots, or SymPy's CRootOf.
+
+    Raises
+    ------
+    InputError
+        If the polynomial is zero, has other symbols, or its variable is none of s, z and q.
+
+    Examples
+    --------
+    >>> from compensator_theory import stability_intervals
+    >>> found = stability_intervals("s*(s - 1)*(s**2 + 4*s + 16) + k*(s + 1)", "k")
+    >>> [(cell.lower, cell.upper) for cell in found.intervals]
+    [(59/2 - 3*sqrt(17)/2, 3*sqrt(17)/2 + 59/2)]
+    """
+    p, k = polynomial(poly, variable), as_symbol(parameter)
+    if p.is_zero:
+        raise InputError("every number is a root of the zero polynomial")
+    discrete = is_discrete(p.gen, "stability")
+    symbols = {symbol.name: symbol for symbol in p.free_symbols_in_domain}
+    others = sorted(set(symbols) - {k.name})
+    if others or k == p.gen:
+        raise InputError(
+            f"{format_polynomial(p)} has the symbols {', '.join(others) or k} beside the variable "
+            f"{p.gen}; intervals need one parameter, so give the others values"
+            if others
+            else f"{k} is the variable of {format_polynomial(p)} and cannot be the parameter"
+        )
+    k = symbols.get(k.name, k)
+    divided, cleared = p.clear_denoms()
+    critical = critical_polynomials(cleared, k, discrete=discrete)
+    if critical is None:
+        return StabilityIntervals(p, k, ())
+    ends = real_roots([*critical, Poly(divided, k, domain=QQ)])
+    return StabilityIntervals(p, k, tuple(_cells(cleared, k, ends, discrete)))
+
+
+def _cells(
+    poly: Poly, parameter: Symbol, ends: list[CriticalValue], discrete: bool
+) -> list[StabilityCell]:
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    bounds: list[CriticalValue | None] = [None, *ends, None]
+    cells = []
+    for below, above in pairwise(bounds):
+        sample = _sample(below, above)
+        there = Poly(
+            [c.subs(parameter, sample) for c in map(sympy.sympify, poly.all_coeffs())],
+            poly.gen,
+            domain=QQ,
+        )
+        lower = -sympy.oo if below is None else below.value
+        upper = sympy.oo if above is None else above.value
+        cells.append(StabilityCell(lower, upper, sample, count(there)))
+    return cells
+
+
+def _sample(below: CriticalValue | None, above: CriticalValue | None) -> Rational:
+    if below is not None and above is not None:
+        return number_between(below.enclosure.upper, above.enclosure.lower)
+    if below is not None:
+        return sympy.floor(below.enclosure.upper) + 1
+    return sympy.Integer(0) if above is None else sympy.ceiling(above.enclosure.lower) - 1
+
+
+def _written(end: Expr) -> str:
+    if end.is_Rational or not end.is_finite:
+        return str(end)
+    return f"{end} = {float(end):.6g}"

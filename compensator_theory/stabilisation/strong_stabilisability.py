@@ -1,0 +1,172 @@
+"""Whether a stable compensator can stabilise a plant, and where the poles lie if none can."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import flint
+from sympy import Poly
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.roots.certified import decided_balls
+from compensator_theory.roots.counts import count_half_plane_roots, require_rational
+from compensator_theory.roots.enclosures import Enclosure, enclosure_of_ball
+from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+
+
+@dataclass(frozen=True)
+class UnstableRealZero(ExactValue):
+    """A real zero outside the region of stability, and the sign of D there.
+
+    Attributes
+    ----------
+    place : Enclosure or None
+        Between two rational numbers; None for the zero at infinity of a strictly proper plant.
+    sign : {+1, -1}
+        Of the monic D(s); in discrete time, of D(z)/z**n.
+
+    Examples
+    --------
+    >>> from compensator_theory import decide_strong_stabilisability
+    >>> [zero.sign for zero in decide_strong_stabilisability("(s - 1)/(s*(s - 2))").zeros]
+    [-1, 1]
+    """
+
+    place: Enclosure | None
+    sign: int
+
+    def __str__(self) -> str:
+        return "infinity" if self.place is None else f"{float(self.place):.6g}"
+
+
+@dataclass(frozen=True)
+class StrongStabilisability(ExactValue):
+    """The answer with its evidence: the real unstable zeros in their order, with the signs of D.
+
+    Attributes
+    ----------
+    plant : str
+    zeros : tuple of UnstableRealZero
+        Along the real axis outside the region of stability: from 0 to infinity, or from 1 through
+        infinity to -1.
+    is_stabilisable : bool
+        False where numerator and denominator share an unstable root.
+
+    Examples
+    --------
+    >>> from compensator_theory import decide_strong_stabilisability
+    >>> print(decide_strong_stabilisability("(z - 6/5)/((z - 3/2)*(z - 1/2))"))
+    (z - 6/5)/(z**2 - 2*z + 3/4) is not strongly stabilisable: every compensator that stabilises it
+    has a real pole between the zeros 1.2 and infinity
+    """
+
+    plant: str
+    zeros: tuple[UnstableRealZero, ...]
+    is_stabilisable: bool
+
+    @property
+    def is_strongly_stabilisable(self) -> bool:
+        """Whether a stable proper compensator stabilises the plant."""
+        return self.is_stabilisable and not self.pole_intervals
+
+    @property
+    def pole_intervals(self) -> tuple[tuple[UnstableRealZero, UnstableRealZero], ...]:
+        """Neighbouring zeros between which every stabilising compensator has a real pole."""
+        return tuple((a, b) for a, b in pairwise(self.zeros) if a.sign != b.sign)
+
+    def __str__(self) -> str:
+        if not self.is_stabilisable:
+            return f"{self.plant} is not stabilisable: it has an unstable hidden mode"
+        if self.is_strongly_stabilisable:
+            return f"{self.plant} is strongly stabilisable: a stable compensator stabilises it"
+        places = ", and ".join(f"between the zeros {a} and {b}" for a, b in self.pole_intervals)
+        return (
+            f"{self.plant} is not strongly stabilisable: every compensator that stabilises it\n"
+            f"has a real pole {places}"
+        )
+
+
+def decide_strong_stabilisability(plant: TransferFunctionLike) -> StrongStabilisability:
+    r"""Decide whether a stable compensator can stabilise a plant, by parity interlacing.
+
+    .. math:: \tilde D(z_i) = D(z_i) D_c(z_i) \quad\text{at every zero } z_i,\text{ for } f = \pm 1
+
+    :math:`\tilde D` keeps its sign along the real axis outside the region of stability. Between
+    neighbouring real unstable zeros at which D has different signs so has :math:`D_c`, and the
+    compensator has a pole there: an unstable one. Where D has one sign at all of them, a stable
+    compensator exists.
+
+    Parameters
+    ----------
+    plant : transfer function
+        Proper, rational coefficients; in s, or in z or q. Anything :func:`transfer_function` reads.
+
+    Returns
+    -------
+    StrongStabilisability
+        Exact: signs at algebraic numbers are decided in certified balls.
+
+    Raises
+    ------
+    InputError
+        If the plant is zero, improper, symbolic, or its variable is none of s, z and q.
+
+    Notes
+    -----
+    An adaptive controller that stabilises such a plant ends with this unstable pole; one whose
+    poles are fixed inside, FIR for instance, cannot stabilise it. Source: D. C. Youla, J. J.
+    Bongiorno, C. N. Lu, Automatica 10 (1974) 159-173; M. Vidyasagar, Control System Synthesis,
+    5.3.
+
+    Examples
+    --------
+    >>> from compensator_theory import decide_strong_stabilisability
+    >>> decide_strong_stabilisability("(s - 2)/(s**2 - 1)").is_strongly_stabilisable
+    True
+    """
+    G = transfer_function(plant)
+    discrete = is_discrete(G.variable, "strong stabilisability")
+    if G.numerator.is_zero:
+        raise InputError("the plant 0 feels no input; it has no zeros to look at")
+    if not G.is_proper:
+        raise InputError(f"the plant {G} is improper; a realisable one has as many poles as zeros")
+    for poly in (G.numerator, G.denominator):
+        require_rational(poly)
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    hidden = count(G.common_factor())
+    reduced = G.reduced()
+    N, D = reduced.numerator, reduced.denominator
+    right = _zeros(N, D, 1 if discrete else 0, discrete)
+    left = _zeros(N, D, -1, discrete) if discrete else []
+    infinity = [UnstableRealZero(None, 1)] if N.degree() < D.degree() else []
+    return StrongStabilisability(str(G), (*right, *infinity, *left), hidden.stable == hidden.total)
+
+
+def _zeros(N: Poly, D: Poly, edge: int, discrete: bool) -> list[UnstableRealZero]:
+    """Return the real zeros from the edge outwards to infinity, or from -infinity to -1."""
+    outwards = 1 if edge >= 0 else -1
+    coefficients = [flint.fmpq(int(c.p), int(c.q)) for c in reversed(D.all_coeffs())]
+    size = len(coefficients) - 1
+
+    def decide(ball: flint.acb) -> int | None:
+        """0 for a zero elsewhere; else the sign of D; None where the ball is too large."""
+        if ball.imag != 0:
+            return 0
+        place = ball.real
+        if outwards * (place - edge) < 0:
+            return 0
+        is_edge = edge == place  # a rational root has a ball of radius 0, or one that shrinks to it
+        if not is_edge and not outwards * (place - edge) > 0 and N.eval(edge) != 0:
+            return None
+        value = flint.arb(0)
+        for c in reversed(coefficients):
+            value = value * place + c
+        if discrete and outwards < 0 and size % 2:
+            value = -value
+        return 1 if value > 0 else -1 if value < 0 else None
+
+    found = [(enclosure_of_ball(b.real), s) for b, _, s in decided_balls(N, decide) if s]
+    found.sort(key=lambda item: item[0].lower)
+    return [UnstableRealZero(place, sign) for place, sign in found]

@@ -1,0 +1,1 @@
+"""The structure theory of systems, exact: decompositions, canonical forms, zeros, fractions."""

@@ -1,0 +1,299 @@
+"""Exact sampling with a zero-order hold; exponentials of the poles stay symbols."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import gcd, lcm
+
+import sympy
+from sympy import QQ, Expr, ImmutableMatrix, Poly, Rational, Symbol
+from sympy.polys.domains.domain import Domain
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials.budget import ask, unlimited
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import from_coefficients
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
+from compensator_theory.structure.echelon import exceptional_factors
+from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.realisations import Realisation
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+
+IDENTITY = "dE/dh = M E and E = I at h = 0, for E = exp(M h), M = [[A, B], [0, 0]]"
+
+
+@dataclass(frozen=True)
+class SampledPlant(ExactValue):
+    r"""A plant between a zero-order hold and a sampler.
+
+    .. math:: x_{k+1} = e^{Ah} x_k + \int_0^h e^{A\tau}\,d\tau\, B\, u_k, \qquad
+              y_k = C x_k + D u_k
+
+    Attributes
+    ----------
+    realisation : Realisation
+        In the variable of discrete time, with the symbols of `exponentials` in its entries.
+    step : sympy.Expr
+        h, the time between samples.
+    exponentials : tuple of (Symbol, Expr)
+        What each new symbol stands for, such as (x, exp(-h)).
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols that the matrices are divided by, such as a - b where
+        poles a and b would be one.
+    certificate : Certificate
+        The differential equation of the matrix exponential, for a symbol h.
+    """
+
+    realisation: Realisation
+    step: Expr
+    exponentials: tuple[tuple[Symbol, Expr], ...]
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    def transfer_function(self) -> TransferFunction:
+        """Return the pulse transfer function without what cancels; InputError if not scalar."""
+        return self.realisation.transfer_function().reduced()
+
+    def __str__(self) -> str:
+        meaning = ", ".join(f"{x} = {value}" for x, value in self.exponentials)
+        return f"{self.realisation}" + (f"\n{meaning}" if meaning else "")
+
+
+def zero_order_hold(
+    plant: RealisationLike,
+    step: NumberLike = "h",
+    variable: str | Symbol | None = None,
+    *,
+    discrete_variable: str | Symbol = "z",
+) -> SampledPlant:
+    r"""Sample a continuous plant exactly.
+
+    .. math:: \exp\left(\begin{bmatrix} A & B \\ 0 & 0 \end{bmatrix} h\right)
+              = \begin{bmatrix} A_d & B_d \\ 0 & I \end{bmatrix}
+
+    Parameters
+    ----------
+    plant : Realisation, matrices, transfer function
+        Anything :func:`realisation` reads, in s or another variable that is not z or q. Its poles
+        are rational, or sums of monomials in symbols such as -a.
+    step : number or symbol, optional
+        h > 0: a symbol, a rational number, or a SymPy expression like log(2), which makes
+        exponentials of whole poles rational numbers.
+    variable : str or Symbol, optional
+        As for :func:`realisation`.
+    discrete_variable : str or Symbol, optional
+        z or q.
+
+    Raises
+    ------
+    InputError
+        If the plant is discrete, h is not positive, or a pole is neither rational nor a sum of
+        monomials.
+
+    Notes
+    -----
+    The exponential is the polynomial in the matrix that interpolates e^(sh) on the spectrum.
+    Exponentials of poles that are whole multiples of one number are powers of one symbol, so that
+    no relation between them is lost. For a short h the zeros beyond those of the plant tend to the
+    roots of :func:`sampling_zero_polynomial`. Source: K. J. Astrom, P. Hagander and J. Sternby,
+    Zeros of sampled systems, Automatica 20 (1984).
+
+    Examples
+    --------
+    >>> from sympy import log
+    >>> from compensator_theory import zero_order_hold
+    >>> print(zero_order_hold("1/((s + 1)*(s + 2))", log(2)).transfer_function())
+    (z/8 + 1/16)/(z**2 - 3*z/4 + 1/8)
+    >>> print(zero_order_hold("1/(s + 1)"))
+    A = [[x]]
+    B = [[1 - x]]
+    C = [[1]]
+    x = exp(-h)
+    """
+    given = realisation(plant, variable)
+    z = as_symbol(discrete_variable)
+    require_discrete(z, "a sampled plant")
+    if given.variable.name in ("z", "q") or is_discrete(given.variable, "sampling"):
+        raise InputError(f"the plant in {given.variable} is discrete already; give one in s")
+    h = _positive(step)
+    ask("entries", (given.n + given.B.cols) ** 2 * (given.n + 1), "the matrix exponential")
+    if h in given.A.free_symbols | given.B.free_symbols:
+        raise InputError(f"the plant contains {h}, the step; name the step otherwise")
+    used = {str(x) for x in given.A.free_symbols | given.B.free_symbols | given.C.free_symbols}
+    used |= {str(x) for x in given.D.free_symbols | h.free_symbols} | {z.name}
+    t = h if isinstance(h, Symbol) else _fresh("h", used)
+    poles = _poles(characteristic_polynomial(given.A, given.variable))
+    bases = _bases(list(poles), used)
+    symbols = {t: 1, **{x: 1 for x, _, _ in bases}}
+    symbols |= dict.fromkeys(sorted(given.A.free_symbols | given.B.free_symbols, key=str), 1)
+    field = QQ.frac_field(*symbols)
+    n, m = given.B.shape
+    zero = ImmutableMatrix.zeros(m, n + m)
+    M = ImmutableMatrix(given.A.row_join(given.B).col_join(zero))
+    E = _value_at_matrix(_interpolation(poles, bases, t, field, given.variable), M, field)
+    certificate = _certificate(E, M, bases, t)
+    values = {x: sympy.exp(rate * t).subs(t, h) for x, rate, _ in bases}
+    known = {x: value for x, value in values.items() if value.is_Rational}
+    sampled = E.subs({t: h, **known}) if t != h or known else E
+    if any(e.has(sympy.log, sympy.exp) for e in sampled):
+        raise InputError(
+            f"with multiple poles the step {h} itself, an irrational number, is in the matrices; "
+            "leave it a symbol"
+        )
+    with unlimited():
+        result = Realisation(sampled[:n, :n], sampled[:n, n:], given.C, given.D, z)
+    meaning = tuple((x, value) for x, value in values.items() if x not in known)
+    exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in sampled)
+    return SampledPlant(result, h, meaning, exceptional, certificate)
+
+
+def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z") -> Poly:
+    r"""Return the polynomial whose roots the sampling zeros tend to as the step becomes short.
+
+    .. math:: B_r(z) = \sum_{k=1}^{r} b_k z^{r-k}, \qquad
+              b_k = \sum_{l=1}^{k} (-1)^{k-l} l^r \binom{r+1}{k-l}
+
+    Parameters
+    ----------
+    relative_degree : int
+        r of the continuous plant, at least 1.
+    variable : str or Symbol, optional
+        Of the result.
+
+    Raises
+    ------
+    InputError
+        If r is no positive integer.
+
+    Notes
+    -----
+    It is that of 1/s**r for every step (Euler and Frobenius): from r = 3 on a root lies outside the
+    unit circle. Source: as for :func:`zero_order_hold`.
+
+    Examples
+    --------
+    >>> from compensator_theory import sampling_zero_polynomial
+    >>> sampling_zero_polynomial(3)
+    Poly(z**2 + 4*z + 1, z, domain='QQ')
+    """
+    r = relative_degree
+    if isinstance(r, bool) or not isinstance(r, int) or r < 1:
+        raise InputError(f"relative_degree = {r!r} must be a positive integer")
+    ask("degree", r, "the sampling zero polynomial")
+    coefficients = [
+        sum((-1) ** (k - j) * j**r * sympy.binomial(r + 1, k - j) for j in range(1, k + 1))
+        for k in range(1, r + 1)
+    ]
+    return from_coefficients(coefficients, as_symbol(variable))
+
+
+Base = tuple[Symbol, Expr, Expr]
+"""A symbol x = exp(rate h), its rate, and the monomial that the rate is a multiple of."""
+
+
+def _positive(step: NumberLike) -> Expr:
+    logarithm = isinstance(step, Expr) and step.is_number and bool(step.has(sympy.log))
+    h: Expr = sympy.sympify(step if logarithm else exact_number(step))
+    if h.is_positive is False or (h.is_number and not (h.is_Rational or logarithm)):
+        raise InputError(f"the step {step} must be a positive rational number, or a symbol")
+    if not (h.is_number or isinstance(h, Symbol)):
+        raise InputError(f"the step {step} must be a symbol or a number, such as 'h' or 0.1")
+    return h
+
+
+def _fresh(name: str, used: set[str]) -> Symbol:
+    while name in used:
+        name += "_"
+    used.add(name)
+    return Symbol(name)
+
+
+def _poles(poly: Poly) -> dict[Expr, int]:
+    """Return the poles with multiplicity, and the 0 of the hold."""
+    poles: dict[Expr, int] = {sympy.Integer(0): 1}
+    for factor, multiplicity in poly.factor_list()[1]:
+        if factor.degree() > 1:
+            raise InputError(
+                f"the roots of {factor.as_expr()} are no rational poles; write the plant with "
+                "symbols for its poles, or approximate them by rational numbers"
+            )
+        leading, constant = factor.all_coeffs()
+        pole = sympy.expand(sympy.cancel(-constant / leading))
+        poles[pole] = poles.get(pole, 0) + multiplicity
+    return poles
+
+
+def _parts(pole: Expr) -> dict[Expr, Rational]:
+    """Return the rational coefficients of a pole by monomials in the symbols."""
+    found = {}
+    for term in sympy.Add.make_args(pole):
+        coefficient, monomial = term.as_coeff_Mul()
+        powers = monomial.as_powers_dict() if monomial != 1 else {}
+        if not all(base.is_Symbol and power.is_Integer for base, power in powers.items()):
+            raise InputError(f"the pole {pole} is no sum of monomials; write a symbol in its place")
+        if coefficient != 0:
+            found[monomial] = coefficient
+    return found
+
+
+def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
+    rates: dict[Expr, list[Rational]] = {}
+    for pole in poles:
+        for monomial, coefficient in _parts(pole).items():
+            rates.setdefault(monomial, []).append(coefficient)
+    bases = []
+    for monomial, found in rates.items():
+        unit = Rational(gcd(*(int(c.p) for c in found)), lcm(*(int(c.q) for c in found)))
+        sign = 1 if all(c > 0 for c in found) else -1
+        name = "x" if monomial == 1 else f"x_{monomial}" if monomial.is_Symbol else "x_"
+        bases.append((_fresh(name, used), sign * unit * monomial, monomial))
+    return bases
+
+
+def _interpolation(
+    poles: dict[Expr, int], bases: list[Base], t: Symbol, field: Domain, s: Symbol
+) -> Poly:
+    """Return the polynomial in s that equals exp(s t) at the poles, with its derivatives."""
+    whole = Poly(1, s, domain=field)
+    for pole, multiplicity in poles.items():
+        whole *= Poly(s - pole, s, domain=field) ** multiplicity
+    total = Poly(0, s, domain=field)
+    for pole, multiplicity in poles.items():
+        linear = Poly(s - pole, s, domain=field)
+        local = linear**multiplicity
+        parts = _parts(pole)
+        value = sympy.prod(x ** (parts.get(mono, 0) * mono / rate) for x, rate, mono in bases)
+        series = Poly(0, s, domain=field)
+        for k in range(multiplicity):
+            series += linear**k * Poly(t**k / sympy.factorial(k), s, domain=field)
+        cofactor = whole.exquo(local)
+        series = (series * Poly(value, s, domain=field) * cofactor.invert(local)).rem(local)
+        total += series * cofactor
+    return total
+
+
+def _value_at_matrix(poly: Poly, M: ImmutableMatrix, field: Domain) -> ImmutableMatrix:
+    matrix = DomainMatrix.from_Matrix(M).convert_to(field).to_dense()
+    one = DomainMatrix.eye(M.rows, field).to_dense()
+    value = one * field.zero
+    for coefficient in poly.rep.to_list():
+        value = value * matrix + one * coefficient
+    return ImmutableMatrix(value.to_Matrix().applyfunc(sympy.cancel))
+
+
+def _certificate(
+    E: ImmutableMatrix, M: ImmutableMatrix, bases: list[Base], t: Symbol
+) -> Certificate:
+    moved = E.diff(t)
+    for x, rate, _ in bases:
+        moved += E.diff(x) * rate * x
+    start = E.subs({t: 0, **{x: 1 for x, _, _ in bases}})
+    left = [*(moved - M * E), *(start - ImmutableMatrix(sympy.eye(M.rows)))]
+    residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
+    certificate = Certificate(IDENTITY, residual)
+    if not certificate.holds:
+        raise NoSolutionError(f"{certificate}; the exponential is wrong, please report it")
+    return certificate

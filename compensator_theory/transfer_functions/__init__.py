@@ -1,0 +1,1 @@
+"""Transfer functions and their matrices: exact data, arithmetic, expansions."""

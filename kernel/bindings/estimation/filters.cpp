@@ -1,0 +1,236 @@
+// Models and Kalman filters as Python sees them.
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "bindings/bindings.hpp"
+#include "bindings/estimation/python_model.hpp"
+#include "bindings/owned.hpp"
+#include "estimation/extended.hpp"
+#include "estimation/tape.hpp"
+#include "estimation/unscented.hpp"
+
+namespace rcac {
+namespace {
+
+struct OwnedFilter {
+    std::unique_ptr<KalmanFilter> filter;
+    InUse use{"filter"};
+    std::vector<double> u, y;
+    void visit(Archive& archive) { filter->visit(archive); }
+};
+
+using Model = std::shared_ptr<EstimationModel>;
+using Instructions = nb::ndarray<const std::int32_t, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+using Results = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+
+void require_sizes(std::size_t n, std::size_t l_u, std::size_t l_y) {
+    require_width(n, 1, "n");
+    require_width(l_u, 0, "l_u");
+    require_width(l_y, 1, "l_y");
+    length_of({2 * n + 1 + l_y, 3 * n + 1 + l_y}, "the covariance");
+}
+
+Model linear_model(std::size_t n, std::size_t l_u, std::size_t l_y, const Array& A, const Array& B,
+                   const Array& C, const Array& D) {
+    require_sizes(n, l_u, l_y);
+    return std::make_shared<LinearEstimationModel>(n, l_u, l_y, copied(A, n * n, "A"),
+                                                   copied(B, n * l_u, "B"), copied(C, l_y * n, "C"),
+                                                   copied(D, l_y * l_u, "D"));
+}
+
+Model function_model(std::size_t n, std::size_t l_u, std::size_t l_y, nb::object f, nb::object h,
+                     nb::object F, nb::object H, const Array& scale) {
+    require_sizes(n, l_u, l_y);
+    return std::make_shared<PythonModel>(n, l_u, l_y, std::move(f), std::move(h), std::move(F),
+                                         std::move(H), copied(scale, n, "scale"));
+}
+
+Tape tape_of(nb::handle given, std::size_t n, std::size_t l_u, std::size_t size) {
+    const auto parts = read<nb::tuple>(given, "a tape", "a tuple");
+    refuse_unless(parts.size() == 3, "a tape has three parts");
+    const auto constants = read<Array>(parts[0], "the constants", "a float64 array");
+    const auto steps = read<Instructions>(parts[1], "the steps", "an int32 matrix");
+    const auto results = read<Results>(parts[2], "the results", "an int32 array");
+    refuse_unless(steps.shape(1) == 3, "a step has three numbers");
+    refuse_unless(results.size() == size, "the tape has the wrong number of results");
+    const std::size_t before = constants.size() + n + l_u + 1;
+    length_of({before + steps.shape(0)}, "the tape");
+    std::vector<Tape::Step> list;
+    for (std::size_t i = 0; i < steps.shape(0); ++i) {
+        const std::int32_t* step = steps.data() + 3 * i;
+        const auto last = static_cast<std::int64_t>(before + i) - 1;
+        require_range<std::int64_t>(step[0], 0, static_cast<std::int64_t>(Operation::count) - 1,
+                                    "an operation");
+        require_range<std::int64_t>(step[1], 0, last, "an operand");
+        require_range<std::int64_t>(step[2], 0, last, "an operand");
+        list.push_back({static_cast<Operation>(step[0]), static_cast<std::uint32_t>(step[1]),
+                        static_cast<std::uint32_t>(step[2])});
+    }
+    std::vector<std::uint32_t> places;
+    for (std::size_t i = 0; i < results.size(); ++i) {
+        require_range<std::int64_t>(results.data()[i], 0,
+                                    static_cast<std::int64_t>(before + list.size()) - 1, "a result");
+        places.push_back(static_cast<std::uint32_t>(results.data()[i]));
+    }
+    return Tape(copied(constants, constants.size(), "the constants"), n, l_u, std::move(list),
+                std::move(places));
+}
+
+Model tape_model(std::size_t n, std::size_t l_u, std::size_t l_y, nb::handle f, nb::handle h,
+                 nb::handle f_F, nb::handle h_H) {
+    require_sizes(n, l_u, l_y);
+    return std::make_shared<TapeModel>(n, l_u, l_y, tape_of(f, n, l_u, n), tape_of(h, n, l_u, l_y),
+                                       tape_of(f_F, n, l_u, n + n * n),
+                                       tape_of(h_H, n, l_u, l_y + l_y * n));
+}
+
+std::unique_ptr<OwnedFilter> filter(const std::string& kind, nb::handle model, const Array& x_0,
+                                    const Array& S_0, const Array& Q_root, const Array& R_root,
+                                    double alpha) {
+    Model shared;
+    if (!nb::try_cast(model, shared) || !shared) throw nb::type_error("this is not a model");
+    const std::size_t n = shared->n, p = shared->l_y;
+    std::vector<double> x = copied(x_0, n, "x_0"), S = copied(S_0, n * n, "S_0"),
+                        Q = copied(Q_root, n * n, "Q_root"), R = copied(R_root, p * p, "R_root");
+    auto owned = std::make_unique<OwnedFilter>();
+    owned->u.resize(shared->l_u);
+    owned->y.resize(p);
+    if (kind == "extended") {
+        owned->filter = std::make_unique<ExtendedKalmanFilter>(shared, x, S, Q, R);
+    } else if (kind == "joseph") {
+        owned->filter = std::make_unique<JosephKalmanFilter>(shared, x, S, Q, R);
+    } else {
+        refuse_unless(kind == "unscented", "no filter named " + kind.substr(0, 200));
+        refuse_unless(alpha > 0.0 && alpha < 1e300, "alpha is not positive");
+        owned->filter = std::make_unique<UnscentedKalmanFilter>(alpha, shared, x, S, Q, R);
+    }
+    return owned;
+}
+
+// Whether the arguments could be read; then what is asked for was done.
+bool move(OwnedFilter& self, nb::handle y, nb::handle u, bool corrects, bool predicts) {
+    if (!quick_read(u, self.u) || (corrects && !quick_read(y, self.y))) return false;
+    const Hold hold(self.use);
+    if (corrects && predicts)
+        self.filter->correct_and_predict(self.y.data(), self.u.data());
+    else if (corrects)
+        self.filter->correct(self.y.data(), self.u.data());
+    else
+        self.filter->predict(self.u.data());
+    return true;
+}
+
+// All steps of a record: y and u hold one row for each step, `measured` is 0 where y(k) is
+// missing. Writes x(k|k), its standard deviations, P(k|k) where asked for, innovations and NIS.
+void run(OwnedFilter& self, const Array& u, const Array& y, const Array& measured, Output& x,
+         Output& deviation, Output& P, Output& innovation, Output& nis, Output& log_likelihood) {
+    KalmanFilter& filter = *self.filter;
+    const std::size_t n = filter.model().n, l_u = filter.model().l_u, p = filter.model().l_y,
+                      steps = measured.size();
+    require(u.size(), steps * l_u, "u");
+    require(y.size(), steps * p, "y");
+    require(x.size(), steps * n, "x");
+    require(deviation.size(), steps * n, "deviation");
+    refuse_unless(P.size() == 0 || P.size() == steps * n * n, "P has the wrong size");
+    require(innovation.size(), steps * p, "innovation");
+    require(nis.size(), steps, "nis");
+    require(log_likelihood.size(), steps, "log_likelihood");
+    const Hold hold(self.use);
+    for (std::size_t k = 0; k < steps; ++k) {
+        const double* input = u.data() + k * l_u;
+        const bool corrected = measured.data()[k] != 0.0;
+        if (corrected) {
+            filter.correct(y.data() + k * p, input);
+            std::copy_n(filter.innovation().data(), p, innovation.data() + k * p);
+            nis.data()[k] = filter.squared_innovation();
+            log_likelihood.data()[k] =
+                -0.5 * (filter.squared_innovation() + filter.log_determinant() +
+                        static_cast<double>(p) * std::log(2.0 * 3.14159265358979323846));
+        }
+        std::copy_n(filter.x().data(), n, x.data() + k * n);
+        for (std::size_t i = 0; i < n; ++i)
+            deviation.data()[k * n + i] = std::sqrt(std::max(filter.variance(i), 0.0));
+        if (P.size()) filter.covariance(P.data() + k * n * n);
+        filter.predict(input);
+        if (k % 1024 == 1023 && PyErr_CheckSignals() != 0) throw nb::python_error();
+    }
+}
+
+nb::tuple linearised(nb::handle model, std::int64_t k, const Array& x, const Array& u) {
+    Model shared;
+    if (!nb::try_cast(model, shared) || !shared) throw nb::type_error("this is not a model");
+    const std::size_t n = shared->n, p = shared->l_y;
+    require(x.size(), n, "x");
+    require(u.size(), shared->l_u, "u");
+    std::vector<double> next(n), F(n * n), y(p), H(p * n);
+    shared->linear_dynamics(k, x.data(), u.data(), next.data(), F.data());
+    shared->linear_output(k, x.data(), u.data(), y.data(), H.data());
+    return nb::make_tuple(to_numpy(std::move(next), {n}), to_numpy(std::move(F), {n, n}),
+                          to_numpy(std::move(y), {p}), to_numpy(std::move(H), {p, n}));
+}
+
+}  // namespace
+
+void bind_filters(nb::module_& m) {
+    nb::exception<EstimationError>(m, "EstimationError");
+    nb::class_<EstimationModel>(m, "EstimationModel");
+    nb::class_<OwnedFilter>(m, "Filter")
+        .def("move", &move, nb::arg("y").none(), nb::arg("u").none(), nb::arg("corrects"),
+             nb::arg("predicts"))
+        .def("run", &run, nb::arg("u"), nb::arg("y"), nb::arg("measured"), nb::arg("x"),
+             nb::arg("deviation"), nb::arg("P"), nb::arg("innovation"), nb::arg("nis"),
+             nb::arg("log_likelihood"))
+        .def("save",
+             [](OwnedFilter& self) {
+                 const Hold hold(self.use);
+                 Archive archive;
+                 self.visit(archive);
+                 return to_numpy(archive.values().data(), archive.values().size());
+             })
+        .def("restore",
+             [](OwnedFilter& self, const Array& state) {
+                 const Hold hold(self.use);
+                 restore(self, copied(state, state.size(), "state"));
+             })
+        .def_prop_ro("k", [](const OwnedFilter& self) { return self.filter->k(); })
+        .def_prop_ro("nis", [](const OwnedFilter& self) { return self.filter->squared_innovation(); })
+        .def_prop_ro("innovation",
+                     [](const OwnedFilter& self) {
+                         return to_numpy(self.filter->innovation().data(),
+                                         self.filter->innovation().size());
+                     },
+                     nb::rv_policy::automatic)
+        .def_prop_ro("x",
+                     [](const OwnedFilter& self) {
+                         return to_numpy(self.filter->x().data(), self.filter->x().size());
+                     },
+                     nb::rv_policy::automatic)
+        .def_prop_ro("corrected",
+                     [](const OwnedFilter& self) {
+                         return to_numpy(self.filter->corrected().data(),
+                                         self.filter->corrected().size());
+                     },
+                     nb::rv_policy::automatic)
+        .def_prop_ro("P",
+                     [](const OwnedFilter& self) {
+                         const std::size_t n = self.filter->x().size();
+                         std::vector<double> P(n * n);
+                         self.filter->covariance(P.data());
+                         return to_numpy(std::move(P), {n, n});
+                     },
+                     nb::rv_policy::automatic);
+    m.def("linear_estimation_model", &linear_model, nb::arg("n"), nb::arg("l_u"), nb::arg("l_y"),
+          nb::arg("A"), nb::arg("B"), nb::arg("C"), nb::arg("D"));
+    m.def("function_estimation_model", &function_model, nb::arg("n"), nb::arg("l_u"),
+          nb::arg("l_y"), nb::arg("f"), nb::arg("h"), nb::arg("F").none(), nb::arg("H").none(),
+          nb::arg("scale"));
+    m.def("tape_estimation_model", &tape_model, nb::arg("n"), nb::arg("l_u"), nb::arg("l_y"),
+          nb::arg("f"), nb::arg("h"), nb::arg("f_F"), nb::arg("h_H"));
+    m.def("filter", &filter, nb::arg("kind"), nb::arg("model"), nb::arg("x_0"), nb::arg("S_0"),
+          nb::arg("Q_root"), nb::arg("R_root"), nb::arg("alpha"));
+    m.def("linearised", &linearised, nb::arg("model"), nb::arg("k"), nb::arg("x"), nb::arg("u"));
+}
+
+}  // namespace rcac

@@ -1,0 +1,130 @@
+// A Gaussian belief that is moved by a model and corrected by measurements.
+#pragma once
+
+#include <cmath>
+#include <memory>
+
+#include "estimation/model.hpp"
+#include "estimation/triangular.hpp"
+#include "memory/archive.hpp"
+
+namespace rcac {
+
+// The mean x and the square root S of the covariance P = S S'; every step works on copies and
+// commits at its end, so that a step that throws leaves the filter where it was.
+class KalmanFilter {
+public:
+    KalmanFilter(std::shared_ptr<EstimationModel> model, std::vector<double> x_0,
+                 std::vector<double> S_0, std::vector<double> Q_root, std::vector<double> R_root)
+        : model_(std::move(model)),
+          n_(model_->n),
+          p_(model_->l_y),
+          x_(std::move(x_0)),
+          S_(std::move(S_0)),
+          Q_root_(std::move(Q_root)),
+          R_root_(std::move(R_root)),
+          next_(n_),
+          y_hat_(p_),
+          innovation_(p_) {}
+    virtual ~KalmanFilter() = default;
+
+    // x(k|k-1) -> x(k|k)
+    virtual void correct(const double* y, const double* u) = 0;
+    // x(k|k) -> x(k+1|k)
+    virtual void predict(const double* u) = 0;
+    // Both; x(k|k-1) -> x(k+1|k), or nothing where either of them throws.
+    void correct_and_predict(const double* y, const double* u) {
+        correct(y, u);
+        try {
+            predict(u);
+        } catch (...) {
+            x_ = x_before_;
+            S_ = S_before_;
+            throw;
+        }
+    }
+    virtual void covariance(double* P) const {
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t j = 0; j <= i; ++j) {
+                double sum = 0.0;
+                for (std::size_t m = 0; m <= j; ++m) sum += S_[i * n_ + m] * S_[j * n_ + m];
+                P[i * n_ + j] = P[j * n_ + i] = sum;
+            }
+    }
+    virtual double variance(std::size_t i) const {
+        double sum = 0.0;
+        for (std::size_t m = 0; m <= i; ++m) sum += S_[i * n_ + m] * S_[i * n_ + m];
+        return sum;
+    }
+    // e' S_y^-1 e and log det S_y of the last correction.
+    double squared_innovation() const { return squared_; }
+    double log_determinant() const { return log_determinant_; }
+    const std::vector<double>& innovation() const { return innovation_; }
+    const std::vector<double>& x() const { return x_; }
+    const std::vector<double>& corrected() const { return corrected_; }  // the last x(k|k)
+    EstimationModel& model() { return *model_; }
+    std::int64_t k() const { return k_; }
+
+    virtual void visit(Archive& archive) {
+        archive(k_, 0, Archive::longest);
+        archive(x_);
+        archive(S_);
+        archive(innovation_);
+        archive(squared_);
+        archive(log_determinant_);
+    }
+
+protected:
+    // From M = [[., .], [., .]] with M M' = [[S_y, P_yx], [P_xy, P]], triangular: L_y in the first
+    // p rows, then P_xy L_y'^-1 and the new S. `columns` is the length of its rows.
+    void commit(const double* M, std::size_t columns, const double* y) {
+        for (std::size_t i = 0; i < p_; ++i) {
+            next_innovation_[i] = y[i] - y_hat_[i];
+            whitened_[i] = next_innovation_[i];
+        }
+        if (!solve_lower(M, p_, columns, whitened_.data()))
+            throw EstimationError{"singular", "the covariance of the innovation is singular"};
+        for (std::size_t i = 0; i < n_; ++i) {
+            const double* row = M + (p_ + i) * columns;
+            next_[i] = x_[i];
+            for (std::size_t j = 0; j < p_; ++j) next_[i] += row[j] * whitened_[j];
+        }
+        require_range(next_.data(), n_);
+        require_range(M, (n_ + p_) * columns);
+        remember();
+        for (std::size_t i = 0; i < n_; ++i)
+            std::copy_n(M + (p_ + i) * columns + p_, n_, S_.data() + i * n_);
+        x_ = next_;
+        accept(M, columns);
+    }
+    void remember() {
+        x_before_ = x_;
+        S_before_ = S_;
+    }
+
+    void accept(const double* L_y, std::size_t columns) {
+        corrected_ = x_;
+        innovation_ = next_innovation_;
+        squared_ = log_determinant_ = 0.0;
+        for (std::size_t i = 0; i < p_; ++i) {
+            squared_ += whitened_[i] * whitened_[i];
+            log_determinant_ += 2.0 * std::log(L_y[i * columns + i]);
+        }
+    }
+
+    static void require_range(const double* values, std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i)
+            if (!(values[i] - values[i] == 0.0))
+                throw EstimationError{"range", "the estimate left the range of float64"};
+    }
+
+    std::shared_ptr<EstimationModel> model_;
+    std::size_t n_, p_;
+    std::int64_t k_ = 0;
+    std::vector<double> x_, S_, Q_root_, R_root_, next_, y_hat_, innovation_, x_before_,
+        S_before_, corrected_;
+    std::vector<double> next_innovation_ = std::vector<double>(p_), whitened_ = next_innovation_;
+    double squared_ = 0.0, log_determinant_ = 0.0;
+};
+
+}  // namespace rcac

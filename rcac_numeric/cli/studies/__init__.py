@@ -1,0 +1,1 @@
+"""The commands that run studies and look at what they came to."""

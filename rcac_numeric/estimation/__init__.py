@@ -1,0 +1,1 @@
+"""On-line estimation of states, parameters and subsystems (Chapter 8); nothing here smooths."""

@@ -1,0 +1,195 @@
+"""A Kalman filter over a whole record."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import FunctionFailedError, InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import real_array, signal_array
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.engine.compiled.estimators import estimation_failure
+from rcac_numeric.estimation.consistency import Consistency, nees_consistency, nis_consistency
+from rcac_numeric.estimation.estimator import compiled_filter
+from rcac_numeric.estimation.observability import (
+    Observability,
+    UnobservableWarning,
+    observability_along,
+)
+from rcac_numeric.estimation.settings import EKF, UKF
+
+
+@dataclass(frozen=True, eq=False)
+class StateEstimates(Value):
+    """What a Kalman filter made of a record.
+
+    Attributes
+    ----------
+    settings : EKF or UKF
+    x : array, shape (steps, n)
+        x(k|k), of measurements up to y(k): nothing here is smoothed.
+    deviation : array, shape (steps, n)
+        Square roots of the diagonal of P(k|k).
+    P : array, shape (steps, n, n) or (0, n, n)
+        P(k|k), where it was asked for.
+    innovation : array, shape (steps, l_y)
+        y(k) - h(x(k|k-1)); NaN where y(k) is missing.
+    nis : array, shape (steps,)
+        Innovations squared and normalised; NaN where y(k) is missing.
+    log_likelihood : float
+        Of the measurements, under the model.
+    observability : Observability
+        Which directions of x the record could tell apart.
+    """
+
+    settings: EKF | UKF
+    x: Array
+    deviation: Array
+    P: Array
+    innovation: Array
+    nis: Array
+    log_likelihood: float
+    observability: Observability
+
+    def nis_consistency(self, confidence: float = 0.95) -> Consistency:
+        """Whether the innovations are as large as the filter says.
+
+        Parameters
+        ----------
+        confidence : float
+            Of the interval for the mean of the NIS.
+        """
+        kept = self.nis[~np.isnan(self.nis)]
+        return nis_consistency(kept, self.settings.model.l_y, confidence)
+
+    def nees_consistency(self, truth: ArrayLike, confidence: float = 0.95) -> Consistency:
+        """Whether the errors are as large as the filter says; needs covariances.
+
+        Parameters
+        ----------
+        truth : array, shape (steps, n)
+            The true x.
+        confidence : float
+            Of the interval for the mean of the NEES.
+
+        Raises
+        ------
+        InputError
+            Where the covariances were not kept.
+        """
+        if not len(self.P):
+            raise InputError("there are no covariances: estimate(..., keep_covariances=True).")
+        error = signal_array(truth, "truth", self.x.shape[1], len(self.x)) - self.x
+        return nees_consistency(error, self.P, confidence)
+
+
+def estimate(
+    settings: EKF | UKF,
+    y: ArrayLike,
+    u: ArrayLike | None = None,
+    measured: ArrayLike | None = None,
+    *,
+    keep_covariances: bool = False,
+) -> StateEstimates:
+    """Run a Kalman filter over a record of measurements.
+
+    Parameters
+    ----------
+    settings : EKF or UKF
+    y : array, shape (steps, l_y)
+        A 1-D array is one signal.
+    u : array, shape (steps, l_u), optional
+        The known input, where the model has one.
+    measured : array of bool, shape (steps,), optional
+        False where y(k) is missing; its row is not looked at.
+    keep_covariances : bool
+        Keep P(k|k) of every step.
+
+    Returns
+    -------
+    StateEstimates
+
+    Raises
+    ------
+    InputError
+        Where shapes do not fit or an entry is not finite.
+    FunctionFailedError
+        Where a function of the model failed; `run` holds the estimates until then.
+    IllConditionedError, DivergedError
+        As in `Estimator.step`.
+
+    Warns
+    -----
+    UnobservableWarning
+        Where the record cannot tell some direction of x from nothing: what is estimated there is
+        what was believed at first.
+
+    Examples
+    --------
+    >>> from rcac_numeric import EKF, LinearModel, estimate
+    >>> model = LinearModel(A=[[1, 0.1], [0, 1]], C=[[1, 0]])
+    >>> found = estimate(EKF(model, Q=1e-9, R=1e-4, P_0=10), y=[0.2 * k for k in range(50)])
+    >>> found.x[-1].round(2)
+    array([9.8, 2. ])
+    """
+    kernel = compiled_filter(settings)
+    model = settings.model
+    values = _with_gaps(y, model.l_y, measured)
+    steps = len(values[0])
+    outputs = signal_array(values[0], "y", model.l_y, steps)
+    inputs = signal_array(np.zeros((steps, model.l_u)) if u is None else u, "u", model.l_u, steps)
+    if u is None and model.l_u:
+        raise InputError(f"the model has {model.l_u} known inputs; give their record u.")
+    n = model.n
+    x, deviation = np.zeros((steps, n)), np.zeros((steps, n))
+    P = np.zeros((steps if keep_covariances else 0, n, n))
+    innovation = np.full((steps, model.l_y), np.nan)
+    nis, likelihood = np.full(steps, np.nan), np.zeros(steps)
+
+    def result(kept: int) -> StateEstimates:
+        return StateEstimates(
+            settings,
+            x[:kept],
+            deviation[:kept],
+            P[:kept],
+            innovation[:kept],
+            nis[:kept],
+            float(likelihood[:kept].sum()),
+            observability_along(
+                model, x[:kept], inputs[:kept], settings.P_0, settings.R, values[1][:kept]
+            ),
+        )
+
+    try:
+        kernel.run(
+            inputs, outputs, values[1].astype(float), x, deviation, P, innovation, nis, likelihood
+        )
+    except Exception as error:
+        failure = estimation_failure(error, kernel.k)
+        if isinstance(failure, FunctionFailedError):
+            failure.run = result(kernel.k) if kernel.k else None
+        raise failure from error
+    made = result(steps)
+    if made.observability.unseen:
+        warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
+    return made
+
+
+def _with_gaps(y: ArrayLike, l_y: int, measured: ArrayLike | None) -> tuple[Array, Array]:
+    """Y with zeros where it is missing, and a bool for each step."""
+    if measured is None:
+        read = signal_array(y, "y", l_y)
+        return read, np.ones(len(read), dtype=bool)
+    there = np.asarray(measured)
+    given = np.array(y, dtype=float)
+    if there.dtype != bool or there.ndim != 1 or len(there) != len(given):
+        raise InputError(
+            f"measured has type {there.dtype} and shape {there.shape}; one True or False for each "
+            f"of the {len(given)} rows of y is needed."
+        )
+    given[~there] = 0.0
+    return signal_array(real_array(given, "y"), "y", l_y), there

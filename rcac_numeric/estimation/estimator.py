@@ -1,0 +1,202 @@
+"""A Kalman filter for any simulator or device, one step at a time."""
+
+from __future__ import annotations
+
+from threading import Lock
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import vector
+from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.engine.compiled.estimators import Filter, estimation_failure, make_filter
+from rcac_numeric.engine.states import SavedState, saved_state
+from rcac_numeric.estimation.models.compiled import compiled_model
+from rcac_numeric.estimation.settings import EKF, UKF, square_root
+
+
+def compiled_filter(settings: EKF | UKF) -> Filter:
+    """The filter at step 0 for the kernel."""
+    if type(settings) not in (EKF, UKF):
+        raise InputError(f"settings = {settings!r}: an EKF or a UKF is needed.")
+    kind, alpha = "unscented", 1.0
+    if isinstance(settings, UKF):
+        alpha = settings.alpha
+    else:
+        kind = "extended" if settings.form == "square root" else "joseph"
+    P_0, Q, R = map(square_root, (settings.P_0, settings.Q, settings.R))
+    return make_filter(kind, compiled_model(settings.model), settings.x_0, P_0, Q, R, alpha)
+
+
+def _rebuilt(settings: EKF | UKF, state: SavedState) -> Estimator:
+    estimator = Estimator(settings)
+    estimator.restore(state)
+    return estimator
+
+
+class Estimator:
+    """An EKF or a UKF that runs beside a simulator or a device.
+
+    `step(y, u)` is one step: y(k) corrects the belief about x(k), then u(k) moves it to step k+1.
+    Where u(k) is computed from the estimate, call `correct`, read `x`, and call `predict`.
+
+    Parameters
+    ----------
+    settings : EKF or UKF
+
+    Examples
+    --------
+    >>> from rcac_numeric import UKF, Estimator, LinearModel
+    >>> estimator = Estimator(UKF(LinearModel(A=0.9, B=1, C=1), Q=0.01, R=0.1))
+    >>> for y in (1.0, 0.8, 1.1):
+    ...     estimate = estimator.step(y=y, u=0.1)
+    >>> other = Estimator(estimator.settings)
+    >>> other.restore(estimator.state)
+    >>> bool(other.step(y=1, u=0) == estimator.step(y=1, u=0))
+    True
+    """
+
+    def __init__(self, settings: EKF | UKF) -> None:
+        self._kernel = compiled_filter(settings)
+        self.settings = settings
+        self._at_work = Lock()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are estimators of their own in the same state."""
+        return _rebuilt, (self.settings, self.state)
+
+    def step(self, y: ArrayLike | None, u: ArrayLike | None = None) -> Array:
+        """Correct with y(k), then predict with u(k); the estimate x(k|k).
+
+        Parameters
+        ----------
+        y : array, shape (l_y,), a number, or None
+            The measurement; None where it is missing.
+        u : array, shape (l_u,), or a number
+            The known input, where the model has one.
+
+        Returns
+        -------
+        array, shape (n,)
+            x(k|k).
+
+        Raises
+        ------
+        InputError
+            Where an argument has the wrong size or is not finite.
+        FunctionFailedError
+            Where a function of the model raised, or gave what is not finite.
+        IllConditionedError
+            Where the covariance of the innovation is singular, or lost its definiteness.
+        DivergedError
+            Where the estimate left the range of float64.
+            Whatever is raised, the estimator has not moved.
+        """
+        if y is None:
+            before = self.x
+            self._move(None, u, corrects=False, predicts=True)
+            return before
+        self._move(y, u, corrects=True, predicts=True)
+        return np.asarray(self._kernel.corrected)
+
+    def correct(self, y: ArrayLike, u: ArrayLike | None = None) -> Array:
+        """Correct the belief about x(k) with y(k); u(k) matters where h reads it.
+
+        Parameters
+        ----------
+        y : array, shape (l_y,), or a number
+        u : array, shape (l_u,), or a number
+            Zero where it is left out.
+
+        Returns
+        -------
+        array, shape (n,)
+            x(k|k).
+        """
+        if u is None:
+            u = np.zeros(self.settings.model.l_u)
+        self._move(y, u, corrects=True, predicts=False)
+        return self.x
+
+    def predict(self, u: ArrayLike | None = None) -> Array:
+        """Move the belief to step k + 1 with u(k).
+
+        Parameters
+        ----------
+        u : array, shape (l_u,), or a number
+
+        Returns
+        -------
+        array, shape (n,)
+            x(k+1|k).
+        """
+        self._move(None, u, corrects=False, predicts=True)
+        return self.x
+
+    def _move(self, y: Any, u: Any, *, corrects: bool, predicts: bool) -> None:
+        if not self._at_work.acquire(blocking=False):
+            raise InputError("the estimator is in the middle of a step; use one for each loop.")
+        try:
+            if not self._kernel.move(y, u, corrects, predicts):
+                model = self.settings.model
+                wide = vector(np.zeros(0) if u is None else u, "u", model.l_u)
+                read = vector(y, "y", model.l_y) if corrects else None
+                self._kernel.move(read, wide, corrects, predicts)
+        except InputError:
+            raise
+        except Exception as error:
+            self._fail(error)
+        finally:
+            self._at_work.release()
+
+    def _fail(self, error: Exception) -> NoReturn:
+        raise estimation_failure(error, self.k) from error
+
+    @property
+    def k(self) -> int:
+        """Number of predictions: the step that x and P are of."""
+        return self._kernel.k
+
+    @property
+    def x(self) -> Array:
+        """The estimate; x(k|k-1), or x(k|k) after `correct`. Shape (n,)."""
+        return np.asarray(self._kernel.x)
+
+    @property
+    def P(self) -> Array:
+        """Its covariance, shape (n, n)."""
+        return np.asarray(self._kernel.P)
+
+    @property
+    def innovation(self) -> Array:
+        """Y - h(x(k|k-1)) of the last correction, shape (l_y,)."""
+        return np.asarray(self._kernel.innovation)
+
+    @property
+    def nis(self) -> float:
+        """The last innovation squared and normalised; l_y on average where the noises are right."""
+        return self._kernel.nis
+
+    @property
+    def state(self) -> SavedState:
+        """Everything that later steps depend on, beside the settings."""
+        return SavedState.taken("filter", self.k, self._kernel.save(), fingerprint(self.settings))
+
+    def restore(self, state: SavedState) -> None:
+        """Go back, or forward, to a saved state of an estimator with the same settings.
+
+        Parameters
+        ----------
+        state : SavedState
+
+        Raises
+        ------
+        InputError
+            Where the state belongs to other settings; the estimator has not moved.
+        """
+        saved_state(state, "state").restore_into(
+            self._kernel, "filter", fingerprint(self.settings), lambda: self._kernel.k
+        )

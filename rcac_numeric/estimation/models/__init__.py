@@ -1,0 +1,1 @@
+"""What an estimator knows of the world: linear, symbolic and Python models as data."""

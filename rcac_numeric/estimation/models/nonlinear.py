@@ -1,0 +1,147 @@
+"""A model that is two functions of the user."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.values import Value
+
+Function = Callable[..., ArrayLike]
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class NonlinearModel(Value):
+    """x(k+1) = dynamics(k, x, u) + noise and y(k) = output(k, x, u) + noise, as Python functions.
+
+    With `l_p` unknown parameters the functions take (k, x, u, p), and [x; p] is estimated
+    jointly: p(k+1) = p(k) + noise, the chapter's fictitious dynamics.
+
+    Parameters
+    ----------
+    dynamics : callable
+        Returns x(k+1), shape (n_x,).
+    output : callable
+        Returns y(k), shape (l_y,).
+    n_x, l_y : int
+        Numbers of states and of measurements.
+    l_u : int
+        Number of known inputs.
+    l_p : int
+        Number of unknown parameters.
+    dynamics_jacobian, output_jacobian : callable, optional
+        Of the same arguments: the derivatives with respect to [x; p], shapes (n_x, n_x + l_p) and
+        (l_y, n_x + l_p). Central differences without them.
+    scale : array, shape (n_x + l_p,), optional
+        How large the entries of [x; p] typically are, for the steps of the differences; 1 by
+        default.
+
+    Raises
+    ------
+    InputError
+        Where a function is none, a size is negative, or a scale is not positive.
+
+    Examples
+    --------
+    >>> from rcac_numeric import EKF, NonlinearModel, estimate
+    >>> model = NonlinearModel(  # x(k+1) = p x(k) + u(k) with an unknown p
+    ...     lambda k, x, u, p: p * x + u, lambda k, x, u, p: x, n_x=1, l_y=1, l_u=1, l_p=1)
+    >>> x, y = 0.0, []
+    >>> for k in range(100):
+    ...     y.append(x)
+    ...     x = 0.7 * x + (-1) ** (k // 3)
+    >>> found = estimate(EKF(model, Q=1e-9, R=1e-6), y=y, u=[(-1) ** (k // 3) for k in range(100)])
+    >>> round(float(found.x[-1, 1]), 4)
+    0.7
+    """
+
+    dynamics: Function
+    output: Function
+    n_x: int
+    l_y: int
+    l_u: int
+    l_p: int
+    dynamics_jacobian: Function | None
+    output_jacobian: Function | None
+    scale: Array
+
+    def __init__(
+        self,
+        dynamics: Function,
+        output: Function,
+        n_x: int,
+        l_y: int,
+        l_u: int = 0,
+        l_p: int = 0,
+        dynamics_jacobian: Function | None = None,
+        output_jacobian: Function | None = None,
+        scale: ArrayLike | None = None,
+    ) -> None:
+        set_ = partial(object.__setattr__, self)
+        for name, function in (("dynamics", dynamics), ("output", output)):
+            if not callable(function):
+                raise InputError(f"{name} = {function!r} is not a function.")
+            set_(name, function)
+        jacobians = {"dynamics_jacobian": dynamics_jacobian, "output_jacobian": output_jacobian}
+        for name, jacobian in jacobians.items():
+            if jacobian is not None and not callable(jacobian):
+                raise InputError(f"{name} = {jacobian!r} is not a function.")
+            set_(name, jacobian)
+        set_("n_x", integer(n_x, "n_x", at_least=1))
+        set_("l_y", integer(l_y, "l_y", at_least=1))
+        set_("l_u", integer(l_u, "l_u"))
+        set_("l_p", integer(l_p, "l_p"))
+        size = self.n_x + self.l_p
+        sizes = real_array(np.ones(size) if scale is None else scale, "scale").reshape(-1)
+        if sizes.size != size or (sizes <= 0).any():
+            raise InputError(f"scale = {sizes} must hold {size} positive numbers, one per entry.")
+        set_("scale", sizes)
+
+    @property
+    def n(self) -> int:
+        """Number of entries of [x; p]."""
+        return self.n_x + self.l_p
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """x[0], x[1], ... and p[0], ..."""
+        states = tuple(f"x[{i}]" for i in range(self.n_x))
+        return states + tuple(f"p[{i}]" for i in range(self.l_p))
+
+    def joint_dynamics(self, k: int, x: Array, u: Array) -> ArrayLike:
+        """[x(k+1); p] from [x(k); p]."""
+        if not self.l_p:
+            return self.dynamics(k, x, u)
+        state, parameters = x[: self.n_x], x[self.n_x :]
+        return np.append(np.asarray(self.dynamics(k, state, u, parameters), float), parameters)
+
+    def joint_output(self, k: int, x: Array, u: Array) -> ArrayLike:
+        """y(k) from [x(k); p]."""
+        if not self.l_p:
+            return self.output(k, x, u)
+        return self.output(k, x[: self.n_x], u, x[self.n_x :])
+
+    def joint_dynamics_jacobian(self, k: int, x: Array, u: Array) -> ArrayLike:
+        """The derivative of `joint_dynamics`, where one was given."""
+        if self.dynamics_jacobian is None:
+            raise InputError("this model has no dynamics_jacobian.")
+        if not self.l_p:
+            return self.dynamics_jacobian(k, x, u)
+        upper = self.dynamics_jacobian(k, x[: self.n_x], u, x[self.n_x :])
+        lower = np.eye(self.n)[self.n_x :]
+        return np.vstack([np.asarray(upper, float), lower])
+
+    def joint_output_jacobian(self, k: int, x: Array, u: Array) -> ArrayLike:
+        """The derivative of `joint_output`, where one was given."""
+        if self.output_jacobian is None:
+            raise InputError("this model has no output_jacobian.")
+        if not self.l_p:
+            return self.output_jacobian(k, x, u)
+        return self.output_jacobian(k, x[: self.n_x], u, x[self.n_x :])

@@ -1,0 +1,1 @@
+"""Retrospective cost model refinement: subsystems that no sensor sees, and parameters as such."""

@@ -1,0 +1,41 @@
+"""The measures of what RCAC fits: the intercalated transfer function, and what is left over."""
+
+from __future__ import annotations
+
+from rcac_numeric.experiments.analysed_run import AnalysedRun
+
+
+def worst_match(r: AnalysedRun) -> float:
+    """Largest relative distance of the intercalated transfer function to G_f over frequency."""
+    return r.match.worst
+
+
+def median_match(r: AnalysedRun) -> float:
+    """Median relative distance of the intercalated transfer function to G_f over frequency."""
+    return r.match.median
+
+
+def match_change(r: AnalysedRun, since: int) -> float:
+    """The median match over the one of theta(since); below 1 where it has come nearer.
+
+    Parameters
+    ----------
+    since : int
+        An earlier step at which theta was kept.
+    """
+    return r.match.median / r.until(since).match.median
+
+
+def matching_error_share(r: AnalysedRun, start: int = 0) -> float:
+    """Mean square of (G~zu~ - G_f) u~ over that of G~zw w, the two parts of the residual (4.14).
+
+    Parameters
+    ----------
+    start : int
+        First step that counts.
+    """
+    power = r.split.power(start)
+    return power["matching error"] / power["disturbance response"]
+
+
+MATCH_MEASURES = (worst_match, median_match, match_change, matching_error_share)

@@ -1,0 +1,43 @@
+"""States and inputs at which a nonlinear plant rests."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import number, real_array
+from rcac_numeric.arrays.values import Value
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class OperatingPoint(Value):
+    """A state and an input at which f(x, u) = 0.
+
+    Parameters
+    ----------
+    x, u : arrays, shapes (n,) and (l_u,)
+        In the units of the plant.
+
+    Examples
+    --------
+    >>> from rcac_numeric import BoostConverter
+    >>> BoostConverter().operating_point(duty=0.5).x
+    array([ 4.8, 24. ])
+    """
+
+    x: Array
+    u: Array
+
+    def __init__(self, x: ArrayLike, u: ArrayLike) -> None:
+        object.__setattr__(self, "x", real_array(x, "x"))
+        object.__setattr__(self, "u", real_array(u, "u"))
+
+
+def require_positive(**parameters: float) -> None:
+    """Masses, inductances and the like are positive and finite."""
+    for name, value in parameters.items():
+        if not 0 < number(value, name) < float("inf"):
+            raise InputError(f"{name} = {value:g}; it must be positive.")

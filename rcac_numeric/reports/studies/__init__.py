@@ -1,0 +1,1 @@
+"""What is said of studies and of their runs."""

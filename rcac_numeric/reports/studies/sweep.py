@@ -1,0 +1,155 @@
+"""A study as a report: what was run, how it ended, and the statistics group by group."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.sweeps.results.overview import SweepOverview
+from rcac_numeric.sweeps.results.statistics import SweepSummary, wilson_interval
+
+# Groups that a reader looks through, and errors.
+LONGEST_TABLE, MOST_ERRORS = 40, 5
+
+
+def sweep_sheet(overview: SweepOverview) -> Sheet:
+    """What a store holds.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rcac_numeric import Kept, Study, run_study, sweep_overview
+    >>> from rcac_numeric.reports.studies.sweep import sweep_sheet
+    >>> base = {
+    ...     "plant": {"problem": "standard", "G": "1/(q - 2)"}, "signals": {"w": {"step": 1}},
+    ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
+    ...     "run": {"steps": 50}}
+    >>> store = tempfile.mkdtemp() + "/study.sqlite"
+    >>> _ = run_study(Study(base, [], [Kept("steps")]), store, workers=0)
+    >>> sweep_sheet(sweep_overview(store)).record["outcomes"]
+    {'completed': 1}
+    """
+    return Sheet(
+        title=overview.title or overview.path,
+        health=_health(overview),
+        sections=(_study(overview), _outcomes(overview), _groups(overview), _errors(overview)),
+    )
+
+
+def _health(overview: SweepOverview) -> tuple[Text, ...]:
+    said = []
+    if overview.done < overview.total:
+        said.append(
+            Text(
+                f"{overview.done} of {overview.total} runs have been run; the numbers below are "
+                "of those.",
+                "warning",
+            )
+        )
+    failed = overview.done - overview.outcomes.get("completed", 0)
+    if failed:
+        said.append(Text(f"{failed} of {overview.done} runs did not complete.", "warning"))
+    elif overview.done:
+        said.append(Text(f"All {overview.done} runs completed.", "good"))
+    if wrong := sum(overview.errors.values()):
+        said.append(Text(f"{wrong} runs have an error recorded.", "bad"))
+    return tuple(said)
+
+
+def _study(overview: SweepOverview) -> Section:
+    axes = [
+        Fact(name, f"{count} value{'s' * (count > 1)} of {path}")
+        for name, (path, count) in overview.axes.items()
+    ]
+    versions = ", ".join(f"{name} {number}" for name, number in overview.versions.items())
+    facts = [
+        *axes,
+        Fact("repetitions", str(overview.repetitions)),
+        Fact("seed", str(overview.seed)),
+        Fact("fingerprint", overview.fingerprint),
+        Fact("made with", f"{versions}; {overview.instruction_set}; {overview.created}"),
+    ]
+    record = {
+        "study": {
+            "path": overview.path,
+            "title": overview.title,
+            "axes": {n: {"sets": p, "values": c} for n, (p, c) in overview.axes.items()},
+            "repetitions": overview.repetitions,
+            "seed": overview.seed,
+            "fingerprint": overview.fingerprint,
+            "versions": overview.versions,
+            "instruction_set": overview.instruction_set,
+            "created": overview.created,
+            "runs": overview.total,
+            "stored": overview.done,
+        }
+    }
+    return Section("The study", tuple(facts), record)
+
+
+def _outcomes(overview: SweepOverview) -> Section:
+    rows = []
+    for outcome, count in overview.outcomes.items():
+        low, high = wilson_interval(count, overview.done)
+        level: Level = "plain" if outcome == "completed" else "warning"
+        interval = f"{_percent(low)} to {_percent(high)}"
+        share = _percent(count / overview.done)
+        rows.append(cells(Text(outcome, level), str(count), share, interval))
+    table = Table(("outcome", "runs", "share", "95 % interval"), tuple(rows))
+    return Section("How the runs ended", (table,) if rows else (), {"outcomes": overview.outcomes})
+
+
+def _groups(overview: SweepOverview) -> Section:
+    summary = overview.summary
+    columns = {name: values.tolist() for name, values in summary.columns.items()}
+    record = {"groups": {"by": list(summary.axes), "measure": summary.measure, **columns}}
+    if not len(summary):
+        return Section("", (), record)
+    measured = ("measured", "median", *(f"q{q:g}" for q in summary.quantiles))
+    heads = [*summary.axes, "runs", "incomplete", "share, 95 %"]
+    if summary.measure:
+        heads += measured
+    rows = [_row(summary, i, measured) for i in range(min(len(summary), LONGEST_TABLE))]
+    blocks: list[Block] = [Table(tuple(heads), tuple(rows))]
+    if len(summary) > LONGEST_TABLE:
+        words = f"{len(summary) - LONGEST_TABLE} more groups: --by fewer axes, --json or --export."
+        blocks.append(Text(words, "quiet"))
+    of = f": {summary.measure} of the completed runs" if summary.measure else ""
+    return Section("Group by group", tuple(blocks), record, of)
+
+
+def _row(summary: SweepSummary, i: int, measured: tuple[str, ...]) -> Any:
+    def entry(name: str) -> Any:
+        return summary.columns[name][i]
+
+    interval = f"{_percent(entry('share_low'))} to {_percent(entry('share_high'))}"
+    failed = int(entry("not_completed"))
+    row: list[str | Text] = [_value(entry(name)) for name in summary.axes]
+    row += [str(entry("runs")), Text(str(failed), "warning" if failed else "plain"), interval]
+    if summary.measure:
+        row += [str(entry("measured")), *(_value(entry(name)) for name in measured[1:])]
+    return cells(*row)
+
+
+def _errors(overview: SweepOverview) -> Section:
+    blocks: list[Block] = [
+        Text(f"{count} times: {shortened(words, 300)}", "bad")
+        for words, count in list(overview.errors.items())[:MOST_ERRORS]
+    ]
+    if (more := len(overview.errors) - MOST_ERRORS) > 0:
+        blocks.append(Text(f"and {more} others; the column failure of the table has them all."))
+    record = {"errors": [{"error": e, "runs": n} for e, n in overview.errors.items()]}
+    return Section("Errors" if blocks else "", tuple(blocks), record)
+
+
+def _percent(share: Any) -> str:
+    return f"{100 * float(share):.3g} %"
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, float | np.floating):
+        return "-" if np.isnan(value) else f"{value:.4g}"
+    return shortened(str(value), 40)

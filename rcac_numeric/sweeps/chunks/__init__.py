@@ -1,0 +1,1 @@
+"""What a worker does: some runs of a study, and nothing else."""

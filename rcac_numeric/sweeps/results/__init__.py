@@ -1,0 +1,1 @@
+"""What a study came to: tables, statistics, single runs again."""

@@ -1,0 +1,130 @@
+"""The results of a study as files for other programs, written in pieces of a bounded size."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.files import replacing
+from rcac_numeric.sweeps.results.frames import imported
+from rcac_numeric.sweeps.results.table import Columns
+from rcac_numeric.sweeps.store.reading import cell_columns, stored_runs
+from rcac_numeric.sweeps.store.store import Store
+
+AT_ONCE = 50_000  # rows of a piece of Parquet
+
+
+def export_table(store: str | Path, path: str | Path) -> None:
+    """Write the runs of a store to a .csv or a .parquet file, a row each.
+
+    Floats are written in full, and where there is no value, nothing; coordinates that are lists
+    or tables as JSON. Parquet needs pyarrow, which `compensator-theory[pandas]` brings.
+
+    Raises
+    ------
+    StoreError
+        Where the store is damaged.
+    InputError
+        Where the file cannot be written, or pyarrow is missing; an older file stays whole.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from rcac_numeric import Kept, Study, export_table, run_study
+    >>> base = {
+    ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"}, "signals": {"w": {"step": 1}},
+    ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
+    ...     "run": {"steps": 50}}
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> _ = run_study(Study(base, [], [Kept("steps")]), folder / "study.sqlite", workers=0)
+    >>> export_table(folder / "study.sqlite", folder / "study.csv")
+    >>> print((folder / "study.csv").read_text().strip())
+    run,cell,repetition,outcome,failure,steps
+    0,0,0,completed,,50.0
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in WRITERS:
+        raise InputError(f"{path}: the name must end in one of {', '.join(WRITERS)}.")
+    with Store(store, read_only=True) as opened, replacing(path) as new:
+        WRITERS[suffix](opened, new)
+
+
+def _write_csv(store: Store, path: Path) -> None:
+    names, rows = _rows(store)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(names)
+        for some in rows:
+            writer.writerows([_cell(value) for value in row] for row in some)
+
+
+def _write_parquet(store: Store, path: Path) -> None:
+    arrow, parquet = imported("pyarrow"), imported("pyarrow.parquet")
+    names, rows = _rows(store)
+    axes = cell_columns(store)
+    kinds = [_arrow_type(arrow, axes, name) for name in names]
+    schema = arrow.schema(list(zip(names, kinds, strict=True)))
+    with parquet.ParquetWriter(str(path), schema) as writer:
+        for piece in _pieces(rows):
+            arrays = [
+                arrow.array([_plain(value, kind, arrow) for value in values], type=kind)
+                for values, kind in zip(zip(*piece, strict=True), kinds, strict=True)
+            ]
+            writer.write_batch(arrow.record_batch(arrays, schema=schema))
+
+
+def _rows(store: Store) -> tuple[list[str], Iterator[list[tuple[Any, ...]]]]:
+    """The names of the columns, and their rows chunk by chunk, coordinates put in."""
+    cells = cell_columns(store)
+    kept = [kept["name"] for kept in store.study.resolved["keep"]]
+    names = ["run", "cell", "repetition", *cells, "outcome", "failure", *kept]
+
+    def rows() -> Iterator[list[tuple[Any, ...]]]:
+        for some in stored_runs(store):
+            yield [
+                (*row[:3], *(column[row[1]] for column in cells.values()), *row[3:]) for row in some
+            ]
+
+    return names, rows()
+
+
+def _pieces(rows: Iterator[list[tuple[Any, ...]]]) -> Iterator[list[tuple[Any, ...]]]:
+    piece: list[tuple[Any, ...]] = []
+    for some in rows:
+        piece += some
+        if len(piece) >= AT_ONCE:
+            yield piece
+            piece = []
+    if piece:
+        yield piece
+
+
+def _cell(value: Any) -> Any:
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    return json.dumps(value) if isinstance(value, list | dict) else value
+
+
+def _arrow_type(arrow: Any, axes: Columns, name: str) -> Any:
+    if name in axes:
+        kinds = {"i": arrow.int64(), "f": arrow.float64(), "b": arrow.bool_()}
+        return kinds.get(axes[name].dtype.kind, arrow.string())
+    if name in ("run", "cell", "repetition"):
+        return arrow.int64()
+    return arrow.string() if name in ("outcome", "failure") else arrow.float64()
+
+
+def _plain(value: Any, kind: Any, arrow: Any) -> Any:
+    plain = value.item() if hasattr(value, "item") else value
+    return json.dumps(plain) if kind == arrow.string() and not isinstance(plain, str) else plain
+
+
+WRITERS: dict[str, Callable[[Store, Path], None]] = {
+    ".csv": _write_csv,
+    ".parquet": _write_parquet,
+}

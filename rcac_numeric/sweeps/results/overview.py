@@ -1,0 +1,117 @@
+"""A store as a whole: its study, how much of it has been run, and what came out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.sweeps.results.statistics import SweepSummary, summarise
+from rcac_numeric.sweeps.results.table import SweepTable, table_in
+from rcac_numeric.sweeps.store.store import Store
+
+
+@dataclass(frozen=True, eq=False)
+class SweepOverview(Value):
+    """What a store holds.
+
+    Attributes
+    ----------
+    path, title, fingerprint, instruction_set, created : str
+    versions : dict from names to str
+    seed, repetitions : int
+    axes : dict from names to (path, number of values)
+    done, total : int
+        Runs that are stored, and runs of the study.
+    table : SweepTable
+    summary : SweepSummary
+        Group by group.
+    """
+
+    path: str
+    title: str
+    fingerprint: str
+    instruction_set: str
+    created: str
+    versions: dict[str, str]
+    seed: int
+    repetitions: int
+    axes: dict[str, tuple[str, int]]
+    done: int
+    total: int
+    table: SweepTable
+    summary: SweepSummary
+
+    @property
+    def outcomes(self) -> dict[str, int]:
+        """How many runs ended how, the most frequent first."""
+        return dict(Counter(self.table["outcome"].tolist()).most_common())
+
+    @property
+    def errors(self) -> dict[str, int]:
+        """What was recorded beside the outcomes, and how often, the most frequent first."""
+        return dict(Counter(e for e in self.table["failure"].tolist() if e).most_common())
+
+    def report(self) -> str:
+        """The study, its outcomes and statistics in words and numbers."""
+        from rcac_numeric.reports.studies.sweep import sweep_sheet
+        from rcac_numeric.reports.terminal import as_text
+
+        return as_text(sweep_sheet(self))
+
+    def __str__(self) -> str:
+        return self.report()
+
+
+def sweep_overview(
+    store: str | Path, measure: str = "", by: tuple[str, ...] | None = None
+) -> SweepOverview:
+    """What a store holds, summarised over some axes.
+
+    Parameters
+    ----------
+    store : path
+    measure : str, optional
+        What medians and quantiles are of; the first that was kept by default.
+    by : tuple of str, optional
+        Axes; all by default.
+
+    Raises
+    ------
+    StoreError
+        Where the file is no store or is damaged.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rcac_numeric import Axis, Kept, Study, run_study, sweep_overview
+    >>> base = {
+    ...     "plant": {"problem": "standard", "G": "1/(q - 2)"},
+    ...     "signals": {"w": {"white_noise": 1}},
+    ...     "target": {"model": "fir"}, "controller": {"n_c": 2}, "run": {"steps": 50}}
+    >>> study = Study(base, [Axis("R_theta", [0.1, 10], sets="controller.R_theta")], [Kept("rms")])
+    >>> store = tempfile.mkdtemp() + "/study.sqlite"
+    >>> _ = run_study(study, store, workers=0)
+    >>> overview = sweep_overview(store)
+    >>> overview.done, overview.outcomes
+    (2, {'completed': 2})
+    """
+    with Store(store, read_only=True) as opened:
+        row, (done, total), table = opened.study, opened.counts(), table_in(opened)
+    first = table.measures[0] if table.measures else ""
+    return SweepOverview(
+        path=str(store),
+        title=row.title,
+        fingerprint=row.fingerprint,
+        instruction_set=row.instruction_set,
+        created=row.created,
+        versions=row.versions,
+        seed=row.resolved["seed"],
+        repetitions=row.resolved["repetitions"],
+        axes={a["name"]: (a["sets"], len(a["values"])) for a in row.resolved["axes"]},
+        done=done,
+        total=total,
+        table=table,
+        summary=summarise(table, measure or first, by),
+    )

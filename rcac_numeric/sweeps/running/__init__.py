@@ -1,0 +1,1 @@
+"""Running a study over any executor, and going on after whatever stopped it."""

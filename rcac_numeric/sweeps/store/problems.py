@@ -1,0 +1,57 @@
+"""What SQLite says when a store cannot be read or written, in words that help."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from compensator_theory.errors import InputError
+
+
+class StoreError(InputError):
+    """The store of a study cannot be used: it is damaged, locked, full, or of another study."""
+
+
+@contextmanager
+def explained(path: Path) -> Iterator[None]:
+    """Turn SQLite's errors into ours.
+
+    Whatever went wrong, SQLite has rolled back what was being written: rows that were there stay.
+    """
+    try:
+        yield
+    except sqlite3.IntegrityError as error:
+        raise StoreError(
+            f"{path}: a result was to be stored twice ({error}); nothing was changed. Please "
+            "report it."
+        ) from error
+    except sqlite3.OperationalError as error:
+        raise StoreError(_of_operation(path, error)) from None
+    except sqlite3.DatabaseError as error:
+        raise StoreError(damaged(path, str(error))) from None
+
+
+def damaged(path: Path, what: str) -> str:
+    """That a file is no longer what was written, and what can be done."""
+    return (
+        f"{path} is damaged or no store of a study: {what}. Nothing was changed. Take it from a "
+        "copy, or run the study into a new file."
+    )
+
+
+def _of_operation(path: Path, error: sqlite3.OperationalError) -> str:
+    name = getattr(error, "sqlite_errorname", "") or ""
+    if name == "SQLITE_FULL" or name.startswith("SQLITE_IOERR"):
+        return (
+            f"{path} cannot be written: the disk is full or does not answer ({error}). What had "
+            "ended is kept. Make room and give the same command again."
+        )
+    if name.startswith(("SQLITE_BUSY", "SQLITE_LOCKED")):
+        return f"{path} is in use by another process, and stayed so. Try again when it has ended."
+    if name.startswith("SQLITE_READONLY"):
+        return f"{path} may not be written ({error})."
+    if name.startswith("SQLITE_CANTOPEN"):
+        return f"{path} cannot be opened: is there such a folder, and may you write to it?"
+    return damaged(path, str(error))

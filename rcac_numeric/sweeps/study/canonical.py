@@ -1,0 +1,123 @@
+"""One text for equal data, and a short name for the text."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib
+import inspect
+import json
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+
+DATA_FILES = (".csv", ".npy", ".npz", ".mat", ".txt")
+
+
+def canonical_json(value: Any) -> str:
+    """The same text for equal data, whatever their order, machine and process.
+
+    Keys are sorted, 1.0 is written 1, and a function counts by its name and its source.
+
+    Raises
+    ------
+    InputError
+        Where something is no number, text, truth value, list, table or function.
+
+    Examples
+    --------
+    >>> from rcac_numeric.sweeps.study.canonical import canonical_json
+    >>> canonical_json({"b": [1.0, 0.1], "a": None})
+    '{"a":null,"b":[1,0.1]}'
+    """
+    return json.dumps(_merged(plain(value)), sort_keys=True, separators=(",", ":"))
+
+
+def plain(value: Any) -> Any:
+    """The data in JSON's own types, every number as it is."""
+    if value is None or isinstance(value, bool | str | int):
+        return value
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    if isinstance(value, float):
+        if not math.isfinite(value):
+            raise InputError(f"a study holds the number {value}; every number must be finite.")
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(entry) for entry in value]
+    if callable(value):
+        return {"function": name_of(value), "source": _source(value)}
+    raise InputError(f"a study holds {value!r}, which is no number, text, list or table.")
+
+
+def digest(text: str) -> str:
+    """The first 16 hexadecimal digits of the SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def name_of(function: Callable[..., Any]) -> str:
+    """What a function is imported by, `module:name`.
+
+    Raises
+    ------
+    InputError
+        Where it cannot be: a lambda, a method or a function inside another.
+    """
+    module = getattr(function, "__module__", "")
+    name = getattr(function, "__qualname__", "")
+    if not module or not name.isidentifier():
+        raise InputError(
+            f"{name or function!r} cannot be found again by another process: define the function "
+            "with `def` at the top of a module."
+        )
+    return f"{module}:{name}"
+
+
+def function_named(name: str) -> Callable[..., Any]:
+    """The function that `name_of` named."""
+    module, _, function = name.partition(":")
+    try:
+        found = getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"the function {name} of the study cannot be imported: {error}. Start from the folder "
+            "that its module is in."
+        ) from None
+    if not callable(found):
+        raise InputError(f"{name} is no function.")
+    return found  # type: ignore[no-any-return]
+
+
+def _merged(value: Any) -> Any:
+    """Numbers that are equal are written alike."""
+    if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
+        return int(value)
+    if isinstance(value, dict):
+        return {key: _merged(entry) for key, entry in value.items()}
+    return [_merged(entry) for entry in value] if isinstance(value, list) else value
+
+
+def file_digests(value: Any, folder: str) -> dict[str, str]:
+    """Every data file that a text in `value` names, with what is in it in short."""
+    found: dict[str, str] = {}
+    if isinstance(value, str):
+        path = Path(folder) / value if len(value) < 1000 and "\0" not in value else Path()
+        if path.suffix.lower() in DATA_FILES and path.is_file():
+            found[value] = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+    elif isinstance(value, Mapping | list):
+        for entry in value.values() if isinstance(value, Mapping) else value:
+            found.update(file_digests(entry, folder))
+    return found
+
+
+def _source(function: Callable[..., Any]) -> str:
+    try:
+        return digest(inspect.getsource(function))
+    except (OSError, TypeError):  # compiled, or typed in
+        return ""

@@ -1,0 +1,241 @@
+"""Studies as files: an experiment file with a table [study]."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.experiments.files.claims import FORMS
+from rcac_numeric.experiments.files.documents import named, read_file, require_plain
+from rcac_numeric.experiments.files.schema import json_schema
+from rcac_numeric.experiments.format.lists import ListOf, MapOf
+from rcac_numeric.experiments.format.markdown import keys_table
+from rcac_numeric.experiments.format.parts import Part
+from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.experiments.format.tables import Kinds, Raw, Table, require_table
+from rcac_numeric.experiments.format.values import Choice, Form, Integer, Numbers, Schema
+from rcac_numeric.sweeps.study.grids import axis_of
+from rcac_numeric.sweeps.study.measures import STUDY_MEASURES, Kept
+from rcac_numeric.sweeps.study.study import SIGNALS, Study
+
+# What says something of an experiment and decides no number of it.
+WORDS = ("title", "id", "source", "notes", "claims")
+
+
+class _Values(Form):
+    """What an axis goes through: anything that may stand in an experiment file."""
+
+    words = "a list of values, not an empty one"
+
+    def read(self, value: object, place: Place) -> list[Any]:
+        """As they stand; whether they fit is known when they are put where they belong."""
+        if not isinstance(value, list) or not value:
+            raise place.refuse(value, self.words)
+        return value
+
+    def schema(self) -> Schema:
+        """An array."""
+        return {"type": "array", "minItems": 1}
+
+
+def _axis(
+    sets: str,
+    values: Any = None,
+    range: Any = None,
+    grid: Any = None,
+    decades: Any = None,
+    points: int | None = None,
+    uniform: Any = None,
+    log_uniform: Any = None,
+    normal: Any = None,
+    draws: int | None = None,
+) -> str:
+    """One thing that varies.
+
+    Parameters
+    ----------
+    sets : str
+        Where its value goes: a dotted path in this file, "controller.R_theta" for instance, or
+        "plant.changes.0.delay" into the first of several.
+    values : list
+        The values themselves.
+    range : list of integers
+        `[first, last]` or `[first, last, step]`, the last one included.
+    grid : pair of numbers
+        Evenly spaced from the first to the last, `points` of them.
+    decades : pair of numbers
+        Powers of ten, their exponents evenly spaced, `points` of them.
+    points : int
+        How many.
+    uniform, log_uniform : pair of numbers
+        Drawn at random between these two, evenly or evenly in the logarithm; `draws` of them.
+    normal : pair of numbers
+        Drawn from a normal distribution of this mean and standard deviation.
+    draws : int
+        How many; the first ones stay when there are more.
+    """
+    return sets
+
+
+def _kept(measure: Any, name: str = "") -> str:
+    """A number that is kept of every run.
+
+    Parameters
+    ----------
+    measure : str
+        What is measured.
+    name : str
+        Of its column; the measure's where it is left out.
+    """
+    return name
+
+
+def _study(
+    axes: Any = None,
+    keep: Any = None,
+    repetitions: int = 1,
+    seed: int = 0,
+    common_noise: bool = False,
+    lanes: bool = True,
+    keep_signals: Any = None,
+) -> int:
+    """Many runs of this experiment.
+
+    Parameters
+    ----------
+    axes : table of tables
+        What varies, by name; every combination of their values is a cell.
+    keep : tables
+        What is measured of every run, beside its outcome.
+    repetitions : int
+        Runs of every cell. They differ in their noise, and in w by `perturbation` of [run].
+    seed : int
+        Of all that is random.
+    common_noise : bool
+        Whether the n-th run has the same noise in all cells.
+    lanes : bool
+        Whether eligible runs go eight at a time.
+    keep_signals : list
+        Which of "w", "u", "y", "z" and "theta" are stored of every run.
+    """
+    return repetitions
+
+
+MEASURE_KINDS: Kinds[Any] = Kinds(
+    {name: Table(f, given=["r"], forms=FORMS) for name, f in STUDY_MEASURES.items()}
+)
+AXIS = Table(
+    _axis,
+    forms={
+        "values": _Values(),
+        "points": Integer(2),
+        "draws": Integer(1),
+        **dict.fromkeys(("range", "grid", "decades", "uniform", "log_uniform", "normal"),
+                        Numbers(longest=3)),
+    },
+)  # fmt: skip
+KEPT = Table(_kept, forms={"measure": MEASURE_KINDS})
+STUDY = Table(
+    _study,
+    forms={
+        "axes": MapOf(AXIS),
+        "keep": ListOf(KEPT, needed="an array of tables"),
+        "repetitions": Integer(1),
+        "keep_signals": ListOf(Choice(SIGNALS)),
+    },
+)
+
+
+def load_study(path: str | Path) -> Study:
+    """A study from its TOML file: an experiment file with a table [study].
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be read, or something in [study] is not as it must be. What an axis
+        sets is tried when the study is run, before anything else.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from rcac_numeric import load_study
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "study.toml"
+    >>> _ = file.write_text('''
+    ... signals.w = { white_noise = 1 }
+    ... target.model = "fir"
+    ... controller = { n_c = 2, R_theta = 1 }
+    ... run.steps = 200
+    ... [plant]
+    ... G = "1/(q - 0.9)"
+    ... [study]
+    ... repetitions = 10
+    ... keep = [{ measure = "rms", start = 100 }]
+    ... axes.R_theta = { sets = "controller.R_theta", decades = [-2, 2], points = 5 }
+    ... ''')
+    >>> load_study(file)
+    Study(50 runs: R_theta 5 x 10 repetitions)
+    """
+    table, file = read_file(path)
+    try:
+        return _read(table, file)
+    except CompensatorError as error:
+        raise named(error, file) from None
+
+
+def study_of(table: Raw, file: str) -> Study:
+    """The study that tables describe as a file would; `file` is named in errors."""
+    require_plain(dict(table), file)
+    try:
+        return _read(table, file)
+    except CompensatorError as error:
+        raise named(error, file) from None
+
+
+def study_schema() -> dict[str, Any]:
+    """The JSON Schema of experiment files and studies."""
+    schema = json_schema()
+    study = {"description": STUDY.summary, **STUDY.schema()}
+    return {**schema, "properties": {**schema["properties"], "study": study}}
+
+
+def study_tables() -> dict[str, str]:
+    """The tables of the documentation of [study], in Markdown, by name."""
+    return {
+        "study": keys_table(STUDY),
+        "study.axes": keys_table(AXIS),
+        "study.keep": keys_table(KEPT),
+    }
+
+
+def _read(table: Raw, file: str) -> Study:
+    if "study" not in table:
+        raise InputError("there is no table [study]; it says what varies. See `rcac sweep --help`.")
+    place = Place(file, "study")
+    read: Part[Any] = STUDY.read(require_table(table["study"], place), place)
+    arguments = dict(read.arguments)
+    axes = [
+        axis_of(name, part.arguments["sets"], part.arguments)
+        for name, part in arguments.pop("axes", {}).items()
+    ]
+    keep = [
+        Kept(
+            part.arguments["measure"].make.__name__,
+            part.arguments.get("name", ""),
+            part.arguments["measure"].arguments,
+        )
+        for part in arguments.pop("keep", [])
+    ]
+    base: Mapping[str, Any] = {
+        key: value for key, value in table.items() if key not in ("study", *WORDS)
+    }
+    title = table.get("title", "")
+    return Study(
+        base,
+        axes,
+        keep,
+        file=file,
+        title=title if isinstance(title, str) else "",
+        **arguments,
+    )

@@ -1,0 +1,124 @@
+"""What is kept of every run: numbers measured where it ran."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.pairing import pairing
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.experiments.analysed_run import AnalysedRun
+from rcac_numeric.experiments.format.places import did_you_mean
+from rcac_numeric.experiments.measures import MEASURES
+from rcac_numeric.sweeps.study.axes import RESERVED
+from rcac_numeric.sweeps.study.canonical import plain
+
+MeasureFunction = Callable[..., float]
+# What looks at theta while it moved; the others need its last value only.
+OF_THETA_OVER_TIME = (
+    "controller_pole_distance",
+    "coefficient",
+    "unstable_fraction",
+    "last_unstable_step",
+    "first_unstable_controller",
+)
+
+
+def worst_pole_distance(r: AnalysedRun, exact: bool = False) -> float:
+    """Largest distance between a pole of G_f and the closed-loop pole assigned to it.
+
+    Parameters
+    ----------
+    exact : bool
+        From certified roots of exact polynomials, some 30 ms a run, instead of float64
+        eigenvalues: they differ by what rounding makes of nearly equal poles.
+    """
+    if exact:
+        return r.comparison.worst_distance
+    target = r.compared_with
+    if (target.l_z, target.l_u) != (1, 1):
+        raise InputError("the poles of a target model that is not scalar are not assigned.")
+    wanted = np.roots(target.denominator[:, 0, 0]).astype(np.complex128)
+    pairs = pairing(wanted, r.loop.poles())
+    return max((abs(a - b) for a, b in pairs), default=0.0)
+
+
+# What a study may keep by name: what claims may ask for, and the faster forms of some of it.
+STUDY_MEASURES: dict[str, MeasureFunction] = {
+    **MEASURES,
+    "worst_pole_distance": worst_pole_distance,
+}
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Kept(Value):
+    """A number that is kept of every run.
+
+    Parameters
+    ----------
+    measure : str or function
+        The name of a measure, or a function at the top of a module that takes an `AnalysedRun` and
+        returns a number.
+    name : str, optional
+        Of its column; that of the measure where it is left out.
+    arguments : mapping
+        Keyword arguments of the measure.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Kept
+    >>> Kept("peak", "error", {"start": 900})
+    Kept(error = peak(start=900))
+    """
+
+    name: str
+    measure: str | MeasureFunction
+    arguments: dict[str, Any]
+
+    def __init__(
+        self,
+        measure: str | MeasureFunction,
+        name: str = "",
+        arguments: Mapping[str, Any] | None = None,
+    ) -> None:
+        own = measure if isinstance(measure, str) else getattr(measure, "__name__", "")
+        set_ = object.__setattr__
+        set_(self, "measure", measure)
+        set_(self, "name", name or own)
+        set_(self, "arguments", {key: plain(v) for key, v in (arguments or {}).items()})
+        if not self.name.isidentifier() or self.name.lower() in RESERVED:
+            raise InputError(
+                f"a column cannot be called {self.name!r}; give `name` in letters, digits and "
+                f"underscores, and none of {', '.join(RESERVED)}."
+            )
+        try:
+            inspect.signature(self.function).bind(None, **self.arguments)
+        except TypeError as error:
+            raise InputError(f"the measure {self.name!r}: {error}.") from None
+
+    @property
+    def function(self) -> MeasureFunction:
+        """What computes it."""
+        if callable(self.measure):
+            return self.measure
+        if self.measure not in STUDY_MEASURES:
+            raise InputError(
+                f"the measure {self.measure!r} is not known; known are "
+                f"{', '.join(STUDY_MEASURES)}.{did_you_mean(self.measure, STUDY_MEASURES)}"
+            )
+        return STUDY_MEASURES[self.measure]
+
+    @property
+    def needs_theta(self) -> bool:
+        """Whether it looks at theta over time; functions might."""
+        return callable(self.measure) or self.measure in OF_THETA_OVER_TIME
+
+    def __repr__(self) -> str:
+        measure = self.measure if isinstance(self.measure, str) else self.measure.__name__
+        arguments = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items())
+        return f"Kept({self.name} = {measure}({arguments}))"

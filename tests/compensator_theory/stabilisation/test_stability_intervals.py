@@ -1,0 +1,129 @@
+"""Intervals of one parameter and lists of inequalities, against roots at drawn values."""
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    InputError,
+    decide_hurwitz,
+    decide_schur,
+    polynomial,
+    stabilising_gains,
+    stability_conditions,
+    stability_intervals,
+)
+from compensator_theory.strategies import polynomials, rationals, strictly_proper_plants
+
+s, z, k, a, b, c, d = sympy.symbols("s z k a b c d")
+MIDDLE, WIDTH = sympy.Rational(59, 2), 3 * sympy.sqrt(17) / 2
+
+
+def ends(found):
+    return [(cell.lower, cell.upper) for cell in found.intervals]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("s*(s - 1)*(s**2 + 4*s + 16) + k*(s + 1)", [(MIDDLE - WIDTH, MIDDLE + WIDTH)]),
+        ("z*(z - 1)*(z - 1/2) + k", [(0, sympy.sqrt(17) / 4 - sympy.Rational(3, 4))]),
+        ("s + k", [(0, sympy.oo)]),
+        ("s**2 + k", []),
+        ("s*(s**2 + k*s + 1)", []),
+        ("k*s + 1", [(0, sympy.oo)]),
+        ("s + 1/k", [(0, sympy.oo)]),
+        ("(z - k)*(z - 1/2)", [(-1, 1)]),
+        ("(z + 1)*(z - k)", []),
+        ("s**2 + s + (k - 1)**2*(k + 1)", [(-1, 1), (1, sympy.oo)]),
+        ("s**2 + 2*s + 1", [(-sympy.oo, sympy.oo)]),
+    ],
+)  # fmt: skip
+def test_known_intervals(text, expected):
+    """The first two are those of the textbooks; the last but one touches the boundary at 1."""
+    found = ends(stability_intervals(text, "k", variable="z" if "z" in text else "s"))
+    assert found == expected
+
+
+@given(
+    polynomials(min_degree=1, max_degree=4, is_monic=True),
+    polynomials(max_degree=3),
+    st.lists(rationals(), min_size=3, max_size=3),
+    st.sampled_from([s, z]),
+)
+def test_membership_is_stability(first, second, values, variable):
+    p, q = (poly.as_expr().subs(poly.gen, variable) for poly in (first, second))
+    found = stability_intervals(p + k * q, k, variable=variable)
+    decide = decide_hurwitz if variable == s else decide_schur
+    for value in values:
+        there = polynomial(p + value * q, variable)
+        assume(not there.is_zero)
+        keeps_degree = there.degree() == found.polynomial.degree()
+        assert (value in found) == bool(keeps_degree and decide(there).is_stable)
+    for cell in found.cells:
+        assert cell.sample in cell and cell.count.total == found.polynomial.degree()
+
+
+@given(strictly_proper_plants(max_order=4), st.sampled_from([-1, 1]))
+def test_a_root_reaches_the_boundary_at_the_ends(G, sign):
+    """Eigenvalues in float64 as the oracle: at a finite end the largest real part is 0."""
+    found = stabilising_gains(G, feedback=sign)
+    N, D = ([float(x) for x in poly.all_coeffs()] for poly in (G.numerator, G.denominator))
+    for cell in found.intervals:
+        for end in (cell.lower, cell.upper):
+            if end.is_finite:
+                closed = np.polysub(D, sign * float(end) * np.array(N))
+                assert abs(np.roots(closed).real.max()) < 1e-4 * max(1, abs(np.roots(closed)).max())
+
+
+def test_conditional_stability_and_margins():
+    found = stabilising_gains("(s + 2)**2/(s**3)", "1", feedback=-1)
+    assert ends(found) == [(1, sympy.oo)]
+    assert stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=-1).around(1).upper == 6
+    assert ends(stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=1)) == [(-6, 0)]
+    assert not stabilising_gains("(s - 1)/((s - 1)*(s + 2))", feedback=-1).intervals
+
+
+def test_what_is_refused():
+    with pytest.raises(InputError, match="give the others values"):
+        stability_intervals("s + a + k", "k")
+    with pytest.raises(InputError, match="cannot be the parameter"):
+        stability_intervals("s + 1", "s")
+    with pytest.raises(InputError, match="continuous time"):
+        stability_intervals("x + k", "k", variable="x")
+    with pytest.raises(InputError, match="zero polynomial"):
+        stability_intervals("k - k + 0*s", "k", variable="s")
+    with pytest.raises(InputError, match="k = 7 is not stable"):
+        stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=-1).around(7)
+    with pytest.raises(InputError, match="must be"):
+        stabilising_gains("1/s", feedback=0)
+
+
+def test_published_conditions():
+    """The cubic and the quartic of every textbook; Jury's triangle."""
+    assert set(stability_conditions("s**3 + a*s**2 + b*s + c")) == {a, c, a * b - c}
+    quartic = stability_conditions("s**4 + a*s**3 + b*s**2 + c*s + d")
+    assert set(quartic) == {a, c, d, a * b * c - c**2 - a**2 * d}
+    assert set(stability_conditions("z**2 + a*z + b")) == {1 - b, 1 + a + b, 1 - a + b}
+    assert stability_conditions("s + 1") == () and stability_conditions("s**2 + 1") == (0,)
+    assert stability_conditions("a*s + b") == (a, b)
+
+
+@given(
+    st.integers(1, 6),
+    st.lists(rationals(), min_size=6, max_size=6),
+    st.sampled_from([s, z]),
+)
+def test_conditions_decide(n, values, variable):
+    """Half of Hurwitz's determinants say what the roots say; coefficients near the boundary."""
+    names = sympy.symbols(f"a0:{n}")
+    generic = variable**n + sum(x * variable**i for i, x in enumerate(names))
+    conditions = stability_conditions(polynomial(generic, variable))
+    if variable == s:
+        values = [abs(value) for value in values]
+    at = dict(zip(names, values[:n], strict=True))
+    verdict = all(condition.subs(at) > 0 for condition in conditions)
+    there = polynomial(generic.subs(at), variable)
+    assert verdict == (decide_hurwitz if variable == s else decide_schur)(there).is_stable

@@ -1,0 +1,172 @@
+"""Sampling with a zero-order hold against SciPy, the semigroup of time, and printed zeros."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.signal
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sympy import Matrix, Rational, Symbol, log
+
+import compensator_theory as exact
+from compensator_theory import (
+    InputError,
+    Realisation,
+    polynomial,
+    sampling_zero_polynomial,
+    zero_order_hold,
+)
+from compensator_theory.strategies import matrices
+from compensator_theory.strategies.plants import unimodular_matrices
+
+h, x, a = sympy.symbols("h x a")
+
+
+@st.composite
+def plants(draw):
+    """State spaces with rational poles, some of them multiple and some not."""
+    n, m = draw(st.integers(1, 3)), draw(st.integers(1, 2))
+    A = Matrix(n, n, lambda i, j: 1 if j in (i + 1, i + 3) else 0)
+    for i in range(n):
+        A[i, i] = draw(st.sampled_from([0, -1, -2, Rational(-1, 2), 1]))
+    S = Matrix(draw(unimodular_matrices(n)))
+    A = S * A * S.inv()
+    return Realisation(A, draw(matrices(n, m)), draw(matrices(1, n)), draw(matrices(1, m)))
+
+
+def numbers(matrix, values):
+    value = matrix.subs(values).evalf(30)
+    return np.array(value.tolist(), dtype=float).reshape(matrix.shape)
+
+
+@settings(max_examples=15)
+@given(plants(), st.sampled_from([Rational(1, 10), Rational(1), Rational(7, 3)]))
+def test_scipy_agrees(plant, step):
+    found = zero_order_hold(plant, step)
+    values = dict(found.exponentials)
+    mine = [numbers(part, values) for part in (found.realisation.A, found.realisation.B)]
+    source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
+    theirs = scipy.signal.cont2discrete(source, float(step), "zoh")
+    for one, other in zip(mine, theirs[:2], strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+    assert found.realisation.C == plant.C and found.realisation.D == plant.D
+
+
+@settings(max_examples=15)
+@given(plants())
+def test_two_steps_are_one_of_twice_the_length(plant):
+    """x_(k+2) of a held input: A_d(2h) = A_d(h)**2 and B_d(2h) = (A_d + I) B_d, as polynomials."""
+    found = zero_order_hold(plant).realisation
+    doubled = {h: 2 * h, x: x**2}
+    twice_a, twice_b = (part.subs(doubled, simultaneous=True) for part in (found.A, found.B))
+    identity = sympy.eye(plant.n)
+    assert (twice_a - found.A**2).applyfunc(sympy.cancel).is_zero_matrix
+    assert (twice_b - (found.A + identity) * found.B).applyfunc(sympy.cancel).is_zero_matrix
+
+
+@settings(max_examples=15)
+@given(plants())
+def test_the_poles_are_exponentials(plant):
+    found = zero_order_hold(plant)
+    poles = sympy.roots(plant.characteristic_polynomial.as_expr(), Symbol("s"))
+    values = {h: 1, **{symbol: value.subs(h, 1) for symbol, value in found.exponentials}}
+    at_one = found.realisation.characteristic_polynomial.as_expr().subs(values)
+    for pole, multiplicity in poles.items():
+        for k in range(multiplicity):
+            value = sympy.diff(at_one, Symbol("z"), k).subs(Symbol("z"), sympy.exp(pole))
+            assert abs(float(value.evalf(40))) < 1e-20
+
+
+def test_the_examples_of_the_notes():
+    found = zero_order_hold("1/((s + 1)*(s + 2))", log(2))
+    expected = exact.transfer_function("(z + 1/2)/(8*(z - 1/2)*(z - 1/4))")
+    assert found.transfer_function() == expected and found.exponentials == ()
+    third = zero_order_hold("1/s**3")
+    expected = exact.transfer_function("h**3*(z**2 + 4*z + 1)/(6*(z - 1)**3)", "z")
+    assert third.transfer_function() == expected
+
+
+@pytest.mark.parametrize("order", range(1, 6))
+def test_sampling_zeros_of_integrators(order):
+    """1/s**r has the Euler-Frobenius zeros at every step."""
+    numerator = zero_order_hold(f"1/s**{order}").transfer_function().numerator
+    assert exact.monic(numerator) == sampling_zero_polynomial(order)
+
+
+def test_printed_sampling_zeros():
+    """Astrom, Hagander and Sternby (1984), Table 1: the roots outside or on the unit circle."""
+    printed = {2: ["-1.000"], 3: ["-3.732"], 4: ["-1.000", "-9.899"], 5: ["-2.322", "-23.20"]}
+    for order, expected in printed.items():
+        roots = exact.certified_roots(sampling_zero_polynomial(order))
+        outside = sorted((r.value.real for r in roots if abs(r.value) > 0.999), reverse=True)
+        assert [
+            f"{value:.3f}"[: len(text)] for value, text in zip(outside, expected, strict=True)
+        ] == expected
+
+
+def test_a_short_step_brings_the_sampling_zero():
+    sampled = zero_order_hold("(s + 1)/((s + 2)*(s + 3)*(s + 4)*(s + 5))", Rational(1, 1000))
+    values = dict(sampled.exponentials)
+    top = sampled.transfer_function().numerator
+    zeros = np.roots([float(c.subs(values).evalf(60)) for c in top.all_coeffs()])
+    assert abs(min(zeros.real) - (-2 - math.sqrt(3))) < 0.05
+
+
+def test_relations_between_exponentials_are_kept():
+    found = zero_order_hold("1/((s + 1/2)*(s + 1/3))")
+    ((symbol, value),) = found.exponentials
+    assert value == sympy.exp(-h / 6)
+    poles = found.realisation.characteristic_polynomial
+    assert poles == polynomial(f"(z - {symbol}**2)*(z - {symbol}**3)", "z")
+
+
+def test_symbolic_poles():
+    found = zero_order_hold("b/(s*(s + a))", "h", "s")
+    assert found.exceptional == (a,) and found.certificate.holds
+    ((symbol, value),) = found.exponentials
+    assert value == sympy.exp(-a * h)
+    at_two = zero_order_hold("3/(s*(s + 2))")
+    special = found.realisation.B.subs({a: 2, symbol: x})
+    assert (special - at_two.realisation.B).applyfunc(sympy.cancel).is_zero_matrix
+    two = zero_order_hold("1/((s + a)*(s + b))", "h", "s")
+    assert two.exceptional == (a, Symbol("b"), a - Symbol("b"))
+    assert len(two.exponentials) == 2
+
+
+def test_a_name_that_is_taken():
+    found = zero_order_hold("x/(s + 1)", "h", "s")
+    ((symbol, _),) = found.exponentials
+    assert symbol.name == "x_" and found.realisation.C[0, 0] == x
+    assert zero_order_hold("2", "h", "s").realisation.n == 0
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: zero_order_hold("1/(s**2 + 1)"),
+        lambda: zero_order_hold("1/(s**2 - 2)"),
+        lambda: zero_order_hold("1/(s - 1/(a + 1))", "h", "s"),
+        lambda: zero_order_hold("1/(z + 1)"),
+        lambda: zero_order_hold("1/(s + 1)", 0),
+        lambda: zero_order_hold("1/(s + 1)", -1),
+        lambda: zero_order_hold("1/(s + 1)", "h*k"),
+        lambda: zero_order_hold("1/(s + 1)", "sqrt(2)"),
+        lambda: zero_order_hold("1/(s + 1)", float("inf")),
+        lambda: zero_order_hold("1/(s + 1)", None),
+        lambda: zero_order_hold("1/(s + 1)**2", log(2)),
+        lambda: zero_order_hold("1/(s + 1)", log(Rational(1, 2))),
+        lambda: zero_order_hold("1/(s + h)", "h", "s"),
+        lambda: zero_order_hold("1/(s + 1)", discrete_variable="s"),
+        lambda: zero_order_hold("s"),
+        lambda: zero_order_hold(None),
+        lambda: sampling_zero_polynomial(0),
+        lambda: sampling_zero_polynomial(True),
+        lambda: sampling_zero_polynomial(10**6),
+    ],
+)
+def test_bad_input(call):
+    with pytest.raises(exact.CompensatorError):
+        call()
+    assert issubclass(InputError, exact.CompensatorError)

@@ -1,0 +1,82 @@
+"""Markov parameters against powers of A, partial fractions against SymPy's."""
+
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    BudgetError,
+    ImproperError,
+    InputError,
+    Realisation,
+    TransferFunction,
+    markov_parameters,
+    partial_fractions,
+    transfer_function,
+)
+from compensator_theory.strategies import minimal_plants, polynomials
+
+s = sympy.Symbol("s")
+
+
+@given(minimal_plants())
+def test_markov_parameters_are_those_of_the_realisation(plant):
+    A, power, C = plant
+    expected = [0]
+    for _ in range(2 * A.rows):
+        expected.append((C * power)[0, 0])
+        power = A * power
+    assert list(markov_parameters(Realisation(*plant), len(expected))) == expected
+
+
+def test_symbolic_markov_parameters():
+    a, b = sympy.symbols("a b")
+    assert markov_parameters("b/(s + a)", 4) == (0, b, -a * b, a**2 * b)
+
+
+def pairs():
+    factors = st.lists(
+        st.tuples(polynomials(min_degree=1, max_degree=2, is_monic=True), st.integers(1, 3)),
+        min_size=1,
+        max_size=2,
+    )
+    return st.builds(
+        lambda top, parts: TransferFunction(top, sympy.prod([p**k for p, k in parts])),
+        polynomials(max_degree=5),
+        factors,
+    )
+
+
+@given(pairs())
+def test_partial_fractions(G):
+    found = partial_fractions(G)
+    assert found.certificate.holds
+    for term in found.terms:
+        assert term.numerator.degree() < term.factor.degree() and term.factor.is_irreducible
+    whole = found.polynomial.as_expr() + sum(
+        term.numerator.as_expr() / term.factor.as_expr() ** term.power for term in found.terms
+    )
+    assert sympy.together(whole - sympy.apart(G.as_expr(), s)).expand() == 0
+
+
+def test_published_expansions():
+    """Ogata's example of a double pole; shared factors have no term."""
+    assert str(partial_fractions("(s**2 + 2*s + 3)/(s + 1)**3")) == ("(1)/(s + 1) + (2)/(s + 1)**3")
+    assert str(partial_fractions("(s + 1)/((s + 1)*(s + 2))")) == "(1)/(s + 2)"
+
+
+def test_symbols():
+    found = partial_fractions(transfer_function("1/((s + a)*(s + b))", "s"))
+    a, b = sympy.symbols("a b")
+    assert {sympy.simplify(t.numerator.as_expr() * (a - b)) for t in found.terms} == {1, -1}
+
+
+def test_bad_input():
+    with pytest.raises(ImproperError):
+        markov_parameters("s", 2)
+    for count in (0, -1, 1.5, True):
+        with pytest.raises(InputError, match="positive integer"):
+            markov_parameters("1/s", count)
+    with pytest.raises(BudgetError):
+        markov_parameters("1/s", 10**9)

@@ -1,0 +1,75 @@
+"""The servo problem of a row of transfer functions, against the entries themselves."""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sympy import Poly, symbols
+
+from compensator_theory import ImproperError, InputError, NotCoprimeError, transfer_function
+from rcac_numeric import servo_plant
+
+q = symbols("q")
+roots = st.lists(st.integers(-4, 4), min_size=1, max_size=3)
+
+
+@settings(max_examples=30)
+@given(st.lists(st.tuples(roots, st.integers(1, 5), st.integers(-3, 3)), min_size=2, max_size=3))
+def test_a_row_has_its_entries_between_u_and_y(rows):
+    entries = [
+        transfer_function((Poly(gain * (q - zero) ** (len(poles) - 1), q),
+                           Poly.from_list([1], q) * _monic(poles)))
+        for poles, gain, zero in rows
+    ]  # fmt: skip
+    try:
+        plant = servo_plant([list(entries)])
+    except NotCoprimeError:
+        shared = entries[0].denominator
+        for entry in entries[1:]:
+            shared = shared.lcm(entry.denominator)
+        common = shared
+        for entry in entries:
+            common = common.gcd(entry.numerator * shared.quo(entry.denominator))
+        assert common.degree() > 0
+        return
+    problem = plant.problem
+    maps = problem.G_yu
+    for i, entry in enumerate(entries):
+        found = maps[0, i]
+        assert found.numerator * entry.denominator == -entry.numerator * found.denominator
+    assert plant.blocks == {"r": 1, "d": len(entries), "v": 1}
+    assert problem.D_1[:, 1 : 1 + len(entries)] == problem.B
+
+
+def _monic(poles):
+    product = Poly(1, q)
+    for pole in poles:
+        product *= Poly(q - pole, q)
+    return product
+
+
+def test_one_entry_is_the_transfer_function():
+    """A row of one is the plant itself, in observer canonical form."""
+    one, row = (
+        servo_plant("(q - 3)/((q - 1)*(q - 2))"),
+        servo_plant([["(q - 3)/((q - 1)*(q - 2))"]]),
+    )
+    assert str(one.problem.G_yu[0, 0]) == str(row.problem.G_yu[0, 0])
+
+
+def test_a_factor_of_one_entry_alone_is_no_hidden_mode():
+    """As q = 0.975 in (6.7), which cancels in the second entry and not in the first."""
+    plant = servo_plant([["(q - 1)/((q - 1)*(q - 2))", "1/((q - 1)*(q - 3))"]])
+    assert plant.n == 3
+
+
+@pytest.mark.parametrize(
+    ("row", "error", "message"),
+    [
+        (["(q - 1)/((q - 1)*(q - 2))", "(q - 1)/((q - 1)*(q - 3))"], NotCoprimeError, "q - 1"),
+        (["q/(q - 2)", "1/q"], ImproperError, "not strictly proper"),
+        (["1/(q - 2)", "1/s"], InputError, "different variables"),
+    ],
+)
+def test_rows_that_are_refused(row, error, message):
+    with pytest.raises(error, match=message):
+        servo_plant([row])

@@ -1,0 +1,99 @@
+"""The figures of an experiment hold what was asked for."""
+
+import io
+
+import numpy as np
+import pytest
+
+from compensator_theory import InputError
+from rcac_numeric import FigureRequest, load_example, plot_request, verify
+from rcac_numeric.experiments.figure_requests import KINDS
+from rcac_numeric.plots.histories import MANY, _thinned
+from rcac_numeric.plots.requested import DRAWINGS
+
+
+@pytest.fixture(scope="module")
+def steps():
+    return verify(load_example("2.1"))
+
+
+@pytest.fixture(scope="module")
+def rounding():
+    return verify(load_example("4.6"))
+
+
+def lines(figure):
+    return {line.get_label(): line for axis in figure.axes for line in axis.get_lines()}
+
+
+def test_every_kind_is_drawn(steps):
+    assert set(DRAWINGS) == set(KINDS) - {"sheet"}
+    for kind in KINDS:
+        measure = "worst_pole_distance" if kind == "distribution" else ""
+        figure = plot_request(steps, FigureRequest(kind, "words", measure=measure))
+        drawn = [axis for axis in figure.axes if axis.get_visible()]
+        assert drawn and all(axis.has_data() for axis in drawn)
+        assert all(axis.get_xlabel() or axis.get_ylabel() for axis in drawn)
+        figure.savefig(io.BytesIO())
+
+
+def test_responses_are_those_of_the_runs(steps):
+    names = list(steps.results)
+    figure = plot_request(steps, FigureRequest("responses", "", runs=names[:1], last=300))
+    (line,) = figure.axes[0].get_lines()
+    run = steps.results[names[0]].first.run
+    assert np.array_equal(line.get_ydata(), run.z[:301, 0])
+    both = lines(plot_request(steps, FigureRequest("responses", "", first=10, last=300)))
+    assert set(both) == set(names) and {len(line.get_xdata()) for line in both.values()} == {291}
+
+
+def test_long_signals_keep_their_peaks():
+    values = np.random.default_rng(3).standard_normal(100_003)
+    values[71_234] = 50.0
+    k, thinned = _thinned(np.arange(len(values)), values)
+    assert len(thinned) < 2 * MANY and thinned.max() == 50.0
+    assert np.array_equal(values[k], thinned) and (np.diff(k) > 0).all()
+    assert _thinned(np.arange(9), values[:9])[1] is not None
+
+
+def test_a_distribution_has_every_repetition(rounding):
+    request = FigureRequest("distribution", "", measure="worst_pole_distance")
+    figure = plot_request(rounding, request)
+    points = [
+        len(line.get_xdata()) for line in figure.axes[0].get_lines() if line.get_marker() == "o"
+    ]
+    assert points == [len(result.repetitions) for result in rounding.results.values()]
+    assert figure.axes[0].get_xscale() == "log"
+
+
+def test_the_poles_asked_for_are_drawn(rounding):
+    name = next(iter(rounding.results))
+    figure = plot_request(rounding, FigureRequest("poles", "", runs=[name]))
+    asked = lines(figure)["asked for"]
+    wanted = rounding.results[name].first.comparison.asked_poles
+    assert np.allclose(sorted(asked.get_xdata()), sorted(wanted.real))
+
+
+def test_disturbance_responses_stand_beside_lqg():
+    found = verify(load_example("6.1"))
+    figure = plot_request(found, FigureRequest("disturbance response", ""))
+    drawn = lines(figure)
+    assert {"without control", "LQG", *found.results} <= set(drawn)
+    best = np.mean(np.square(drawn["LQG"].get_ydata()))
+    for name in found.results:
+        assert np.mean(np.square(drawn[name].get_ydata())) > best * (1 - 1e-9)
+
+
+def test_bad_requests_are_refused(steps):
+    with pytest.raises(InputError, match="choose one of sheet"):
+        FigureRequest("pie", "")
+    with pytest.raises(InputError, match="names its measure"):
+        FigureRequest("distribution", "")
+    with pytest.raises(InputError, match="leave measure out"):
+        FigureRequest("poles", "", measure="rms")
+    with pytest.raises(InputError, match="at least 11"):
+        FigureRequest("responses", "", first=10, last=10)
+    with pytest.raises(InputError, match="asks for the run 'no'"):
+        plot_request(steps, FigureRequest("responses", "", runs=["no"]))
+    with pytest.raises(InputError, match="asks for the measure"):
+        plot_request(steps, FigureRequest("distribution", "", measure="no"))

@@ -1,0 +1,103 @@
+"""Small studies, and functions of them that misbehave; workers import them from here."""
+
+import multiprocessing
+import os
+import signal
+
+import numpy as np
+
+import rcac_numeric as rcac
+
+BASE = {
+    "plant": {"problem": "standard", "G": "(q - 0.5)/((q - 0.9)*(q - 1.1))"},
+    "signals": {"w": {"white_noise": 1.0}},
+    "target": {"model": "fir"},
+    "controller": {"structure": "iir", "n_c": 3, "R_theta": 1.0},
+    "run": {"steps": 120},
+}
+# The same as a file.
+FILE = """
+title = "a study"
+signals.w = { white_noise = 1.0 }
+target.model = "fir"
+controller = { structure = "iir", n_c = 3, R_theta = 1.0 }
+run.steps = %(steps)d
+[plant]
+problem = "standard"
+G = "(q - 0.5)/((q - 0.9)*(q - 1.1))"
+[study]
+repetitions = %(repetitions)d
+seed = 5
+keep = [{ measure = "rms" }, { measure = "spectral_radius", name = "radius" }]
+axes.R_theta = { sets = "controller.R_theta", decades = [-2, 2], points = 3 }
+axes.n_c = { sets = "controller.n_c", values = [3, 6] }
+"""
+DEADLY, RAISING = 13.0, 7.0
+
+
+def study(repetitions=20, **changes):
+    """Two axes, one of them of the plant."""
+    axes = [
+        rcac.Axis("R_theta", [0.01, 1.0, 100.0], sets="controller.R_theta"),
+        rcac.Axis("noise", [0.5, 2], sets="signals.w.white_noise"),
+    ]
+    keep = [rcac.Kept("rms"), rcac.Kept("peak", "late", {"start": 100}), rcac.Kept("steps")]
+    arguments = {"repetitions": repetitions, "seed": 3, **changes}
+    return rcac.Study(
+        arguments.pop("base", BASE), arguments.pop("axes", axes), arguments.pop("keep", keep),
+        **arguments,
+    )  # fmt: skip
+
+
+def over_R_theta(values, measure, repetitions=1):
+    """One axis that a measure can tell runs by."""
+    axis = rcac.Axis("R_theta", values, sets="controller.R_theta")
+    return study(repetitions, axes=[axis], keep=[rcac.Kept("rms"), rcac.Kept(measure)])
+
+
+def deadly(r):
+    """Ends the worker that measures a certain run."""
+    if r.run.settings.update.R_theta == DEADLY and multiprocessing.parent_process() is not None:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 1.0
+
+
+def raising(r):
+    """Cannot measure a certain run."""
+    if r.run.settings.update.R_theta == RAISING:
+        raise ZeroDivisionError("there is no seventh root")
+    return 1.0
+
+
+def no_number(r):
+    """Measures nothing."""
+    return "much"
+
+
+def case_of_functions(rng, gain, x_0=0.0):
+    """A plant that is Python, with an initial state and noise of its own."""
+    plant = rcac.FunctionPlant(
+        advance=lambda k, x, u, w: 0.9 * x + gain * u + w, output=lambda k, x, w: (x, x),
+        n=1, l_u=1, l_w=1, l_y=1, l_z=1,
+    )  # fmt: skip
+    settings = rcac.ControllerSettings(
+        structure=rcac.iir(2), target=rcac.TargetModel([0, 1.0]), update=rcac.UD(R_theta=1.0)
+    )
+    w = rng.standard_normal((40, 1))
+    start = np.array([x_0 * rng.standard_normal()])
+    return rcac.SimulationCase(plant, settings, w, {"x_0": start})
+
+
+def case_that_raises(rng, gain):
+    """A function of a study that has a fault where gain is 3 and the noise is large."""
+    if gain == 3 and rng.standard_normal() > 0:
+        raise RuntimeError("no such gain")
+    return case_of_functions(rng, gain)
+
+
+def slow_case(rng, steps):
+    """A Python plant that takes its time."""
+    case = case_of_functions(rng, 1.0)
+    return rcac.SimulationCase(
+        case.plant, case.settings, rng.standard_normal((steps, 1)), {"stride": steps}
+    )
