@@ -15,15 +15,21 @@ from rcac_numeric.cli.exits import EXIT_STATUS, ended, piped
 # imported when it is asked for, so that `rcac list` waits for neither NumPy nor SymPy.
 COMMANDS = {
     "check": ("rcac_numeric.cli.check:check", "Check the controller that a log ended with."),
-    "errata": ("rcac_numeric.cli.errata:errata", "List what is wrong in the dissertation's text."),
+    "errata": (
+        "rcac_numeric.cli.dissertation.errata:errata",
+        "List what is wrong in the dissertation's text.",
+    ),
     "list": ("rcac_numeric.cli.list:list_examples", "List the examples that can be verified."),
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),
     "place": ("rcac_numeric.cli.place:place", "Place closed-loop poles exactly."),
+    "reproduce": (
+        "rcac_numeric.cli.dissertation.reproduce:reproduce_command",
+        "Verify all examples; one page.",
+    ),
     "replay": (
         "rcac_numeric.cli.studies.replay:replay",
         "Run one run of a study again, bit for bit.",
     ),
-    "reproduce": ("rcac_numeric.cli.reproduce:reproduce_command", "Verify all examples; one page."),
     "schema": ("rcac_numeric.cli.schema:schema", "Print the JSON Schema of experiment files."),
     "show": ("rcac_numeric.cli.studies.show:show_store", "Show what a study came to."),
     "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),

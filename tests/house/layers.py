@@ -40,6 +40,7 @@ LAYERS = {
         "experiments.exact",
         "experiments.measures",
         "experiments",
+        "experiments.exact_files",
         "experiments.dissertation",
         "experiments.files",
         "checks",
@@ -57,6 +58,7 @@ LAYERS = {
         "reports.page",
         "reproduction",
         "cli",
+        "cli.dissertation",
         "cli.studies",
     ],
 }

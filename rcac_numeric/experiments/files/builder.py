@@ -7,7 +7,7 @@ from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.exact_examples import exact_experiment, is_exact
+from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, require_drawable
 from rcac_numeric.experiments.files.claims import CLAIM, claims_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rcac_numeric.experiments.exact_examples import EXACT_FILE
+from rcac_numeric.experiments.exact_files.reading import EXACT_FILE
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.runs import TABLES
 from rcac_numeric.experiments.files.signals import SIGNAL

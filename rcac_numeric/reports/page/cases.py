@@ -154,7 +154,7 @@ def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
 
 def plot(verification: Verification) -> dict[str, figures.Figure]:
     """The pictures of the main run, by what they show."""
-    from rcac_numeric.plots.single import single_figures
+    from rcac_numeric.reports.page.single import single_figures
 
     return single_figures(verification.main.first)
 

@@ -10,7 +10,7 @@ from rcac_numeric import load_example, verify
 from rcac_numeric.cli.main import main
 from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
 from rcac_numeric.experiments.exact.system import ExactSystem
-from rcac_numeric.experiments.exact_examples import is_exact
+from rcac_numeric.experiments.exact_files.reading import is_exact
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.files.documents import example_ids, read_example
 

@@ -1,0 +1,1 @@
+"""Commands about the dissertation as a whole: its examples, its errata."""

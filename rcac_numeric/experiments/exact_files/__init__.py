@@ -1,0 +1,1 @@
+"""The files of exact examples, read as experiments that run nothing."""
