@@ -14,7 +14,9 @@ from rcac_numeric.cli.output import as_json_option, budget_option, picture_optio
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.files.builder import load_example, load_experiment
+from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.experiments.verdicts import verify as verified
+from rcac_numeric.plots.formats import save
 from rcac_numeric.reports.page.cases import case_of
 from rcac_numeric.reports.page.pages import case_page, write_page
 from rcac_numeric.reports.verification import verification_sheet
@@ -32,13 +34,20 @@ def _checked_page(context: click.Context, option: click.Parameter, value: Path |
 @click.command("verify")
 @click.argument("case")
 @picture_option("Draw response, poles and zeros, and the intercalated match into this file.")
+@click.option("--figures", "folder", type=click.Path(file_okay=False, path_type=Path),
+              help="Draw the figures that the case asks for into this folder.")  # fmt: skip
 @click.option("--page", type=click.Path(dir_okay=False, path_type=Path),
               help="Write a web page of the case into this file, .html; it needs no network.",
               callback=_checked_page)  # fmt: skip
 @budget_option(of_runs=True)
 @as_json_option
 def verify(
-    case: str, picture: Path | None, page: Path | None, as_json: bool, budget: Budget
+    case: str,
+    picture: Path | None,
+    folder: Path | None,
+    page: Path | None,
+    as_json: bool,
+    budget: Budget,
 ) -> int:
     """Run CASE and hold it against the exact prediction.
 
@@ -49,11 +58,22 @@ def verify(
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
         show(verification_sheet(found), as_json, picture, found.plot)
+        if folder is not None:
+            _draw(found, folder, as_json)
         if page is not None:
             write_page(case_page(case_of(found)), page)
             if not as_json:
                 click.echo(f"\nPage: {page}")
     return found.exit_status
+
+
+def _draw(found: Verification, folder: Path, as_json: bool) -> None:
+    requests = found.experiment.figures
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, request in enumerate(requests, 1):
+        save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
+    if not as_json:
+        click.echo(f"\nFigures: {len(requests)} in {folder}")
 
 
 def _experiment(case: str, budget: Budget) -> Experiment:

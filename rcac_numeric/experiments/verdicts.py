@@ -14,6 +14,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
 from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
+from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.measures.measures import MEASURES
@@ -67,11 +68,17 @@ class Verification(Value):
     def __str__(self) -> str:
         return self.report()
 
-    def plot(self) -> figures.Figure:
-        """One sheet on the main run."""
+    def plot(self, request: FigureRequest | None = None, *, width: float = 9.0) -> figures.Figure:
+        """One sheet on the main run; or the figure that is asked for, so many inches wide.
+
+        `experiment.figures` are those that an example has of itself.
+        """
+        from rcac_numeric.plots.requested import plot_request
         from rcac_numeric.plots.run import plot_verification
 
-        return plot_verification(self)
+        if request is None:
+            return plot_verification(self)
+        return plot_request(self, request, width=width)
 
     @property
     def exit_status(self) -> int:

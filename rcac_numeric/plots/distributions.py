@@ -23,6 +23,7 @@ def draw_distribution(
 ) -> None:
     """A row for each run; what has no value is counted at its end."""
     axis = figure.subplots()
+    figure.set_figheight(max(2.2, 0.45 * len(results) + 1.2))
     found = {name: _values(result, request.measure) for name, result in results.items()}
     finite = np.concatenate([v[np.isfinite(v)] for v in found.values()] or [np.zeros(0)])
     if len(finite) and finite.min() > 0 and finite.max() > DECADES * finite.min():

@@ -46,6 +46,7 @@ def draw_coefficients(figure: Figure, runs: Mapping[str, Run], request: FigureRe
     axes = np.ravel(figure.subplots(max(len(adapting), 1), 1, sharex=True, squeeze=False))
     if not adapting:
         axes[0].set_title("no run of this figure adapts", fontsize=10)
+    figure.set_figheight(max(figure.get_figheight(), 1.6 * len(axes)))
     for axis, (name, run) in zip(axes, adapting.items(), strict=False):
         k = run.first_step + np.arange(len(run.theta)) * run.stride
         shown = (k >= request.first) & (k <= (np.inf if request.last is None else request.last))

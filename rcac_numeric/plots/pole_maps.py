@@ -15,15 +15,17 @@ from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED
 
+NARROWEST = 2.2  # inches of a map in which its words have room
 WIDEST = 3.0  # what lies further out is named instead of drawn
 
 
 def draw_pole_maps(figure: Figure, runs: Mapping[str, AnalysedRun], request: FigureRequest) -> None:
     """A map for each run; what was asked for is drawn where the loop is scalar."""
     del request
-    columns = min(3, len(runs))
+    width = figure.get_figwidth()
+    columns = min(int(width // NARROWEST), len(runs))
     rows = -(-len(runs) // columns)
-    figure.set_size_inches(4.3 * columns + 1.2, 4.0 * rows + 0.4)
+    figure.set_figheight(min(width / columns, 4.4) * rows + 0.5)
     axes = np.ravel(figure.subplots(rows, columns, squeeze=False))
     for axis, (name, analysed) in zip(axes, runs.items(), strict=False):
         _draw(axis, analysed)

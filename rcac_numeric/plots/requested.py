@@ -18,16 +18,21 @@ from rcac_numeric.plots.run import plot_sheet
 from rcac_numeric.plots.style import draw_title
 
 Results = Mapping[str, RunResult]
+TITLED = 7.0  # inches from which a figure stands alone
 Drawing = Callable[[Figure, Results, FigureRequest], None]
 
 
-def plot_request(verification: Verification, request: FigureRequest) -> Figure:
+def plot_request(
+    verification: Verification, request: FigureRequest, *, width: float = 9.0
+) -> Figure:
     """Draw one figure of an experiment from what its runs have left.
 
     Parameters
     ----------
     verification : Verification
     request : FigureRequest
+    width : float
+        In inches. A figure of less than 7 has no title: it stands on a page that has one.
 
     Returns
     -------
@@ -56,9 +61,10 @@ def plot_request(verification: Verification, request: FigureRequest) -> Figure:
     title = f"{experiment.id}: {experiment.title}".strip(": ")
     if request.kind == "sheet":
         return plot_sheet(next(iter(chosen.values())).first, title)
-    figure = Figure(figsize=(9, 5.2), layout="constrained")
+    figure = Figure(figsize=(width, 0.62 * width), layout="constrained")
     DRAWINGS[request.kind](figure, chosen, request)
-    draw_title(figure, title)
+    if width >= TITLED:
+        draw_title(figure, title)
     return figure
 
 

@@ -114,12 +114,12 @@ def made(experiment: Experiment) -> Case:
 
 
 def reduced(experiment: Experiment) -> Experiment:
-    """The same experiment for a quick look: runs that are repeated are repeated less often."""
+    """The same experiment for a quick look: fewer seeds, and fewer repetitions."""
+    few = experiment.reduced()
     runs = {
-        name: replace(run, repetitions=min(run.repetitions, FEW))
-        for name, run in experiment.runs.items()
+        name: replace(run, repetitions=min(run.repetitions, FEW)) for name, run in few.runs.items()
     }
-    return replace(experiment, runs=runs)
+    return replace(few, runs=runs)
 
 
 def _written(cases: Sequence[Case], folder: Path) -> Reproduction:

@@ -153,10 +153,13 @@ def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
 
 
 def plot(verification: Verification) -> dict[str, figures.Figure]:
-    """The pictures of the main run, by what they show."""
-    from rcac_numeric.reports.page.single import single_figures
+    """The pictures that the experiment asks for, or those of its main run, by what they show."""
+    from rcac_numeric.reports.page.single import WIDTH, single_figures
 
-    return single_figures(verification.main.first)
+    requests = [r for r in verification.experiment.figures if r.kind != "sheet"]
+    if not requests:
+        return single_figures(verification.main.first)
+    return {request.caption: verification.plot(request, width=WIDTH) for request in requests}
 
 
 def _settings(verification: Verification) -> str:

@@ -15,6 +15,8 @@ COLOURS = {
     "#ff7f0e": "var(--c4)", "#2ca02c": "var(--c3)", "#d62728": "var(--c2)",
     "#9467bd": "var(--c5)", "#8c564b": "var(--c6)", "#e377c2": "var(--c7)",
     "#7f7f7f": "var(--quiet)", "#bcbd22": "var(--c8)", "#17becf": "var(--c9)",
+    "#0072b2": "var(--c1)", "#d55e00": "var(--c2)", "#009e73": "var(--c3)",
+    "#cc79a7": "var(--c7)", "#56b4e9": "var(--c9)", "#e69f00": "var(--c4)",
     "#b0b0b0": "var(--line)", "#cccccc": "var(--line)",
 }  # fmt: skip
 STYLE = {

@@ -99,6 +99,13 @@ def test_report_of_an_example(rcac, tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_the_figures_of_an_example(rcac, tmp_path):
+    result = rcac("verify", "4.7", "--figures", str(tmp_path / "new" / "folder"))
+    assert result.exit_code == 0 and "Figures: 3 in" in result.output
+    drawn = sorted(path.name for path in (tmp_path / "new" / "folder").iterdir())
+    assert drawn == ["4.7-1.svg", "4.7-2.svg", "4.7-3.svg"]
+
+
 def test_json_is_one_object(rcac):
     result = rcac("verify", "4.7", "--json")
     data = json.loads(result.output)

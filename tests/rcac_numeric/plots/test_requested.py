@@ -8,6 +8,7 @@ import pytest
 from compensator_theory import InputError
 from rcac_numeric import FigureRequest, load_example, plot_request, verify
 from rcac_numeric.experiments.figure_requests import KINDS
+from rcac_numeric.experiments.files.documents import example_ids
 from rcac_numeric.plots.histories import MANY, _thinned
 from rcac_numeric.plots.requested import DRAWINGS
 
@@ -97,3 +98,20 @@ def test_bad_requests_are_refused(steps):
         plot_request(steps, FigureRequest("responses", "", runs=["no"]))
     with pytest.raises(InputError, match="asks for the measure"):
         plot_request(steps, FigureRequest("distribution", "", measure="no"))
+
+
+def test_the_examples_ask_for_figures_that_can_be_drawn():
+    """Every shipped request names runs and measures that are there; some are drawn above."""
+    count = 0
+    for number in example_ids():
+        for request in load_example(number).figures:
+            assert request.caption.endswith("."), (number, request.caption)
+            count += 1
+    assert count > 50
+
+
+def test_a_narrow_figure_stands_on_a_page_that_has_a_title(steps):
+    request = FigureRequest("poles", "")
+    narrow, wide = plot_request(steps, request, width=4.6), steps.plot(request)
+    assert narrow._suptitle is None and wide.get_suptitle().startswith("2.1")
+    assert narrow.get_figwidth() == 4.6
