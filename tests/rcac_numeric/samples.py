@@ -5,6 +5,7 @@ Different seeds make different data. A new public data class gets a line in `SAM
 
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 
@@ -296,6 +297,7 @@ SAMPLES = {
     rcac.Erratum: erratum,
     rcac.ErratumEvidence: lambda seed: rcac.ErratumEvidence(derivation=f"by step {seed}"),
     rcac.Checked: lambda seed: rcac.Checked(erratum(seed), ()),
+    rcac.Reproduction: lambda seed: rcac.Reproduction((), Path(f"gallery-{seed}/index.html")),
     # sweeps
     rcac.CaseResult: lambda seed: rcac.CaseResult(seed, "completed", random(seed, 3)),
     rcac.Axis: lambda seed: rcac.Axis("gain", random(seed, 3), sets="plant.gain"),

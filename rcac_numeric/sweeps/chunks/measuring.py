@@ -9,7 +9,6 @@ from typing import Any
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.measures.cost_measures import h2_cost, high_authority_cost
-from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cell
 from rcac_numeric.sweeps.study.measures import Kept
@@ -41,16 +40,16 @@ def _value(cell: Cell, kept: Kept, run: AnalysedRun) -> float:
         raise InputError(f"it returned {value!r}, which is no number.") from None
 
 
-def _least_cost(cell: Cell, run: AnalysedRun, noise: NoiseIntensities | None = None) -> float:
+def _least_cost(cell: Cell, run: AnalysedRun, **arguments: Any) -> float:
     """That of LQG: the same for all runs that ended with the same plant."""
-    key = ("high_authority_cost", run.last_step, canonical_json(noise))
+    key = ("high_authority_cost", run.last_step, canonical_json(arguments))
     if key not in cell.remembered:
-        cell.remembered[key] = high_authority_cost(run, noise)
+        cell.remembered[key] = high_authority_cost(run, **arguments)
     return float(cell.remembered[key])
 
 
-def _cost_ratio(cell: Cell, run: AnalysedRun, noise: NoiseIntensities | None = None) -> float:
-    return h2_cost(run, noise) / _least_cost(cell, run, noise)
+def _cost_ratio(cell: Cell, run: AnalysedRun, **arguments: Any) -> float:
+    return h2_cost(run, **arguments) / _least_cost(cell, run, **arguments)
 
 
 ONCE_FOR_A_CELL: dict[str, Callable[..., Any]] = {

@@ -14,9 +14,12 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
+from rcac_numeric.sweeps.chunks.measuring import ONCE_FOR_A_CELL
+from rcac_numeric.sweeps.chunks.worker import run_in_full
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cells
 from rcac_numeric.sweeps.study.files import study_of, study_schema
+from rcac_numeric.sweeps.study.measures import STUDY_MEASURES
 from rcac_numeric.sweeps.study.paths import with_value
 from rcac_numeric.sweeps.study.seeds import words_of
 from tests.support import studies
@@ -241,9 +244,6 @@ def test_faster_measures_agree_with_those_of_claims():
     """Margins with python-control; the float64 assignment of poles with the certified one."""
     import control
 
-    from rcac_numeric.sweeps.chunks.worker import run_in_full
-    from rcac_numeric.sweeps.study.measures import STUDY_MEASURES
-
     study = studies.study(base={**studies.BASE, "run": {"steps": 2000}}, axes=[])
     r = run_in_full(Cells(study), {}, 3)
     quick, exact = (STUDY_MEASURES["worst_pole_distance"](r, exact=e) for e in (False, True))
@@ -258,3 +258,14 @@ def test_faster_measures_agree_with_those_of_claims():
     least = min(min(abs(p), 360 - abs(p)) for p in phase)
     assert STUDY_MEASURES["phase_margin"](r) == pytest.approx(least, rel=1e-4)
     assert 0 < STUDY_MEASURES["disk_margin"](r) < 2 and STUDY_MEASURES["delay_margin"](r) > 0
+
+
+@pytest.mark.parametrize("name", ONCE_FOR_A_CELL)
+@pytest.mark.parametrize("arguments", [{}, {"direct": False}, {"noise": {"w": 0.25}}])
+def test_what_is_found_once_for_a_cell_is_the_measure(name, arguments):
+    """With every argument that the measure has, and again from what is remembered."""
+    study = studies.study(base={**studies.BASE, "run": {"steps": 500}}, axes=[])
+    cells = Cells(study)
+    cell, run = cells.cell({}), run_in_full(cells, {}, 1)
+    expected = STUDY_MEASURES[name](run, **arguments)
+    assert [ONCE_FOR_A_CELL[name](cell, run, **arguments) for _ in range(2)] == [expected] * 2
