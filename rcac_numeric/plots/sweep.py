@@ -13,6 +13,8 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.plots.style import REACHED, WANTED
 from rcac_numeric.sweeps.results.statistics import SweepSummary
 
+FEW = 4  # values of an axis of a map that are told apart by name
+
 
 def plot_summary(summary: SweepSummary) -> Figure:
     """The share of runs that did not complete, and the median of the measure, over the axes.
@@ -67,7 +69,10 @@ def _draw_line(axis: Axes, summary: SweepSummary, name: str) -> None:
 
 def _draw_map(figure: Figure, axis: Axes, summary: SweepSummary, name: str) -> None:
     over, up = summary.axes
-    places = dict(zip(("x", "y"), (_places(summary.columns[n]) for n in (over, up)), strict=True))
+    places = {
+        which: _places(summary.columns[axis_name], FEW)
+        for which, axis_name in (("x", over), ("y", up))
+    }
     xs, column = np.unique(places["x"][0], return_inverse=True)
     ys, row = np.unique(places["y"][0], return_inverse=True)
     values = np.full((len(ys), len(xs)), np.nan)
@@ -87,10 +92,14 @@ def _draw_map(figure: Figure, axis: Axes, summary: SweepSummary, name: str) -> N
     _label(axis, "y", up, *places["y"])
 
 
-def _places(values: Any) -> tuple[Array, list[str] | None]:
-    """Numbers where they are; anything else side by side, with its words."""
-    if values.dtype.kind in "if":
-        return values.astype(np.float64), None
+def _places(values: Any, few: int = 0) -> tuple[Array, list[str] | None]:
+    """Numbers where they are; anything else, and so few numbers, side by side with words."""
+    distinct_numbers = np.unique(values) if values.dtype.kind in "if" else None
+    if distinct_numbers is not None:
+        if len(distinct_numbers) > few:
+            return values.astype(np.float64), None
+        places = np.searchsorted(distinct_numbers, values)
+        return places.astype(np.float64), [f"{number:g}" for number in distinct_numbers]
     words = [str(value) for value in values]
     distinct = list(dict.fromkeys(words))
     return np.array([float(distinct.index(word)) for word in words]), distinct
