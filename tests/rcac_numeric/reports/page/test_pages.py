@@ -66,7 +66,12 @@ def test_every_claim_stands_in_the_table_with_its_verdict(gallery, cases):
 def test_examples_that_run_have_pictures_with_titles(gallery, cases):
     page = Page(gallery)
     pictures = [picture for case in cases for picture in case.pictures]
-    assert len(page.all("svg")) == len(pictures) == 8
+    assert len(page.all("svg")) == len(pictures) > 0
+    for case in cases:
+        experiment = load_example(case.id)
+        asked = [figure.caption for figure in experiment.figures if figure.kind != "sheet"]
+        found = [picture.title for picture in case.pictures]
+        assert found == asked or (not asked and len(found) == (4 if experiment.runs else 0))
     assert all(svg["role"] == "img" and svg["viewbox"] for svg in page.all("svg"))
     assert all(picture.svg.count("<path") > 10 for picture in pictures)
 
