@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, one_of
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.lists import ListOf, MapOf
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.experiments.format.values import Choice, Integer, Text
+from rcac_numeric.experiments.format.values import Choice, Integer, Numbers, Text
 from rcac_numeric.experiments.measures.measures import MEASURES
 
 KINDS = (
@@ -52,6 +53,11 @@ class FigureRequest(Value):
         For "distribution".
     channel : str
         For "disturbance response": the block or channel of w; all by default.
+    noise : mapping
+        Intensities of w by block or channel, for which LQG is designed and costs are measured; 1
+        for all by default.
+    direct : bool
+        For the distribution of a cost: whether what w adds to z directly counts.
 
     Examples
     --------
@@ -69,6 +75,8 @@ class FigureRequest(Value):
     magnitude: bool
     measure: str
     channel: str
+    noise: dict[str, Any]
+    direct: bool
 
     def __init__(
         self,
@@ -81,10 +89,13 @@ class FigureRequest(Value):
         magnitude: bool = False,
         measure: str = "",
         channel: str = "",
+        noise: Mapping[str, Any] | None = None,
+        direct: bool = True,
     ) -> None:
         for name, value in (("caption", caption), ("measure", measure), ("channel", channel)):
             instance_of(value, name, str)
         instance_of(magnitude, "magnitude", bool)
+        instance_of(direct, "direct", bool)
         fields = {
             "kind": one_of(kind, "kind", KINDS),
             "caption": caption,
@@ -95,6 +106,8 @@ class FigureRequest(Value):
             "magnitude": magnitude,
             "measure": measure,
             "channel": channel,
+            "noise": dict(instance_of({} if noise is None else noise, "noise", Mapping)),
+            "direct": direct,
         }
         if (kind == "distribution") != bool(measure):
             raise InputError(
@@ -143,5 +156,6 @@ FIGURE = Table(
         "first": Integer(0),
         "last": Integer(1),
         "measure": Choice(tuple(MEASURES)),
+        "noise": MapOf(Numbers()),
     },
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
 
 import numpy as np
@@ -24,7 +25,7 @@ def draw_distribution(
     """A row for each run; what has no value is counted at its end."""
     axis = figure.subplots()
     figure.set_figheight(max(2.2, 0.45 * len(results) + 1.2))
-    found = {name: _values(result, request.measure) for name, result in results.items()}
+    found = {name: _values(result, request) for name, result in results.items()}
     finite = np.concatenate([v[np.isfinite(v)] for v in found.values()] or [np.zeros(0)])
     if len(finite) and finite.min() > 0 and finite.max() > DECADES * finite.min():
         axis.set_xscale("log")
@@ -45,11 +46,15 @@ def draw_distribution(
     axis.grid(alpha=0.25, axis="x")
 
 
-def _values(result: RunResult, measure: str) -> Array:
+def _values(result: RunResult, request: FigureRequest) -> Array:
+    measure = MEASURES[request.measure]
+    known = inspect.signature(measure).parameters
+    given = {"noise": request.noise or None, "direct": request.direct}
+    arguments = {name: value for name, value in given.items() if name in known}
     values = []
     for repetition in result.repetitions:
         try:
-            values.append(float(MEASURES[measure](repetition)))
+            values.append(float(measure(repetition, **arguments)))
         except CompensatorError:
             values.append(np.nan)
     return np.array(values)

@@ -17,7 +17,7 @@ from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.h2.lqg import lqg
-from rcac_numeric.h2.noise import noise_inputs
+from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plots.style import INK, WANTED, line_style
 
@@ -31,19 +31,20 @@ def draw_disturbance_response(
     axis = figure.subplots()
     omega = (np.arange(POINTS) + 0.5) * np.pi / POINTS
     plant = next(iter(runs.values())).plant
-    noise = {request.channel: 1.0} if request.channel else None
+    intensities = request.noise or None
+    shown = {request.channel: 1.0} if request.channel else intensities
     missing = []
 
     def curve(name: str, loop: Callable[[], ClosedLoop], **style: object) -> None:
         try:
-            gain = _gain(loop(), omega, noise)
+            gain = _gain(loop(), omega, shown)
         except CompensatorError as error:
             missing.append(f"{name}: {shortened(str(error), 60)}")
         else:
             axis.semilogy(omega, gain, label=shortened(name, 60), **style)
 
     curve("without control", lambda: ClosedLoop(plant, _nothing(plant)), color=INK, linewidth=0.8)
-    curve("LQG", lambda: lqg(plant, noise=noise).loop, color=WANTED, linewidth=4, alpha=0.4)
+    curve("LQG", lambda: lqg(plant, noise=intensities).loop, color=WANTED, linewidth=4, alpha=0.4)
     for index, (name, analysed) in enumerate(runs.items()):
         curve(name, partial(getattr, analysed, "loop"), linewidth=1.3, **line_style(index))
     axis.set(
@@ -100,5 +101,5 @@ def _norm(response: np.ndarray) -> Array:
     return np.asarray(np.linalg.norm(response, axis=(1, 2)))
 
 
-def _gain(loop: ClosedLoop, omega: Array, noise: Mapping[str, float] | None) -> Array:
+def _gain(loop: ClosedLoop, omega: Array, noise: NoiseIntensities | None) -> Array:
     return _norm(loop.frequency_response(omega) @ noise_inputs(loop.plant, noise).factor)

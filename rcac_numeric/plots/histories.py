@@ -35,6 +35,7 @@ def draw_responses(figure: Figure, runs: Mapping[str, Run], request: FigureReque
         if request.magnitude:
             axis.set_yscale("log")
         axis.grid(alpha=0.25)
+    axis.locator_params(axis="x", nbins=6)  # steps have five digits
     axis.set_xlabel("step $k$")
     if len(runs) > 1:
         figure.axes[0].legend(fontsize=8, loc="best")
@@ -55,6 +56,7 @@ def draw_coefficients(figure: Figure, runs: Mapping[str, Run], request: FigureRe
         if len(adapting) > 1:
             axis.set_title(shortened(name, 60), fontsize=10, parse_math=False)
         axis.grid(alpha=0.25)
+    axes[-1].locator_params(axis="x", nbins=6)
     axes[-1].set_xlabel("step $k$")
 
 

@@ -75,8 +75,22 @@ def test_the_poles_asked_for_are_drawn(rounding):
     assert np.allclose(sorted(asked.get_xdata()), sorted(wanted.real))
 
 
-def test_disturbance_responses_stand_beside_lqg():
-    found = verify(load_example("6.1"))
+@pytest.fixture(scope="module")
+def noisy():
+    return verify(load_example("6.1"))
+
+
+def test_costs_are_those_of_the_noise_that_is_named(noisy):
+    def points(noise):
+        request = FigureRequest("distribution", "", measure="h2_cost", noise=noise)
+        lines = plot_request(noisy, request).axes[0].get_lines()
+        return np.concatenate([x.get_xdata() for x in lines if x.get_marker() == "o"])
+
+    assert np.allclose(points({"w": 4.0}), 4 * points({}), rtol=1e-12)
+
+
+def test_disturbance_responses_stand_beside_lqg(noisy):
+    found = noisy
     figure = plot_request(found, FigureRequest("disturbance response", ""))
     drawn = lines(figure)
     assert {"without control", "LQG", *found.results} <= set(drawn)
