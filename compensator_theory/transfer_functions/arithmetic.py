@@ -19,6 +19,7 @@ from compensator_theory.polynomials.poly import (
 )
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import tree_of
+from compensator_theory.polynomials.variables import require_no_other_operator
 
 Sides: TypeAlias = tuple[Poly, Poly]
 Operand: TypeAlias = "QuotientArithmetic | NumberLike | Poly"
@@ -118,14 +119,14 @@ def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
     if isinstance(operand, Poly):
         return polynomial(operand, variable), constant_one(polynomial(operand, variable))
     if isinstance(operand, str):
-        return sides_in(read_text(operand), variable)
+        return _in_one_operator(sides_in(read_text(operand), variable))
     try:
         number = exact_number(operand)
     except InputError:
         if isinstance(operand, Expr | int | float | complex):
             raise  # a NaN, for instance: the reason is better than "unsupported operand"
         return None
-    return sides_in(quotient_of(number), variable)
+    return _in_one_operator(sides_in(quotient_of(number), variable))
 
 
 def added(a: Sides, b: Sides) -> Sides:
@@ -216,3 +217,10 @@ def quotient_of(expression: Expr) -> Quotient:
     (2*s + 1, s**2 + s)
     """
     return multiplied_out(tree_of(expression), least_denominators=True)
+
+
+def _in_one_operator(sides: Sides) -> Sides:
+    """Refuse z or q as a symbol of the coefficients of what is in s, and the reverse."""
+    for side in sides:
+        require_no_other_operator(side)
+    return sides
