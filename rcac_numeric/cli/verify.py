@@ -31,11 +31,22 @@ def _checked_page(context: click.Context, option: click.Parameter, value: Path |
     return value
 
 
+def _made_folder(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+    """The option --figures, whose folder is made before anything long is run."""
+    if value is not None:
+        try:
+            value.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"--figures {value} cannot be made: {error.strerror}.") from None
+    return value
+
+
 @click.command("verify")
 @click.argument("case")
 @picture_option("Draw response, poles and zeros, and the intercalated match into this file.")
 @click.option("--figures", "folder", type=click.Path(file_okay=False, path_type=Path),
-              help="Draw the figures that the case asks for into this folder.")  # fmt: skip
+              help="Draw the figures that the case asks for into this folder.",
+              callback=_made_folder)  # fmt: skip
 @click.option("--page", type=click.Path(dir_okay=False, path_type=Path),
               help="Write a web page of the case into this file, .html; it needs no network.",
               callback=_checked_page)  # fmt: skip
@@ -69,7 +80,6 @@ def verify(
 
 def _draw(found: Verification, folder: Path, as_json: bool) -> None:
     requests = found.experiment.figures
-    folder.mkdir(parents=True, exist_ok=True)
     for number, request in enumerate(requests, 1):
         save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
     if not as_json:

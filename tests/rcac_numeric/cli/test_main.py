@@ -104,6 +104,9 @@ def test_the_figures_of_an_example(rcac, tmp_path):
     assert result.exit_code == 0 and "Figures: 3 in" in result.output
     drawn = sorted(path.name for path in (tmp_path / "new" / "folder").iterdir())
     assert drawn == ["4.7-1.svg", "4.7-2.svg", "4.7-3.svg"]
+    (tmp_path / "file").write_text("")
+    refused = rcac("verify", "4.7", "--figures", str(tmp_path / "file" / "inside"))
+    assert refused.exit_code == 2 and "cannot be made: Not a directory" in refused.output
 
 
 def test_json_is_one_object(rcac):
