@@ -6,6 +6,7 @@ from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
@@ -120,11 +121,11 @@ def rounded_polynomial(poly: Poly) -> Poly:
     True
     """
     if not is_rational(poly):
-        raise InputError(f"{poly.as_expr()} has symbols in it; substitute numbers before rounding")
+        raise InputError(f"{quoted(poly)} has symbols in it; substitute numbers before rounding")
     try:
         coefficients = [int(c.p) / int(c.q) for c in poly.all_coeffs()]
     except OverflowError as error:
-        raise InputError(f"a coefficient of {poly.as_expr()} overflows float64") from error
+        raise InputError(f"a coefficient of {quoted(poly)} overflows float64") from error
     return canonical(Poly([exact_number(c, binary=True) for c in coefficients], poly.gen))
 
 

@@ -9,6 +9,7 @@ import flint
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
 
@@ -151,7 +152,7 @@ def decided_balls(
 def _integer_polynomial(poly: Poly) -> flint.fmpz_poly:
     if not is_rational(poly):
         raise InputError(
-            f"the roots of {poly.as_expr()} cannot be certified: its coefficients are not all "
+            f"the roots of {quoted(poly)} cannot be certified: its coefficients are not all "
             "rational numbers; substitute numbers for the symbols"
         )
     if poly.is_zero:

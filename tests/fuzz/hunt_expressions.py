@@ -88,6 +88,10 @@ def hunt(seed):
     return seed, accepted, slowest, failures
 
 
+def shortened(told):
+    return "\n".join(line if len(line) < 300 else line[:300] + " ..." for line in told.splitlines())
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("count", type=int)
@@ -105,7 +109,7 @@ def main():
             done, read = done + PIECE, read + accepted
             worst, found = max(worst, slowest), found + len(failures)
             for name, text, told in failures:
-                print(f"seed {seed}: {name}({text!r})\n{told}", flush=True)
+                print(f"seed {seed}: {name}({text!r})\n{shortened(told)}", flush=True)
             if done % 20_000 == 0:
                 print(f"{done} texts, {read} accepted, {found} findings, slowest {worst:.2f} s")
     print(f"{done} texts, {read} accepted, {found} findings, slowest {worst:.2f} s")

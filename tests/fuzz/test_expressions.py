@@ -90,6 +90,12 @@ def warmed():
 @example("s+s**-.5")
 @example("0**-0.1")
 @example("1 2")
+@example("((+-255461)**10)/((1e300 + 2i)**5)")
+@example("x - (0.49792366693993517/(1)/(x))/(0.011055127456464087**(-1/2))")
+@example("(sqrt(b/0.8237219276497282 - sqrt(587727)))^1000")
+@example("((2i + 1)^0.5*+2)^(-1/2)")
+@example("441374 + (0.036229641260683065 + z)/(sqrt(1e-3)-(0.7222695494051099)/(629456))")
+@example("((1+pi)+(1+pi)+(1+pi))^1000")
 def test_a_text_is_refused_or_echoed(text):
     check_text(text)
 
@@ -99,5 +105,8 @@ def test_a_text_is_refused_or_echoed(text):
 @example("-1 -2")
 @example("-1 - 2")
 @example("1+2i 1-2i")
+@example("z 1e1900 1e1900 1e1900")
+@example("(3*0.1*x-nan_0)^1000")
+@example("(s - 2i*1e300*x)**10, z")
 def test_a_list_of_roots_is_refused_or_placed(text):
     check_roots(text)
