@@ -105,6 +105,9 @@ from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
+from .health.diagnosis import loop_health as loop_health
+from .health.health import LoopHealth as LoopHealth
+from .health.warning import HealthWarning as HealthWarning
 from .identification.bootstrap import BootstrapZeros as BootstrapZeros
 from .identification.bootstrap import bootstrap_zeros as bootstrap_zeros
 from .identification.data_targets import DataTarget as DataTarget

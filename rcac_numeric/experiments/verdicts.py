@@ -68,6 +68,9 @@ class Verification(Value):
     def __str__(self) -> str:
         return self.report()
 
+    def __repr__(self) -> str:
+        return self.report().split("\n\n", 1)[0]  # its name and the health of its loop
+
     def plot(self, request: FigureRequest | None = None, *, width: float = 9.0) -> figures.Figure:
         """One sheet on the main run; or the figure that is asked for, so many inches wide.
 
