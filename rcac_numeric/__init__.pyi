@@ -47,6 +47,7 @@ from .engine.interruption import RunInterrupted as RunInterrupted
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
+from .engine.runs import load_run as load_run
 from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
@@ -161,6 +162,7 @@ from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
 from .plots.requested import plot_request as plot_request
 from .plots.run import plot_sheet as plot_sheet
+from .plots.runs import plot_runs as plot_runs
 from .reproduction.reproduce import Reproduction as Reproduction
 from .reproduction.reproduce import reproduce as reproduce
 from .signals.recordings import Recorded as Recorded

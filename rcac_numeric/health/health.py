@@ -73,6 +73,14 @@ class LoopHealth(Value):
 
         return "\n".join(line.words for line in health_lines(self))
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the lines of the report, the warnings in colour."""
+        from rcac_numeric.reports.health import health_lines
+        from rcac_numeric.reports.page.notebook import notebook_html
+        from rcac_numeric.reports.sheet import Sheet
+
+        return notebook_html(Sheet("Health of the loop", health=health_lines(self)))
+
     def __str__(self) -> str:
         return self.report()
 
