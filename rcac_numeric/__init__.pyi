@@ -49,6 +49,7 @@ from .engine.live.changes import ControllerChange as ControllerChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
+from .engine.runs import load_run as load_run
 from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
@@ -107,6 +108,9 @@ from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
+from .health.diagnosis import loop_health as loop_health
+from .health.health import LoopHealth as LoopHealth
+from .health.warning import HealthWarning as HealthWarning
 from .identification.bootstrap import BootstrapZeros as BootstrapZeros
 from .identification.bootstrap import bootstrap_zeros as bootstrap_zeros
 from .identification.data_targets import DataTarget as DataTarget
@@ -160,6 +164,7 @@ from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
 from .plots.requested import plot_request as plot_request
 from .plots.run import plot_sheet as plot_sheet
+from .plots.runs import plot_runs as plot_runs
 from .reproduction.reproduce import Reproduction as Reproduction
 from .reproduction.reproduce import reproduce as reproduce
 from .signals.recordings import Recorded as Recorded

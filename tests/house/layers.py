@@ -45,6 +45,7 @@ LAYERS = {
         "experiments.dissertation",
         "experiments.files",
         "checks",
+        "health",
         "sweeps.study",
         "sweeps.chunks",
         "sweeps.store",

@@ -208,6 +208,8 @@ SAMPLES = {
     rcac.PlantSchedule: schedule,
     rcac.FunctionPlant: function_plant,
     rcac.Saturation: saturation,
+    rcac.HealthWarning: lambda seed: rcac.HealthWarning("slow", f"after {seed} steps", "wait"),
+    rcac.LoopHealth: lambda seed: replace(rcac.loop_health(run(seed)), guard_count=seed),
     # signals
     rcac.Step: lambda seed: rcac.Step(random(seed)[()], start=3),
     rcac.Ramp: lambda seed: rcac.Ramp(random(seed)[()], start=seed),
