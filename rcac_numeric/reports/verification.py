@@ -10,6 +10,7 @@ from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.comparison import comparison_section, poles_section
+from rcac_numeric.reports.estimation import estimation_health, estimation_section
 from rcac_numeric.reports.loop import health, joined, match_section, split_section
 from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
@@ -41,6 +42,8 @@ def verification_sheet(verification: Verification) -> Sheet:
 
 
 def _health(verification: Verification) -> tuple[Text, ...]:
+    if verification.estimates:
+        return estimation_health(verification)
     if not verification.results:
         return _health_of_exact(verification)
     main = verification.main
@@ -67,6 +70,8 @@ def _health(verification: Verification) -> tuple[Text, ...]:
 
 def _of_runs(verification: Verification) -> tuple[Section, ...]:
     """What only an example that runs has."""
+    if verification.estimates:
+        return (estimation_section(verification),)
     if not verification.results:
         return ()
     return _runs(verification), _controller(verification.main)
