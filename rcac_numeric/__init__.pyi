@@ -86,6 +86,7 @@ from .estimation.refinement.subsystems import repeated_parameters as repeated_pa
 from .estimation.riccati.forward import ForwardEstimator as ForwardEstimator
 from .estimation.riccati.forward import ForwardRegulator as ForwardRegulator
 from .estimation.riccati.indirect import IndirectController as IndirectController
+from .estimation.riccati.indirect import IndirectSettings as IndirectSettings
 from .estimation.settings import EKF as EKF
 from .estimation.settings import UKF as UKF
 from .experiments.budgets import Budget as Budget
