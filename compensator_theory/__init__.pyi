@@ -1,5 +1,11 @@
 __version__: str
 from . import strategies as strategies
+from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDiophantineSolution
+from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
+from .diophantine.minimal_bases import MinimalBasis as MinimalBasis
+from .diophantine.minimal_bases import minimal_basis as minimal_basis
+from .diophantine.polynomial_equations import DiophantineSolution as DiophantineSolution
+from .diophantine.polynomial_equations import solve_diophantine as solve_diophantine
 from .errors import BudgetError as BudgetError
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError

@@ -95,6 +95,15 @@ ZEROS = STATE_SPACES.map(exact.output_decoupling_zeros) | st.sampled_from(
 ).map(lambda text: exact.transmission_zeros(text, "s"))
 
 SAMPLES = {
+    exact.DiophantineSolution: st.builds(
+        lambda pair, c: exact.solve_diophantine(*pair, c), coprime_pairs(), POLYS
+    )
+    | st.just(exact.solve_diophantine("s - a", "s - b", "1", "s")),
+    exact.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.minimal_basis)
+    | st.just(exact.minimal_basis([["s - a", "s - b"]], "s")),
+    exact.MatrixDiophantineSolution: POLYNOMIAL_MATRICES.map(
+        lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, "s")
+    ),
     exact.StabilityIntervals: INTERVALS,
     exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
     exact.StrongStabilisability: PARITIES,

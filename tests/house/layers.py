@@ -10,6 +10,7 @@ LAYERS = {
         "transfer_functions",
         "systems",
         "structure",
+        "diophantine",
         "loops",
         "stabilisation",
         "lqg",
