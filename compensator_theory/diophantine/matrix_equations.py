@@ -180,7 +180,8 @@ def solve_matrix_diophantine(
     X, Y = (x.T, y.T) if side == "right" else (x, y)
     certificate = _certificate(given, X, Y, side)
     exceptional = exceptional_factors([*denominators(X, Y), *kernel.exceptional])
-    return MatrixDiophantineSolution(*given, side, X, Y, kernel, exceptional, certificate)
+    one, two, right = given
+    return MatrixDiophantineSolution(one, two, right, side, X, Y, kernel, exceptional, certificate)
 
 
 def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:

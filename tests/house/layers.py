@@ -11,6 +11,7 @@ LAYERS = {
         "systems",
         "structure",
         "diophantine",
+        "state_feedback",
         "loops",
         "stabilisation",
         "lqg",
