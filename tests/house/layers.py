@@ -10,6 +10,8 @@ LAYERS = {
         "transfer_functions",
         "systems",
         "structure",
+        "diophantine",
+        "state_feedback",
         "loops",
         "stabilisation",
         "lqg",
