@@ -102,7 +102,8 @@ def rounding_effect(
     exact, moved = (closed_loop_of_pair(plant, G_c, feedback) for G_c in (compensator, rounded))
     roots = certified_roots(exact), certified_roots(moved)
     displacement, share = _largest_move(*roots, plant.variable)
-    return RoundingEffect(exact, moved, displacement, share, is_stable(exact), is_stable(moved))
+    stable = (_known_stable(found, poly) for found, poly in zip(roots, (exact, moved), strict=True))
+    return RoundingEffect(exact, moved, displacement, share, *stable)
 
 
 def rounded_polynomial(poly: Poly) -> Poly:
@@ -147,6 +148,18 @@ def is_stable(poly: Poly) -> bool:
     discrete = is_discrete(poly.gen, "stability")
     locate = locate_unit_disk_roots if discrete else locate_half_plane_roots
     return bool(locate(poly).stable == poly.degree())
+
+
+def _known_stable(roots: tuple[Root, ...], poly: Poly) -> bool:
+    """Read stability off the certified disks; ask anew only where one touches the boundary."""
+    discrete = is_discrete(poly.gen, "stability")
+    for root in roots:
+        margin = 1 - abs(root.value) if discrete else -root.value.real
+        if abs(margin) <= root.radius + 1e-15 * abs(root.value):
+            return is_stable(poly)
+        if margin < 0:
+            return False
+    return True
 
 
 def _largest_move(
