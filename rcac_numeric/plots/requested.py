@@ -13,6 +13,7 @@ from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.distributions import draw_distribution
 from rcac_numeric.plots.frequency_responses import draw_disturbance_response, draw_matches
 from rcac_numeric.plots.histories import draw_coefficients, draw_responses
+from rcac_numeric.plots.plants import draw_identified_zeros, draw_plant_zeros
 from rcac_numeric.plots.pole_maps import draw_pole_maps
 from rcac_numeric.plots.run import plot_sheet
 from rcac_numeric.plots.style import draw_title
@@ -87,4 +88,6 @@ DRAWINGS: dict[str, Drawing] = {
     "disturbance response": _of_analysed(draw_disturbance_response),
     "intercalated match": _of_analysed(draw_matches),
     "distribution": draw_distribution,
+    "plant zeros": _of_runs(draw_plant_zeros),
+    "identified zeros": _of_runs(draw_identified_zeros),
 }
