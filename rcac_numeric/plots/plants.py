@@ -126,7 +126,8 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
         drive[j] = 1.0
         y = control.forced_response(system, time, drive, squeeze=False).y
         for i, sink in enumerate(plant.outputs):
-            axis.plot(time, y[i], label=f"{source} to {sink}", **line_style(j * len(y) + i))
+            (line,) = axis.plot(time, y[i], label=f"{source} to {sink}")
+            line.set(**line_style(j * len(y) + i))
     axis.set(xlabel="time, s", ylabel="output")
     axis.set_title("unit step response", fontsize=10)
     axis.locator_params(axis="x", nbins=5)
