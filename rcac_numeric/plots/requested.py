@@ -20,6 +20,7 @@ from rcac_numeric.plots.histories import (
     draw_outputs,
     draw_responses,
 )
+from rcac_numeric.plots.plants import draw_identified_zeros, draw_plant_zeros
 from rcac_numeric.plots.pole_maps import draw_pole_maps
 from rcac_numeric.plots.run import plot_sheet
 from rcac_numeric.plots.style import draw_title
@@ -119,6 +120,8 @@ DRAWINGS: dict[str, Drawing] = {
     "disturbance response": _of_analysed(draw_disturbance_response),
     "intercalated match": _of_analysed(draw_matches),
     "distribution": draw_distribution,
+    "plant zeros": _of_runs(draw_plant_zeros),
+    "identified zeros": _of_runs(draw_identified_zeros),
 }
 OF_STUDIES: dict[str, Callable[[Figure, Mapping[str, StudyResult], FigureRequest], None]] = {
     "estimates": draw_estimates,
