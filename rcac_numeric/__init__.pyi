@@ -32,6 +32,7 @@ from .controllers.structure import Tap as Tap
 from .controllers.structure import difference as difference
 from .controllers.structure import integral as integral
 from .controllers.updates.forgetting import ScheduledForgetting as ScheduledForgetting
+from .controllers.updates.forgetting import SubspaceForgetting as SubspaceForgetting
 from .controllers.updates.forgetting import VariableRateForgetting as VariableRateForgetting
 from .controllers.updates.memoryless import Gradient as Gradient
 from .controllers.updates.memoryless import Instantaneous as Instantaneous

@@ -259,6 +259,7 @@ SAMPLES = {
     rcac.Instantaneous: lambda seed: rcac.Instantaneous(symmetric(seed)),
     rcac.Gradient: lambda seed: rcac.Gradient(abs(random(seed)[()])),
     rcac.ScheduledForgetting: scheduled,
+    rcac.SubspaceForgetting: lambda seed: rcac.SubspaceForgetting(float(fraction(seed))),
     rcac.VariableRateForgetting: lambda seed: rcac.VariableRateForgetting(1, seed + 2, 0.5),
     rcac.CovarianceReset: reset,
     rcac.SignalWeight: lambda seed: rcac.SignalWeight(abs(random(seed)[()]), 0.5),
