@@ -38,6 +38,9 @@ from .loops.reachable_targets import (
 )
 from .loops.sensitivity import compensator_from_sensitivity as compensator_from_sensitivity
 from .loops.sensitivity import sensitivity_function as sensitivity_function
+from .loops.zero_directions import ZeroDirectionTarget as ZeroDirectionTarget
+from .loops.zero_directions import direction_residual as direction_residual
+from .loops.zero_directions import zero_direction_target as zero_direction_target
 from .lqg.high_authority import HighAuthorityLQG as HighAuthorityLQG
 from .lqg.high_authority import high_authority_lqg as high_authority_lqg
 from .lqg.poles import LQGPoles as LQGPoles

@@ -146,6 +146,9 @@ SAMPLES = {
     | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),
     exact.Enclosure: st.builds(exact.Enclosure, rationals(), rationals().map(abs)),
     exact.HighAuthorityLQG: discrete_problems().map(exact.high_authority_lqg),
+    exact.ZeroDirectionTarget: nonzero_rationals().map(
+        lambda a: exact.zero_direction_target([[1, 0], [a, 1]], [(a + a / abs(a), [1, a])])
+    ),
     exact.HighAuthorityTarget: discrete_problems().map(exact.high_authority_target),
     exact.LQGPoles: discrete_problems().map(exact.lqg_poles),
     exact.ObserverBasedCompensator: observer_based(),

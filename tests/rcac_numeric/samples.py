@@ -226,6 +226,13 @@ SAMPLES = {
     rcac.AppliedChange: lambda seed: rcac.AppliedChange(seed, controller_change(seed), "keep", 0.1),
     rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
     rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
+    rcac.DirectionInformation: lambda seed: rcac.DirectionInformation(
+        random(seed, 2, 2), [(1.5, random(seed, 2))]
+    ),
+    rcac.DirectionCheck: lambda seed: rcac.check_directions(
+        rcac.TargetModel(random(seed, 2, 2, 2)),
+        rcac.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
+    ),
     rcac.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
     rcac.EigensystemRealisation: lambda seed: rcac.eigensystem_realisation(
         [0, *(float(fraction(seed)) ** i for i in range(5))]
