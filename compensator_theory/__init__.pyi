@@ -174,3 +174,12 @@ from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
 from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
 from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix
+from .youla_kucera.doubly_coprime import DoublyCoprimeFractions as DoublyCoprimeFractions
+from .youla_kucera.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
+from .youla_kucera.stabilising_compensators import AffineMap as AffineMap
+from .youla_kucera.stabilising_compensators import (
+    StabilisingCompensators as StabilisingCompensators,
+)
+from .youla_kucera.stabilising_compensators import (
+    stabilising_compensators as stabilising_compensators,
+)

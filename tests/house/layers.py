@@ -14,6 +14,7 @@ LAYERS = {
         "state_feedback",
         "loops",
         "stabilisation",
+        "youla_kucera",
         "lqg",
         "placement",
         "observers",
