@@ -1,5 +1,11 @@
 __version__: str
 from . import strategies as strategies
+from .bezout.bezout_matrices import bezout_matrix as bezout_matrix
+from .bezout.bezout_matrices import cauchy_index as cauchy_index
+from .bezout.null_spaces import NullSpaceGCD as NullSpaceGCD
+from .bezout.null_spaces import gcd_from_null_space as gcd_from_null_space
+from .bezout.subresultants import Subresultants as Subresultants
+from .bezout.subresultants import subresultants as subresultants
 from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDiophantineSolution
 from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
 from .diophantine.minimal_bases import MinimalBasis as MinimalBasis

@@ -117,8 +117,8 @@ class StabilisingCompensators(ExactValue):
         )
         B = Matrix.vstack(into * R, q.B * R)
         C = (K + q.D * on_x).row_join(q.C + q.D * on_q)
-        blocks = [_simple(x) for x in (A, B, self.feedback * C, self.feedback * q.D * R)]
-        return Realisation(*blocks, plant.variable, feedback=self.feedback)
+        a, b, c, d = (_simple(x) for x in (A, B, self.feedback * C, self.feedback * q.D * R))
+        return Realisation(a, b, c, d, plant.variable, feedback=self.feedback)
 
     def closed_loop_polynomial(self, Q: RealisationLike | TransferMatrixLike | None = None) -> Poly:
         """Return det(sI - A - BK) det(sI - A + FC) det(sI - A_q), the poles of that loop."""

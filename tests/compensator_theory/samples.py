@@ -102,6 +102,10 @@ FAMILIES = st.builds(
 )  # fmt: skip
 
 SAMPLES = {
+    exact.Subresultants: coprime_pairs().map(lambda pair: exact.subresultants(*pair))
+    | st.just(exact.subresultants("s**2 + a", "s + 1", "s")),
+    exact.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.gcd_from_null_space(*pair))
+    | st.just(exact.gcd_from_null_space("s*(s + a)", "s + a", "s")),
     exact.StabilisingCompensators: FAMILIES,
     exact.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
     exact.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),

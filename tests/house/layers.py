@@ -6,6 +6,7 @@ LAYERS = {
     "compensator_theory": [
         "polynomials",
         "matrices",
+        "bezout",
         "roots",
         "transfer_functions",
         "systems",
