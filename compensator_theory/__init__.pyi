@@ -1,5 +1,11 @@
 __version__: str
 from . import strategies as strategies
+from .bezout.bezout_matrices import bezout_matrix as bezout_matrix
+from .bezout.bezout_matrices import cauchy_index as cauchy_index
+from .bezout.null_spaces import NullSpaceGCD as NullSpaceGCD
+from .bezout.null_spaces import gcd_from_null_space as gcd_from_null_space
+from .bezout.subresultants import Subresultants as Subresultants
+from .bezout.subresultants import subresultants as subresultants
 from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDiophantineSolution
 from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
 from .diophantine.minimal_bases import MinimalBasis as MinimalBasis
@@ -177,3 +183,12 @@ from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
 from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
 from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix
+from .youla_kucera.doubly_coprime import DoublyCoprimeFractions as DoublyCoprimeFractions
+from .youla_kucera.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
+from .youla_kucera.stabilising_compensators import AffineMap as AffineMap
+from .youla_kucera.stabilising_compensators import (
+    StabilisingCompensators as StabilisingCompensators,
+)
+from .youla_kucera.stabilising_compensators import (
+    stabilising_compensators as stabilising_compensators,
+)

@@ -96,7 +96,19 @@ ZEROS = STATE_SPACES.map(exact.output_decoupling_zeros) | st.sampled_from(
 
 PAIR = ([[0, 1, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [1, 0], [1, "a"]])
 
+FAMILIES = st.builds(
+    lambda plant, sign: exact.stabilising_compensators(plant, [-1], [-2], "s", feedback=sign),
+    st.sampled_from(["1/(s - 1)", "2*s/(s + 3)", "1/(s - a)"]), SIGNS
+)  # fmt: skip
+
 SAMPLES = {
+    exact.Subresultants: coprime_pairs().map(lambda pair: exact.subresultants(*pair))
+    | st.just(exact.subresultants("s**2 + a", "s + 1", "s")),
+    exact.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.gcd_from_null_space(*pair))
+    | st.just(exact.gcd_from_null_space("s*(s + a)", "s + a", "s")),
+    exact.StabilisingCompensators: FAMILIES,
+    exact.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
+    exact.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),
     exact.BrunovskyForm: st.just(exact.brunovsky_form(*PAIR)),
     exact.StateFeedbackFamily: spectra(3).map(lambda p: exact.state_feedback_family(*PAIR, p)),
     exact.ObserverGainFamily: spectra(2).map(

@@ -6,6 +6,7 @@ LAYERS = {
     "compensator_theory": [
         "polynomials",
         "matrices",
+        "bezout",
         "roots",
         "transfer_functions",
         "systems",
@@ -14,6 +15,7 @@ LAYERS = {
         "state_feedback",
         "loops",
         "stabilisation",
+        "youla_kucera",
         "lqg",
         "placement",
         "observers",
