@@ -164,9 +164,9 @@ from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
-from .plots.requested import plot_request as plot_request
+from .plots.figures.requested import plot_request as plot_request
+from .plots.figures.runs import plot_runs as plot_runs
 from .plots.run import plot_sheet as plot_sheet
-from .plots.runs import plot_runs as plot_runs
 from .reproduction.reproduce import Reproduction as Reproduction
 from .reproduction.reproduce import reproduce as reproduce
 from .signals.recordings import Recorded as Recorded

@@ -190,7 +190,7 @@ class Run(Value):
 
     def plot(self) -> figures.Figure:
         """The signals z and u and the coefficients theta over the step k."""
-        from rcac_numeric.plots.runs import plot_runs
+        from rcac_numeric.plots.figures.runs import plot_runs
 
         return plot_runs([self])
 

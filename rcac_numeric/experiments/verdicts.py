@@ -67,7 +67,7 @@ class Verification(Value):
 
     def report(self) -> str:
         """The whole verification in words and numbers."""
-        from rcac_numeric.reports.terminal import as_text
+        from rcac_numeric.reports.sheets.terminal import as_text
         from rcac_numeric.reports.verification import verification_sheet
 
         return as_text(verification_sheet(self))
@@ -90,7 +90,7 @@ class Verification(Value):
 
         `experiment.figures` are those that an example has of itself.
         """
-        from rcac_numeric.plots.requested import plot_request
+        from rcac_numeric.plots.figures.requested import plot_request
         from rcac_numeric.plots.run import plot_verification
 
         if request is None and self.estimates:

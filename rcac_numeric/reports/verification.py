@@ -15,7 +15,7 @@ from rcac_numeric.reports.comparison import comparison_section, poles_section
 from rcac_numeric.reports.estimation import estimation_health, estimation_section
 from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import joined, match_section, split_section
-from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", CORRECTED: "warning", NOT_REPRODUCED: "bad"}
 

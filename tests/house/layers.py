@@ -59,6 +59,8 @@ LAYERS = {
         "sweeps.results",
         "sweeps",
         "plots",
+        "plots.figures",
+        "reports.sheets",
         "reports",
         "reports.studies",
         "errata.evidence",

@@ -13,7 +13,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.plots.coefficients import draw_theta
+from rcac_numeric.plots.figures.coefficients import draw_theta
 from rcac_numeric.plots.style import INK, line_style
 
 DEEPEST = 1e-4  # of the peak: below, an axis of decades is linear
