@@ -1,12 +1,18 @@
-"""What the pictures of a run are made of: control, coefficients, poles and zeros."""
+"""What the pictures of a run are made of: control, coefficients, poles and zeros, legends."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_history
 
 
@@ -24,17 +30,58 @@ def draw_control(axis: Axes, run: Run) -> None:
 
 
 def draw_coefficients(axis: Axes, run: Run) -> None:
-    """theta; the gains by name where the structure is P, I and D terms on one signal."""
+    """The coefficients over all steps, with their legend."""
     k = run.first_step + np.arange(len(run.theta)) * run.stride
+    draw_theta(axis, run, k, np.ones(len(k), dtype=bool))
+    axis.set_xlabel("step $k$")
+    if axis.get_legend_handles_labels()[1]:
+        axis.legend(fontsize=8)
+
+
+def draw_theta(axis: Axes, run: Run, k: np.ndarray, shown: np.ndarray) -> None:
+    """The coefficients at some steps; gains by name for P, I and D terms of one signal."""
     name = getattr(getattr(run.settings, "structure", None), "name", "")
     gains = name if set(name) <= set("PID") and len(name) == run.theta.shape[1] else ""
-    lines = axis.plot(k, run.theta, linewidth=1.0)
+    lines = axis.plot(k[shown], run.theta[shown], linewidth=1.0)
     for line, gain in zip(lines, gains, strict=False):
         line.set_label(f"$K_{gain}$")
-    if gains:
-        axis.legend(fontsize=8)
-    label = "gains" if gains else r"coefficients $\theta$"
-    axis.set(xlabel="step $k$", ylabel=label)
+    axis.set_ylabel("gains" if gains else r"coefficients $\theta$")
+
+
+def mark_changes(axis: Axes, runs: Iterable[Run], request: FigureRequest) -> None:
+    """A line at each step that is shown at which the plant of one of the runs changes."""
+    last = np.inf if request.last is None else request.last
+    starts = {
+        change.start
+        for run in runs
+        if isinstance(run.plant, PlantSchedule)
+        for change in run.plant.changes
+        if max(request.first, run.first_step) < change.start <= last
+    }
+    for number, k in enumerate(sorted(starts)):
+        axis.axvline(k, color=INK, linewidth=0.9, linestyle=(0, (1, 2)), zorder=0.5,
+                     label=None if number else "the plant changes")  # fmt: skip
+
+
+def legend_below(figure: Figure) -> None:
+    """One legend for all axes, below them, where it hides nothing; none for one line."""
+    found: dict[str, Any] = {}
+    for axis in figure.axes:
+        for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    if not found or (len(found) == 1 and "the plant changes" not in found and not _is_gain(found)):
+        return
+    longest = max(map(len, found))
+    columns = max(1, min(len(found), int(figure.get_figwidth() / 0.072) // (longest + 7)))
+    figure.set_figheight(figure.get_figheight() + 0.17 * -(-len(found) // columns))
+    figure.legend(
+        found.values(), found, fontsize=8, loc="outside lower center", ncols=columns,
+        frameon=False,
+    )  # fmt: skip
+
+
+def _is_gain(found: Iterable[str]) -> bool:
+    return all(label.startswith("$K_") for label in found)
 
 
 def draw_pole_zero(axis: Axes, repetition: AnalysedRun) -> None:

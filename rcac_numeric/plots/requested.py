@@ -68,23 +68,11 @@ def plot_request(
     return figure
 
 
-def _of_runs(draw: Callable[..., None]) -> Drawing:
-    return lambda figure, results, request: draw(
-        figure, {name: result.first.run for name, result in results.items()}, request
-    )
-
-
-def _of_analysed(draw: Callable[..., None]) -> Drawing:
-    return lambda figure, results, request: draw(
-        figure, {name: result.first for name, result in results.items()}, request
-    )
-
-
 DRAWINGS: dict[str, Drawing] = {
-    "responses": _of_runs(draw_responses),
-    "coefficients": _of_runs(draw_coefficients),
-    "poles": _of_analysed(draw_pole_maps),
-    "disturbance response": _of_analysed(draw_disturbance_response),
-    "intercalated match": _of_analysed(draw_matches),
+    "responses": draw_responses,
+    "coefficients": draw_coefficients,
+    "poles": draw_pole_maps,
+    "disturbance response": draw_disturbance_response,
+    "intercalated match": draw_matches,
     "distribution": draw_distribution,
 }
