@@ -152,7 +152,7 @@ class Experiment(Value):
     >>> from rcac_numeric import load_example
     >>> experiment = load_example("4.8")
     >>> list(experiment.runs)[:2], len(experiment.claims)
-    (['UD', 'exact'], 4)
+    (['UD', 'exact'], 6)
     """
 
     id: str

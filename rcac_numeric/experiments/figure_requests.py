@@ -54,7 +54,7 @@ class FigureRequest(Value):
     first, last : int, optional
         The steps that are shown.
     magnitude : bool
-        Draw the absolute value on a logarithmic axis.
+        Draw the absolute value on a logarithmic axis; of coefficients the sign is kept.
     measure : str
         For "distribution".
     channel : str
@@ -62,6 +62,8 @@ class FigureRequest(Value):
     noise : mapping
         Intensities of w by block or channel, for which LQG is designed and costs are measured; 1
         for all by default.
+    designs : list of mappings
+        For "disturbance response": several such intensities, with an LQG controller for each.
     direct : bool
         For the distribution of a cost: whether what w adds to z directly counts.
 
@@ -82,6 +84,7 @@ class FigureRequest(Value):
     measure: str
     channel: str
     noise: dict[str, Any]
+    designs: tuple[dict[str, Any], ...]
     direct: bool
 
     def __init__(
@@ -96,6 +99,7 @@ class FigureRequest(Value):
         measure: str = "",
         channel: str = "",
         noise: Mapping[str, Any] | None = None,
+        designs: Sequence[Mapping[str, Any]] = (),
         direct: bool = True,
     ) -> None:
         for name, value in (("caption", caption), ("measure", measure), ("channel", channel)):
@@ -113,6 +117,7 @@ class FigureRequest(Value):
             "measure": measure,
             "channel": channel,
             "noise": dict(instance_of({} if noise is None else noise, "noise", Mapping)),
+            "designs": tuple(dict(instance_of(d, "a design", Mapping)) for d in designs),
             "direct": direct,
         }
         if (kind == "distribution") != bool(measure):
@@ -163,5 +168,6 @@ FIGURE = Table(
         "last": Integer(1),
         "measure": Choice(tuple(MEASURES)),
         "noise": MapOf(Numbers()),
+        "designs": ListOf(MapOf(Numbers())),
     },
 )

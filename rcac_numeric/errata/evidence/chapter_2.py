@@ -52,3 +52,16 @@ def sign_of_the_dc_gain() -> Facts:
     dc = G.numerator.eval(1) / G.denominator.eval(1)
     yield "G(1) = -400/37, about -10.81", dc == exact.exact_number("-400/37")
     yield "the first Markov parameter is 1", G.numerator.LC() == 1
+
+
+def direct_markov_parameter() -> Facts:
+    """G_zu with a direct term beside both sides of (2.51), exactly, at z = 2."""
+    A, B, E_1, E_2 = [["1/2"]], [[1]], [[1]], [[3]]
+    proper = exact.transfer_function(exact.Realisation(A, B, E_1))
+    whole = exact.transfer_function(exact.Realisation(A, B, E_1, E_2))
+    # H_0 + H_1/2 + H_2/4 + ... where H_0 = E_2 and H_i = E_1 A^(i-1) B = 2^(1-i)
+    series = 3 + sum((exact.exact_number("1/2") ** (2 * i - 1) for i in range(1, 40)), 0)
+    limit = 3 + exact.exact_number("2/3")
+    yield "the sum with H_0 = E_2 tends to 11/3", abs(float(limit - series)) < 1e-20
+    yield "E_1(zI - A)^-1 B + E_2 is 11/3", whole(2) == limit
+    yield "E_1(zI - A)^-1 B, as it is printed, is 2/3", proper(2) == exact.exact_number("2/3")

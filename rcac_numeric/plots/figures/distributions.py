@@ -44,6 +44,8 @@ def draw_values(figure: Figure, found: Mapping[str, Array], measure: str) -> Non
     finite = np.concatenate([v[np.isfinite(v)] for v in found.values()] or [np.zeros(0)])
     if len(finite) and finite.min() > 0 and finite.max() > DECADES * finite.min():
         axis.set_xscale("log")
+    else:
+        axis.locator_params(axis="x", nbins=5)
     rng = np.random.default_rng(0)  # spreads points that would lie on each other
     labels = []
     for row, (name, values) in enumerate(found.items()):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
@@ -14,39 +16,47 @@ from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plots.style import INK, WANTED, line_style
+from rcac_numeric.plots.axes import legend_below
+from rcac_numeric.plots.style import DASHES, INK, WANTED, line_style
 
 POINTS = 1000
 
+Results = Mapping[str, RunResult]
 
-def draw_disturbance_response(
-    figure: Figure, runs: Mapping[str, AnalysedRun], request: FigureRequest
-) -> None:
+
+def draw_disturbance_response(figure: Figure, results: Results, request: FigureRequest) -> None:
     """Gain from w to z (norm over what is several): without control, with LQG, with each run."""
     axis = figure.subplots()
     omega = (np.arange(POINTS) + 0.5) * np.pi / POINTS
-    plant = next(iter(runs.values())).plant
+    plant = next(iter(results.values())).first.plant
     intensities = request.noise or None
     shown = {request.channel: 1.0} if request.channel else intensities
     missing = []
 
-    def curve(name: str, loop: Callable[[], ClosedLoop], **style: object) -> None:
+    def curve(name: str, loops: Callable[[], Sequence[ClosedLoop]], **style: Any) -> None:
         try:
-            gain = _gain(loop(), omega, shown)
+            gains = [_gain(loop, omega, shown) for loop in loops()]
         except CompensatorError as error:
             missing.append(f"{name}: {shortened(str(error), 60)}")
         else:
-            axis.semilogy(omega, gain, label=shortened(name, 60), **style)
+            _draw_band(axis, omega, gains, name, style)
 
-    curve("without control", lambda: ClosedLoop(plant, _nothing(plant)), color=INK, linewidth=0.8)
-    curve("LQG", lambda: lqg(plant, noise=intensities).loop, color=WANTED, linewidth=4, alpha=0.4)
-    for index, (name, analysed) in enumerate(runs.items()):
-        curve(name, partial(getattr, analysed, "loop"), linewidth=1.3, **line_style(index))
+    nothing = ClosedLoop(plant, _nothing(plant))
+    curve("without control", lambda: [nothing], color=INK, linewidth=0.8)
+    designs = request.designs or (intensities,)
+    for index, noise in enumerate(designs):
+        name = "LQG" if len(designs) == 1 else f"LQG, {_words(noise)}"
+        curve(name, partial(_best, plant, noise), color=WANTED, linewidth=4 - index,
+              alpha=0.6, linestyle=DASHES[index % len(DASHES)])  # fmt: skip
+    for index, (name, result) in enumerate(results.items()):
+        loops = partial(_loops, result)
+        curve(name, loops, linewidth=1.3, **line_style(index))
     axis.set(
         xlabel=r"frequency $\omega$, rad/sample",
         ylabel=f"gain from {request.channel or 'w'} to z",
@@ -55,29 +65,33 @@ def draw_disturbance_response(
     if missing:
         axis.set_title("; ".join(missing), fontsize=8)
     axis.grid(alpha=0.25)
-    axis.legend(fontsize=8)
+    legend_below(figure)
 
 
-def draw_matches(figure: Figure, runs: Mapping[str, AnalysedRun], request: FigureRequest) -> None:
+def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> None:
     """G_f, and the intercalated transfer function that each run has made of it."""
     del request
+    figure.set_figheight(max(figure.get_figheight(), 0.8 * figure.get_figwidth()))
     above, below = figure.subplots(2, 1, sharex=True)
-    first: IntercalatedMatch | None = None
+    wanted: list[IntercalatedMatch] = []
     words = []
-    for index, (name, analysed) in enumerate(runs.items()):
+    for index, (name, result) in enumerate(results.items()):
         try:
-            match = analysed.match
+            found = [repetition.match for repetition in _kept(result)]
         except CompensatorError as error:
             words.append(f"{name}: {shortened(str(error), 60)}")
             continue
-        if first is None:
-            first = match
-            above.semilogy(match.omega, _norm(match.wanted), color=WANTED, linewidth=4, alpha=0.4,
-                           label="$G_f$")  # fmt: skip
-        above.semilogy(match.omega, _norm(match.reached), linewidth=1.2,
-                       label=shortened(name, 60), **line_style(index))  # fmt: skip
-        below.semilogy(match.omega, np.maximum(match.error, 1e-17), linewidth=1.2,
-                       **line_style(index))  # fmt: skip
+        match = found[0]
+        if not any(np.array_equal(match.wanted, other.wanted) for other in wanted):
+            label = "$G_f$" if not wanted else f"$G_f$ of {shortened(name, 40)}"
+            above.semilogy(match.omega, _norm(match.wanted), color=WANTED, linewidth=4,
+                           alpha=0.4, label=label,
+                           linestyle=DASHES[len(wanted) % len(DASHES)])  # fmt: skip
+            wanted.append(match)
+        style = {"linewidth": 1.2, **line_style(index)}
+        _draw_band(above, match.omega, [_norm(m.reached) for m in found], name, style)
+        errors = [np.maximum(m.error, 1e-17) for m in found]
+        _draw_band(below, match.omega, errors, name, style)
     low, high = above.get_ylim()
     if 0 < low < high < 2 * low:
         above.set_ylim((low * high) ** 0.5 / 2**0.5, (low * high) ** 0.5 * 2**0.5)
@@ -89,8 +103,38 @@ def draw_matches(figure: Figure, runs: Mapping[str, AnalysedRun], request: Figur
     if words:
         above.set_title("; ".join(words), fontsize=8)
     for axis in (above, below):
+        axis.tick_params(which="both", labelsize=8)
         axis.grid(alpha=0.25)
-    above.legend(fontsize=8)
+    legend_below(figure)
+
+
+def _kept(result: RunResult) -> Sequence[AnalysedRun]:
+    """All seeds of a run; of repetitions, which differ by rounding, the first."""
+    return result.repetitions if result.specification.seeds > 1 else result.repetitions[:1]
+
+
+def _loops(result: RunResult) -> list[ClosedLoop]:
+    return [repetition.loop for repetition in _kept(result)]
+
+
+def _best(plant: Plant, noise: NoiseIntensities | None) -> list[ClosedLoop]:
+    return [lqg(plant, noise=noise).loop]
+
+
+def _draw_band(
+    axis: Axes, omega: Array, curves: Sequence[Array], name: str, style: Mapping[str, Any]
+) -> None:
+    """A curve, or the median and the range of those of several seeds."""
+    label = shortened(name, 50)
+    if len(curves) > 1:
+        label += f": median and range of {len(curves)} seeds"
+        low, high = np.min(curves, axis=0), np.max(curves, axis=0)
+        axis.fill_between(omega, low, high, alpha=0.25, linewidth=0, color=style["color"])
+    axis.semilogy(omega, np.median(curves, axis=0), label=label, **style)
+
+
+def _words(noise: Mapping[str, Any] | None) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in (noise or {}).items())
 
 
 def _nothing(plant: Plant) -> Compensator:

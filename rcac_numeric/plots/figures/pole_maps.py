@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from textwrap import fill
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,17 +12,22 @@ from matplotlib.figure import Figure
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED
 
 NARROWEST = 2.2  # inches of a map in which its words have room
-WIDEST = 3.0  # what lies further out is named instead of drawn
+LETTERS = 11  # of a title, for each inch
+WIDEST = 1.5  # what lies further out is named instead of drawn: the unit circle stays readable
 
 
-def draw_pole_maps(figure: Figure, runs: Mapping[str, AnalysedRun], request: FigureRequest) -> None:
+def draw_pole_maps(
+    figure: Figure, results: Mapping[str, RunResult], request: FigureRequest
+) -> None:
     """A map for each run; what was asked for is drawn where the loop is scalar."""
     del request
+    runs = {name: result.first for name, result in results.items()}
     width = figure.get_figwidth()
     columns = min(int(width // NARROWEST), len(runs))
     rows = -(-len(runs) // columns)
@@ -30,7 +36,8 @@ def draw_pole_maps(figure: Figure, runs: Mapping[str, AnalysedRun], request: Fig
     for axis, (name, analysed) in zip(axes, runs.items(), strict=False):
         _draw(axis, analysed)
         if len(runs) > 1:
-            axis.set_title(shortened(name, 45), fontsize=10, parse_math=False)
+            letters = int(LETTERS * min(width / columns, 4.4))
+            axis.set_title(fill(shortened(name, 60), letters), fontsize=9, parse_math=False)
     for axis in axes[len(runs) :]:
         axis.set_visible(False)
     handles, labels = axes[0].get_legend_handles_labels()
@@ -63,7 +70,7 @@ def _draw(axis: Axes, analysed: AnalysedRun) -> None:
         axis.plot(values.real, values.imag, marker, mfc="none", mec=colour, ms=size, mew=1.5,
                   label=name)  # fmt: skip
     beyond = [
-        f"{name} beyond: " + ", ".join(f"{value:.3g}" for value in far[:3])
+        f"{name} beyond: " + ", ".join(map(_words, far[:3]))
         for name, values in kinds.items()
         if len(far := np.unique(np.round(values[np.abs(values) > span], 3)))
     ]
@@ -71,3 +78,7 @@ def _draw(axis: Axes, analysed: AnalysedRun) -> None:
     axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
     axis.set_aspect("equal")
     axis.grid(alpha=0.25)
+
+
+def _words(value: complex) -> str:
+    return f"{value.real:.3g}" if value.imag == 0 else f"{value:.3g}"

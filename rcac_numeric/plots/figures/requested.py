@@ -13,13 +13,9 @@ from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.figures.distributions import draw_distribution, draw_study_distribution
+from rcac_numeric.plots.figures.estimates import draw_estimates, draw_outputs
 from rcac_numeric.plots.figures.frequency_responses import draw_disturbance_response, draw_matches
-from rcac_numeric.plots.figures.histories import (
-    draw_coefficients,
-    draw_estimates,
-    draw_outputs,
-    draw_responses,
-)
+from rcac_numeric.plots.figures.histories import draw_coefficients, draw_responses
 from rcac_numeric.plots.figures.plants import draw_identified_zeros, draw_plant_zeros
 from rcac_numeric.plots.figures.pole_maps import draw_pole_maps
 from rcac_numeric.plots.run import plot_sheet
@@ -107,18 +103,12 @@ def _of_runs(draw: Callable[..., None]) -> Drawing:
     )
 
 
-def _of_analysed(draw: Callable[..., None]) -> Drawing:
-    return lambda figure, results, request: draw(
-        figure, {name: result.first for name, result in results.items()}, request
-    )
-
-
 DRAWINGS: dict[str, Drawing] = {
-    "responses": _of_runs(draw_responses),
-    "coefficients": _of_runs(draw_coefficients),
-    "poles": _of_analysed(draw_pole_maps),
-    "disturbance response": _of_analysed(draw_disturbance_response),
-    "intercalated match": _of_analysed(draw_matches),
+    "responses": draw_responses,
+    "coefficients": draw_coefficients,
+    "poles": draw_pole_maps,
+    "disturbance response": draw_disturbance_response,
+    "intercalated match": draw_matches,
     "distribution": draw_distribution,
     "plant zeros": _of_runs(draw_plant_zeros),
     "identified zeros": _of_runs(draw_identified_zeros),

@@ -63,7 +63,8 @@ def svg_of(figure: figures.Figure, prefix: str, title: str) -> str:
         figure.patch.set_alpha(0)
         for axis in figure.axes:
             axis.patch.set_alpha(0)
-            if (legend := axis.get_legend()) is not None:
+        for legend in [*(axis.get_legend() for axis in figure.axes), *figure.legends]:
+            if legend is not None:
                 legend.get_frame().set_alpha(0)
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None})
     return _named(_small(_with_own_ids(_in_colours(drawn.getvalue()), prefix)), prefix, title)

@@ -8,10 +8,10 @@ import pytest
 from compensator_theory import InputError
 from proofs.ledger.checks import run_counterexample
 from proofs.ledger.ledger import ledger
-from rcac_numeric import ErratumEvidence, check_erratum, find_errata
+from rcac_numeric import ErratumEvidence, check_erratum, find_errata, load_example
 from rcac_numeric.errata.entries import EVIDENCE
 from rcac_numeric.errata.reading import CHAPTERS, read_chapter
-from rcac_numeric.experiments.files.documents import example_ids, read_example
+from rcac_numeric.experiments.files.documents import example_ids
 
 ERRATA = find_errata()
 OF = {kind: [e for e in ERRATA if e.evidence.kind == kind] for kind in EVIDENCE}
@@ -57,10 +57,11 @@ def test_no_wording_that_the_ledger_refutes_is_missing():
 def test_the_claim_exists_and_its_verdict_is_not_plainly_reproduced(erratum):
     """What is wrong in the text shows as a correction, or as a claim that does not reproduce."""
     assert erratum.evidence.example in example_ids()
-    claims = read_example(erratum.evidence.example)[0]["claims"]
-    [claim] = [c for c in claims if c["text"].startswith(erratum.evidence.claim)]
-    recorded = claim.get("verdicts", {"": claim.get("verdict")}).values()
-    assert any(v != "reproduced" for v in recorded) or "diverges" in claim["text"]
+    example = load_example(erratum.evidence.example)
+    said = {c.text for c in example.claims if c.text.startswith(erratum.evidence.claim)}
+    assert len(said) == 1, "the words are those of one claim"
+    verdicts = {claim.recorded for claim in example.claims if claim.text in said}
+    assert verdicts != {"reproduced"} or "diverges" in said.pop()
 
 
 @pytest.mark.parametrize("erratum", OF["derivation"], ids=named)
