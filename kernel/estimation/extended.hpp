@@ -73,6 +73,11 @@ public:
           K_(n_ * p_) {
         S_ = gram(S_, n_);
     }
+    void set_noises(std::vector<double> Q_root, std::vector<double> R_root) override {
+        KalmanFilter::set_noises(std::move(Q_root), std::move(R_root));
+        Q_ = gram(Q_root_, n_);
+        R_ = gram(R_root_, p_);
+    }
 
     void predict(const double* u) override {
         model_->linear_dynamics(k_, x_.data(), u, next_.data(), J_.data());

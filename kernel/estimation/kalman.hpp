@@ -43,6 +43,11 @@ public:
             throw;
         }
     }
+    // The noises of the next steps; what is empty stays as it is.
+    virtual void set_noises(std::vector<double> Q_root, std::vector<double> R_root) {
+        if (!Q_root.empty()) Q_root_ = std::move(Q_root);
+        if (!R_root.empty()) R_root_ = std::move(R_root);
+    }
     virtual void covariance(double* P) const {
         for (std::size_t i = 0; i < n_; ++i)
             for (std::size_t j = 0; j <= i; ++j) {

@@ -20,7 +20,7 @@ from rcac_numeric.estimation.observability import (
     UnobservableWarning,
     observability_along,
 )
-from rcac_numeric.estimation.settings import EKF, UKF
+from rcac_numeric.estimation.settings import EKF, UKF, noise_roots
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +93,8 @@ def estimate(
     u: ArrayLike | None = None,
     measured: ArrayLike | None = None,
     *,
+    Q: ArrayLike | None = None,
+    R: ArrayLike | None = None,
     keep_covariances: bool = False,
 ) -> StateEstimates:
     """Run a Kalman filter over a record of measurements.
@@ -106,6 +108,9 @@ def estimate(
         The known input, where the model has one.
     measured : array of bool, shape (steps,), optional
         False where y(k) is missing; its row is not looked at.
+    Q, R : arrays, shapes (steps, n, n) and (steps, l_y, l_y), or (steps,), optional
+        Q(k) and R(k) of each step, where they change; those of the settings by default, which also
+        judge what is observable. A number stands for that multiple of I.
     keep_covariances : bool
         Keep P(k|k) of every step.
 
@@ -164,10 +169,16 @@ def estimate(
             ),
         )
 
+    there = values[1].astype(float)
+    record = (inputs, outputs, there, x, deviation, P, innovation, nis, likelihood)
+    noises = None if Q is None and R is None else _roots(settings, Q, R, steps)
     try:
-        kernel.run(
-            inputs, outputs, values[1].astype(float), x, deviation, P, innovation, nis, likelihood
-        )
+        if noises is None:
+            kernel.run(*record)
+        else:
+            for k, roots in enumerate(noises):
+                kernel.set_noises(*roots)
+                kernel.run(*(part[k : k + 1] for part in record))
     except Exception as error:
         failure = estimation_failure(error, kernel.k)
         if isinstance(failure, FunctionFailedError):
@@ -177,6 +188,25 @@ def estimate(
     if made.observability.unseen:
         warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
     return made
+
+
+def _roots(
+    settings: EKF | UKF, Q: ArrayLike | None, R: ArrayLike | None, steps: int
+) -> list[tuple[Array, Array]]:
+    """The square roots of the noises of each step."""
+    each = []
+    for name, given in (("Q", Q), ("R", R)):
+        rows = [None] * steps if given is None else list(real_array(given, name))
+        if len(rows) != steps:
+            raise InputError(f"{name} has {len(rows)} entries where {steps} steps are.")
+        each.append(rows)
+    roots = []
+    for k, (q, r) in enumerate(zip(*each, strict=True)):
+        try:
+            roots.append(noise_roots(settings, q, r))
+        except InputError as error:
+            raise InputError(f"at step {k}: {error}") from None
+    return roots
 
 
 def _with_gaps(y: ArrayLike, l_y: int, measured: ArrayLike | None) -> tuple[Array, Array]:

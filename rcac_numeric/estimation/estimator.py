@@ -19,7 +19,7 @@ from rcac_numeric.engine.compiled.estimators import (
 )
 from rcac_numeric.estimation.models.compiled import compiled_model
 from rcac_numeric.estimation.resumable import Resumable
-from rcac_numeric.estimation.settings import EKF, UKF, square_root
+from rcac_numeric.estimation.settings import EKF, UKF, noise_roots, square_root
 
 
 def compiled_filter(settings: EKF | UKF) -> tuple[Filter, EstimationModel]:
@@ -65,7 +65,14 @@ class Estimator(Resumable[EKF | UKF]):
         super().__init__(settings)
         self._at_work = Lock()
 
-    def step(self, y: ArrayLike | None, u: ArrayLike | None = None) -> Array:
+    def step(
+        self,
+        y: ArrayLike | None,
+        u: ArrayLike | None = None,
+        *,
+        Q: ArrayLike | None = None,
+        R: ArrayLike | None = None,
+    ) -> Array:
         """Correct with y(k), then predict with u(k); the estimate x(k|k).
 
         Parameters
@@ -74,6 +81,8 @@ class Estimator(Resumable[EKF | UKF]):
             The measurement; None where it is missing.
         u : array, shape (l_u,), or a number
             The known input, where the model has one.
+        Q, R : arrays or numbers, optional
+            Q(k) and R(k) where they are others than those of the settings, in this step alone.
 
         Returns
         -------
@@ -83,7 +92,8 @@ class Estimator(Resumable[EKF | UKF]):
         Raises
         ------
         InputError
-            Where an argument has the wrong size or is not finite.
+            Where an argument has the wrong size or is not finite, or a covariance is not
+            semidefinite.
         FunctionFailedError
             Where a function of the model raised, or gave what is not finite.
         IllConditionedError
@@ -92,12 +102,12 @@ class Estimator(Resumable[EKF | UKF]):
             Where the estimate left the range of float64.
             Whatever is raised, the estimator has not moved.
         """
-        if y is None:
-            before = self.x
-            self._move(None, u, corrects=False, predicts=True)
-            return before
-        self._move(y, u, corrects=True, predicts=True)
-        return np.asarray(self._kernel.corrected)
+        before = self.x if y is None else None
+        if Q is None and R is None:
+            self._move(y, u, corrects=y is not None, predicts=True)
+        else:
+            self._move_with(noise_roots(self.settings, Q, R), y, u)
+        return np.asarray(self._kernel.corrected) if before is None else before
 
     def correct(self, y: ArrayLike, u: ArrayLike | None = None) -> Array:
         """Correct the belief about x(k) with y(k); u(k) matters where h reads it.
@@ -132,6 +142,14 @@ class Estimator(Resumable[EKF | UKF]):
         """
         self._move(None, u, corrects=False, predicts=True)
         return self.x
+
+    def _move_with(self, noises: tuple[Array, Array], y: Any, u: Any) -> None:
+        """A step with noises of its own."""
+        self._kernel.set_noises(*noises)
+        try:
+            self._move(y, u, corrects=y is not None, predicts=True)
+        finally:
+            self._kernel.set_noises(*noise_roots(self.settings))
 
     def _move(self, y: Any, u: Any, *, corrects: bool, predicts: bool) -> None:
         if not self._at_work.acquire(blocking=False):

@@ -147,6 +147,17 @@ class UKF(KalmanSettings):
         object.__setattr__(self, "alpha", float(spread))
 
 
+def noise_roots(
+    settings: EKF | UKF, Q: ArrayLike | None = None, R: ArrayLike | None = None
+) -> tuple[Array, Array]:
+    """Square roots of Q and R, those of the settings where none are given."""
+    n, l_y = settings.model.n, settings.model.l_y
+    return (
+        square_root(settings.Q if Q is None else constant_weight(Q, "Q", n, definite=False)),
+        square_root(settings.R if R is None else constant_weight(R, "R", l_y, definite=False)),
+    )
+
+
 def square_root(covariance: Array) -> Array:
     """A square matrix S with SS' = the covariance, lower triangular."""
     columns = square_root_columns(covariance)

@@ -184,6 +184,17 @@ void bind_filters(nb::module_& m) {
         .def("run", &run, nb::arg("u"), nb::arg("y"), nb::arg("measured"), nb::arg("x"),
              nb::arg("deviation"), nb::arg("P"), nb::arg("innovation"), nb::arg("nis"),
              nb::arg("log_likelihood"))
+        .def("set_noises",
+             [](OwnedFilter& self, const Array& Q_root, const Array& R_root) {
+                 const Hold hold(self.use);
+                 const std::size_t n = self.filter->model().n, p = self.filter->model().l_y;
+                 const auto read = [](const Array& root, std::size_t size, const char* name) {
+                     return root.size() == 0 ? std::vector<double>() : copied(root, size, name);
+                 };
+                 self.filter->set_noises(read(Q_root, n * n, "Q_root"),
+                                         read(R_root, p * p, "R_root"));
+             },
+             nb::arg("Q_root"), nb::arg("R_root"))
         .def("save",
              [](OwnedFilter& self) {
                  const Hold hold(self.use);

@@ -12,7 +12,7 @@ from rcac_numeric.experiments.estimation.runs import EstimatedRun
 
 
 def mean_error(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
-    """Mean of |estimate - truth|.
+    """Mean absolute error of the estimate.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def mean_error(r: EstimatedRun, start: int = 0, stop: int | None = None) -> floa
 
 
 def median_error(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
-    """Median of |estimate - truth|."""
+    """Median absolute error of the estimate."""
     return float(np.median(np.abs(_error(r, start, stop))))
 
 
@@ -43,7 +43,7 @@ def initial_estimate_left(r: EstimatedRun) -> float:
 
 
 def largest_z(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
-    """Largest |z|: of a loop the error of the command following, else that of the output."""
+    """Largest absolute z: of a loop the error of the command following, else that of the output."""
     return float(np.abs(r.z[_window(r, start, stop)]).max())
 
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from compensator_theory import InputError
 from rcac_numeric import EKF, UKF, Estimator, LinearModel, NonlinearModel, estimate
 from tests.support.estimation_cases import (
     PENDULUM,
@@ -39,6 +40,60 @@ def test_it_is_the_kalman_filter_where_the_model_is_linear(make, seed):
     assert relative_error(found.x, x) < 1e-12
     assert relative_error(found.P, P) < 1e-12
     assert np.allclose(found.deviation**2, np.diagonal(P, axis1=1, axis2=2), rtol=1e-9)
+
+
+@every_filter
+@given(seed=seeds)
+def test_noises_that_change(make, seed):
+    """The Kalman filter with Q(k) and R(k), in plain NumPy; step by step it is the same."""
+    model, Q_0, R_0, y, u = linear_case(seed)
+    rng = np.random.default_rng(seed)
+    Q, R = 0.1 + 10 * rng.random(len(y)), 0.1 + 10 * rng.random((len(y), 1, 1)) * R_0
+    R = R + np.eye(2)
+    x, P, expected = np.zeros(3), np.eye(3), []
+    for k in range(len(y)):
+        S = model.C @ P @ model.C.T + R[k]
+        K = P @ model.C.T @ np.linalg.inv(S)
+        x = x + K @ (y[k] - model.C @ x - model.D @ u[k])
+        P = P - K @ S @ K.T
+        expected.append(x)
+        x, P = model.A @ x + model.B @ u[k], model.A @ P @ model.A.T + Q[k] * np.eye(3)
+    settings = make(model, Q=Q_0, R=R_0)
+    found = estimate(settings, y, u, Q=Q, R=R)
+    assert relative_error(found.x, np.array(expected)) < 1e-10
+    estimator = Estimator(settings)
+    steps = [estimator.step(y[k], u[k], Q=Q[k], R=R[k]) for k in range(len(y))]
+    assert np.array_equal(steps, found.x)
+    half = estimate(settings, y, u, Q=Q)  # R is that of the settings
+    whole = estimate(settings, y, u, Q=Q, R=np.broadcast_to(R_0, R.shape))
+    assert np.array_equal(half.x, whole.x)
+
+
+def test_a_noise_of_one_step_is_of_that_step_alone():
+    model, Q, R, y, u = linear_case(1)
+    one, other = Estimator(EKF(model, Q=Q, R=R)), Estimator(EKF(model, Q=Q, R=R))
+    one.step(y[0], u[0], Q=5.0, R=7.0)
+    with pytest.raises(InputError, match="R has the eigenvalue -1"):
+        one.step(y[1], u[1], R=-1)
+    with pytest.raises(InputError, match="y has 1 entries"):
+        one.step(y[1][:1], u[1], Q=9.0)
+    other.restore(one.state)
+    assert np.array_equal(one.step(y[1], u[1]), other.step(y[1], u[1]))
+    assert np.array_equal(one.P, other.P)
+
+
+@pytest.mark.parametrize(
+    ("noises", "says"),
+    [
+        ({"Q": [1.0, 2.0]}, "Q has 2 entries where 3 steps are"),
+        ({"R": [1, -1, 1]}, "at step 1: R has the eigenvalue -1"),
+        ({"R": np.ones((3, 2, 2))}, "at step 0: R has shape"),
+        ({"Q": [1, np.nan, 1]}, "Q has the entry nan"),
+    ],
+)
+def test_noises_that_are_none(noises, says):
+    with pytest.raises(InputError, match=says):
+        estimate(EKF(LinearModel(A=1, C=1), Q=1, R=1), [1, 2, 3], **noises)
 
 
 def pendulum_filter(kind, model):
