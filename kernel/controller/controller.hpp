@@ -83,6 +83,7 @@ public:
                 filter_.input(c) = signals()(structure().channels[c]);
         filter_.run();
         rules_.see(z, l_z());
+        update_->see(z);
         if (step_ < plan_.k_update || frozen_) return false;
 
         filtered_.read(filter_.outputs().values(), Phi_f_.data());
