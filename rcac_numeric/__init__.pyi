@@ -34,6 +34,8 @@ from .controllers.structure import integral as integral
 from .controllers.updates.forgetting import ScheduledForgetting as ScheduledForgetting
 from .controllers.updates.forgetting import SubspaceForgetting as SubspaceForgetting
 from .controllers.updates.forgetting import VariableRateForgetting as VariableRateForgetting
+from .controllers.updates.joint import JointUD as JointUD
+from .controllers.updates.joint import joint_null_dimension as joint_null_dimension
 from .controllers.updates.memoryless import Gradient as Gradient
 from .controllers.updates.memoryless import Instantaneous as Instantaneous
 from .controllers.updates.recursive import UD as UD

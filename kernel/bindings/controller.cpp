@@ -6,6 +6,7 @@
 #include "bindings/plan.hpp"
 #include "bindings/quick_read.hpp"
 #include "updates/covariance.hpp"
+#include "updates/joint.hpp"
 #include "updates/memoryless.hpp"
 #include "updates/subspace.hpp"
 #include "updates/window.hpp"
@@ -32,6 +33,13 @@ std::unique_ptr<Update> update_of(const std::string& name, const std::vector<dou
         require_range<std::size_t>(window, 1, most_numbers, "window");
         length_of({window, (l_theta + 1) * l_z + 2 * l_z * l_z}, "the window");
         return std::make_unique<WindowUpdate>(P.data(), theta.data(), l_theta, l_z, window);
+    }
+    if (name == "joint") {  // with n_d in the place of the window and rho in that of the step size
+        refuse_unless(l_z == 1, "the joint fit is for l_z = 1");
+        refuse_unless(step_size > 0.0 || window == 0, "rho must be positive");
+        require_range<std::size_t>(window, 0, 1000, "n_d");
+        length_of({l_theta + window, l_theta + window}, "P");
+        return std::make_unique<JointUpdate>(P.data(), l_theta, window, step_size);
     }
     if (name == "instantaneous") return std::make_unique<InstantaneousUpdate>(P.data(), l_theta);
     if (name == "gradient") return std::make_unique<GradientUpdate>(step_size, l_theta);

@@ -84,6 +84,7 @@ public:
         filter_.run();
         for (std::size_t i = 0; i < l_z(); ++i) performance_.now(i) = z[i];
         rules_.see(z, l_z());
+        update_->see(z);
         if (step_ < plan_.k_update || frozen_) return false;
 
         filtered_.read(filter_.outputs().values(), Phi_f_.data());

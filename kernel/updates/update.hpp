@@ -39,6 +39,8 @@ public:
     // theta(k) -> theta(k+1) and P(k) -> P(k+1), (2.42)-(2.45). False where a number has left the
     // range of float64; nothing is valid afterwards.
     virtual bool operator()(const Data& data, std::int64_t step, double* theta) = 0;
+    // z(k), at every step, also where no update is due.
+    virtual void see(const double* /*z*/) {}
     // P(k), l_theta x l_theta row-major.
     virtual void covariance(double* P) const = 0;
     // P <- P(0).

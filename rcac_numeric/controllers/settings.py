@@ -37,7 +37,7 @@ class ControllerSettings(Value):
         What the regressor is made of, for example ``iir(n_c=4)``.
     target : TargetModel
         G_f, with l_z rows and l_u columns.
-    update : UD, Covariance, SlidingWindow, Instantaneous or Gradient
+    update : UD, Covariance, SlidingWindow, JointUD, Instantaneous or Gradient
         How theta is updated; R_theta, forgetting and what else belongs to it are its own.
     R_z, R_u : float, array of shape (l_z, l_z), SignalWeight, or function
         Weights of (2.41); R_z positive definite, R_u positive semidefinite. A function is called
@@ -123,6 +123,8 @@ class ControllerSettings(Value):
         set_("update", update)
         set_("R_z", _weight(R_z, "R_z", target.l_z, definite=True))
         set_("R_u", _weight(R_u, "R_u", target.l_z, definite=False))
+        penalises = not isinstance(self.R_u, np.ndarray) or bool(self.R_u.any())
+        update.require_problem(self.targets, structure.n_c, penalises)
         self._read_start(k_w, k_update, k_filter)
         start = np.zeros(structure.l_theta) if theta_0 is None else theta_0
         set_("theta_0", real_array(start, "theta_0").reshape(-1))

@@ -262,6 +262,7 @@ SAMPLES = {
     rcac.Structure: structure,
     rcac.UD: lambda seed: rcac.UD(symmetric(seed), process_noise=0.5, stop_where_unsupported=True),
     rcac.Covariance: lambda seed: rcac.Covariance(1 + seed, lambda_=scheduled(seed)),
+    rcac.JointUD: lambda seed: rcac.JointUD(1.0, n_d=2, rho=1.0 + seed),
     rcac.SlidingWindow: lambda seed: rcac.SlidingWindow(1.0, window=1 + seed, lambda_=0.5),
     rcac.Instantaneous: lambda seed: rcac.Instantaneous(symmetric(seed)),
     rcac.Gradient: lambda seed: rcac.Gradient(abs(random(seed)[()])),

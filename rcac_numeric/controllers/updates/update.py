@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from inspect import signature
 from typing import ClassVar
 
@@ -12,6 +13,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.targets.model import TargetModel
 
 
 class Update(Value):
@@ -26,6 +28,9 @@ class Update(Value):
 
     def require_size(self, l_theta: int) -> None:
         """Raise where a matrix of the update does not fit l_theta coefficients."""
+
+    def require_problem(self, targets: Sequence[TargetModel], n_c: int, penalises: bool) -> None:
+        """Raise where the update is not for these target models, n_c, or a weight R_u."""
 
     def __repr__(self) -> str:
         """The settings that differ from their defaults."""

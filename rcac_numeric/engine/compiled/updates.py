@@ -26,6 +26,7 @@ from rcac_numeric.controllers.updates.forgetting import (
     SubspaceForgetting,
     VariableRateForgetting,
 )
+from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers.updates.recursive import UD, Covariance, RecursiveLeastSquares
 from rcac_numeric.controllers.updates.resets import CovarianceReset
@@ -96,6 +97,15 @@ def _window(update: SlidingWindow, l_theta: int) -> KernelUpdate:
     )
 
 
+def _joint(update: JointUD, l_theta: int) -> KernelUpdate:
+    return KernelUpdate(
+        update.name,
+        P_0=initial_covariance(update.R_theta, l_theta),
+        window=update.n_d,
+        step_size=update.rho,
+    )
+
+
 def _instantaneous(update: Instantaneous, l_theta: int) -> KernelUpdate:
     return KernelUpdate(update.name, P_0=initial_covariance(update.R_theta, l_theta))
 
@@ -147,6 +157,7 @@ ARGUMENTS: dict[type[Update], Callable[[Any, int], KernelUpdate]] = {
     UD: _recursive,
     Covariance: _recursive,
     SlidingWindow: _window,
+    JointUD: _joint,
     Instantaneous: _instantaneous,
     Gradient: _gradient,
 }
