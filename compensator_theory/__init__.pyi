@@ -47,8 +47,14 @@ from .loops.sensitivity import sensitivity_function as sensitivity_function
 from .loops.zero_directions import ZeroDirectionTarget as ZeroDirectionTarget
 from .loops.zero_directions import direction_residual as direction_residual
 from .loops.zero_directions import zero_direction_target as zero_direction_target
+from .lqg.continuous import ContinuousLQG as ContinuousLQG
+from .lqg.continuous import continuous_lqg as continuous_lqg
+from .lqg.continuous_riccati import ContinuousRiccatiSolution as ContinuousRiccatiSolution
+from .lqg.continuous_riccati import solve_continuous_riccati as solve_continuous_riccati
 from .lqg.high_authority import HighAuthorityLQG as HighAuthorityLQG
 from .lqg.high_authority import high_authority_lqg as high_authority_lqg
+from .lqg.locus import RegulatorLocus as RegulatorLocus
+from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import LQGPoles as LQGPoles
 from .lqg.poles import lqg_poles as lqg_poles
 from .lqg.poles import regulator_spectrum as regulator_spectrum
@@ -104,6 +110,8 @@ from .roots.counts import count_half_plane_roots as count_half_plane_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
+from .roots.half_plane_factors import HalfPlaneFactor as HalfPlaneFactor
+from .roots.half_plane_factors import continuous_spectral_factor as continuous_spectral_factor
 from .roots.reciprocals import monic_reciprocal_polynomial as monic_reciprocal_polynomial
 from .roots.reciprocals import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_half_plane_roots as locate_half_plane_roots

@@ -8,6 +8,7 @@ from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.observers.ball_proofs import prove_forms
 from compensator_theory.observers.counting import (
     count_observer_forms,
     count_partitions,
@@ -50,8 +51,9 @@ def realisation_is_observer_based(
     -------
     ObserverDecision
         With the number of forms. For a minimal SISO plant it is decided by counting divisors of the
-        closed-loop polynomial; otherwise every rational subspace is tested, and the answer is
-        None if all of these fail while irrational ones remain.
+        closed-loop polynomial; otherwise every rational subspace is tested, then irrational ones
+        in certified balls, which can prove a yes. The answer is None if all of these fail while
+        some real subspace was not excluded.
 
     Raises
     ------
@@ -164,10 +166,13 @@ def _by_enumeration(plant: Realisation, compensator: Realisation, Dtilde: Poly) 
         answer, number = False, 0
         reason = f"all {len(forms.rejections)} real regulator polynomials were tested and fail"
     else:
+        proof = _by_balls(plant, compensator, Dtilde)
+        if isinstance(proof, ObserverDecision):
+            return replace(proof, forms=forms)
         answer = None
         reason = (
             f"the {len(forms.rejections)} rational regulator polynomials fail, but others are "
-            "irrational, symbolic or have a continuum of subspaces"
+            f"irrational, symbolic or have a continuum of subspaces{proof}"
         )
     return ObserverDecision(QUESTION, answer, reason, number, Dtilde, forms)
 
@@ -185,11 +190,31 @@ def _by_youla_forms(plant: Realisation, compensator: Realisation, Dtilde: Poly) 
             "and fail"
         )
         return ObserverDecision(QUESTION, False, reason, 0, Dtilde)
+    proof = _by_balls(plant, compensator, Dtilde)
+    if isinstance(proof, ObserverDecision):
+        return proof
     reason = (
         f"{all_ways} real splits into regulator, observer and Youla parameter exist, and none of "
-        "the rational ones works"
+        f"the rational ones works{proof}"
     )
     return ObserverDecision(QUESTION, None, reason, None, Dtilde)
+
+
+def _by_balls(plant: Realisation, compensator: Realisation, Dtilde: Poly) -> ObserverDecision | str:
+    """Prove "yes" through irrational subspaces, or say what was tried."""
+    if not is_rational(Dtilde):
+        return ""
+    proof = prove_forms(closed_loop_matrix(plant, compensator), Dtilde, plant.n)
+    tried = f"{proof.tried} real splits of the spectrum, irrational ones included,"
+    if not proof.proved:
+        return f"; of {tried} none is proved to work in certified balls"
+    minimal = derogatory_factor(closed_loop_matrix(plant, compensator), Dtilde) is None
+    complete = minimal and proof.is_exhaustive and proof.proved == proof.tried
+    number = proof.proved if complete else None
+    return ObserverDecision(
+        QUESTION, True, f"{proof.proved} of {tried} are proved to work in certified balls",
+        number, Dtilde,
+    )  # fmt: skip
 
 
 def _every_real_factor_is_rational(poly: Poly) -> bool:

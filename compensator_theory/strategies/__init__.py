@@ -5,6 +5,14 @@ no health check fails.
 """
 
 from compensator_theory.strategies.compensators import compensators
+from compensator_theory.strategies.corners import (
+    derogatory_loops,
+    exactly_proper_plants,
+    irrational_polynomials,
+    minimal_mimo_plants,
+    nearly_cancelling_plants,
+    noncoprime_pairs,
+)
 from compensator_theory.strategies.plants import (
     matrices,
     minimal_plants,
@@ -22,9 +30,15 @@ from compensator_theory.strategies.spectra import hurwitz_spectra, schur_spectra
 __all__ = [
     "compensators",
     "coprime_pairs",
+    "derogatory_loops",
+    "exactly_proper_plants",
     "hurwitz_spectra",
+    "irrational_polynomials",
     "matrices",
+    "minimal_mimo_plants",
     "minimal_plants",
+    "nearly_cancelling_plants",
+    "noncoprime_pairs",
     "nonzero_rationals",
     "polynomials",
     "rationals",

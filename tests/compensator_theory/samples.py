@@ -68,6 +68,24 @@ def discrete_problems(draw):
     return exact.standard_problem(f"{draw(nonzero_rationals())}*({b})/(q**3 - q/{5})", "q")
 
 
+def continuous_problems():
+    """Integrators with costs that give rational and irrational gains."""
+    return st.sampled_from([1, 2, "1/3"]).map(
+        lambda e: exact.StandardProblem(
+            [[0, 1], [0, 0]],
+            [[0], [1]],
+            [[1, 0]],
+            [[0, 0], [e, 0]],
+            None,
+            [[0, 1]],
+            [[e, 0], [0, 0]],
+            [[0], ["1/2"]],
+            None,
+            "s",
+        )
+    )
+
+
 @st.composite
 def transfer_matrices(draw):
     return draw(standard_problems(max_order=2)).G_zu
@@ -162,6 +180,16 @@ SAMPLES = {
         lambda a: exact.zero_direction_target([[1, 0], [a, 1]], [(a + a / abs(a), [1, a])])
     ),
     exact.HighAuthorityTarget: discrete_problems().map(exact.high_authority_target),
+    exact.HalfPlaneFactor: st.sampled_from([0, "1/4", 1]).map(
+        lambda r: exact.continuous_spectral_factor("s - 1", "s**2", r)
+    ),
+    exact.ContinuousRiccatiSolution: continuous_problems().map(
+        lambda plant: exact.continuous_lqg(plant).regulator
+    ),
+    exact.ContinuousLQG: continuous_problems().map(exact.continuous_lqg),
+    exact.RegulatorLocus: strictly_proper_plants().map(
+        lambda plant: exact.regulator_locus(plant.numerator, plant.denominator)
+    ),
     exact.LQGPoles: discrete_problems().map(exact.lqg_poles),
     exact.ObserverBasedCompensator: observer_based(),
     exact.ObserverDecision: st.builds(

@@ -28,6 +28,12 @@ ALL = {
     "hidden modes": ours.compensators(4, ("uncontrollable", "unobservable", "both")),
     "matrices": ours.matrices(2, 2),
     "standard_problems": ours.standard_problems(2),
+    "noncoprime_pairs": ours.noncoprime_pairs(),
+    "exactly_proper_plants": ours.exactly_proper_plants(),
+    "nearly_cancelling_plants": ours.nearly_cancelling_plants(),
+    "irrational_polynomials": ours.irrational_polynomials(2),
+    "minimal_mimo_plants": ours.minimal_mimo_plants(2),
+    "derogatory_loops": ours.derogatory_loops(2),
 }
 
 

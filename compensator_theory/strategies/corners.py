@@ -1,0 +1,199 @@
+"""The hard corners of exact compensator theory for Hypothesis, by construction."""
+
+from hypothesis import strategies as st
+from sympy import QQ, ImmutableMatrix, Poly, Rational, Symbol, diag
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.strategies.plants import disguised, matrices, unimodular_matrices
+from compensator_theory.strategies.polynomials import (
+    coprime_pairs,
+    coprime_to,
+    nonzero_rationals,
+    polynomials,
+    rationals,
+)
+from compensator_theory.systems.state_space import controllable_canonical_form
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+
+Triple = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
+
+
+@st.composite
+def noncoprime_pairs(
+    draw: st.DrawFn, variable: str = "s", max_degree: int = 3, max_common: int = 2
+) -> tuple[Poly, Poly, Poly]:
+    """Draw (a, b, g): a and b, not zero, deg b < deg a, with the monic greatest common divisor g.
+
+    Of 150 draws with the defaults about four in five have g of degree 1, one in five of degree 2,
+    and one in seven a g that is a square.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import noncoprime_pairs
+    >>> @given(noncoprime_pairs())
+    ... def check(drawn):
+    ...     a, b, g = drawn
+    ...     assert a.gcd(b).monic() == g and g.degree() >= 1
+    >>> check()
+    """
+    a, b = draw(coprime_pairs(variable, max_degree))
+    degree = draw(st.integers(1, max_common))
+    g = draw(polynomials(variable, degree, degree, is_monic=True))
+    if degree == 2 and draw(st.booleans()):
+        g = Poly([1, draw(rationals())], Symbol(variable), domain=QQ) ** 2
+    return canonical(a * g), canonical(b * g), canonical(g)
+
+
+@st.composite
+def exactly_proper_plants(
+    draw: st.DrawFn, variable: str = "s", max_order: int = 4
+) -> TransferFunction:
+    """Draw exactly proper plants of order 1 or more with coprime numerator and denominator.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import exactly_proper_plants
+    >>> @given(exactly_proper_plants())
+    ... def check(plant):
+    ...     assert plant.is_coprime and plant.numerator.degree() == plant.order >= 1
+    >>> check()
+    """
+    a, b = draw(coprime_pairs(variable, max_order))
+    return TransferFunction(canonical(b + a.mul_ground(draw(nonzero_rationals()))), a)
+
+
+@st.composite
+def nearly_cancelling_plants(
+    draw: st.DrawFn, variable: str = "s", max_order: int = 4
+) -> TransferFunction:
+    r"""Draw plants with a pole of multiplicity 1, 2 or 3 and a zero very close to it.
+
+    .. math:: G = \frac{g\,(s - p - \epsilon)}{(s - p)^m \prod_j (s - p - j)}, \qquad
+              \epsilon = \pm 10^{-k}, \quad 1 \le k \le 12
+
+    Of 150 draws about half have m = 1, one in seven m = 2, two in five m = 3.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import nearly_cancelling_plants
+    >>> @given(nearly_cancelling_plants())
+    ... def check(plant):
+    ...     assert plant.is_coprime and plant.is_strictly_proper
+    >>> check()
+    """
+    s = Symbol(variable)
+    p, m = draw(rationals()), draw(st.integers(1, 3))
+    others = draw(st.integers(1 if m == 1 else 0, max(1, max_order - m)))
+    epsilon = draw(st.sampled_from([1, -1])) * Rational(1, 10 ** draw(st.integers(1, 12)))
+    D = Poly([1, -p], s, domain=QQ) ** m
+    for j in range(1, others + 1):
+        D *= Poly([1, -p - j], s, domain=QQ)
+    N = Poly([1, -p - epsilon], s, domain=QQ).mul_ground(draw(nonzero_rationals()))
+    return TransferFunction(canonical(N), canonical(D))
+
+
+@st.composite
+def irrational_polynomials(draw: st.DrawFn, pairs: int, variable: str = "s") -> Poly:
+    r"""Draw monic rational polynomials of degree 2 `pairs` all of whose roots are irrational.
+
+    .. math:: \prod_i \left((s - p_i)^2 \mp d_i\right), \qquad d_i \in \{2, 3, 5, 7\}
+
+    Of 150 draws of two factors two in five have real roots only, a third none, and one in five has
+    a repeated root.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import irrational_polynomials
+    >>> @given(irrational_polynomials(2))
+    ... def check(poly):
+    ...     assert all(factor.degree() == 2 for factor, _ in poly.factor_list()[1])
+    >>> check()
+    """
+    s = Symbol(variable)
+    product = Poly(1, s, domain=QQ)
+    for _ in range(pairs):
+        p = draw(rationals(4, 2))
+        d = draw(st.sampled_from([2, 3, 5, 7])) * draw(st.sampled_from([1, -1]))
+        product *= Poly([1, -2 * p, p**2 - d], s, domain=QQ)
+    return canonical(product)
+
+
+@st.composite
+def minimal_mimo_plants(
+    draw: st.DrawFn, mcmillan_degree: int, inputs: int = 2, outputs: int = 2
+) -> Triple:
+    """Draw minimal realisations (A, B, C) with several signals, of given McMillan degree.
+
+    One input and one output alone control and observe everything, so that A has one Jordan block
+    for each eigenvalue; the other columns and rows are arbitrary.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory import mcmillan_degree, realisation
+    >>> from compensator_theory.strategies import minimal_mimo_plants
+    >>> @given(minimal_mimo_plants(2))
+    ... def check(plant):
+    ...     assert mcmillan_degree(realisation(plant).transfer_matrix()) == 2
+    >>> check()
+    """
+    if min(mcmillan_degree, inputs, outputs) < 1:
+        raise InputError("a plant needs a state, an input and an output, one or more of each")
+    n = mcmillan_degree
+    D = draw(polynomials(min_degree=n, max_degree=n, is_monic=True))
+    N = coprime_to(D, draw(polynomials(max_degree=n - 1)))
+    A, b, c, _ = controllable_canonical_form(TransferFunction(N, D))
+    B = ImmutableMatrix(b.row_join(draw(matrices(n, inputs - 1))))
+    C = ImmutableMatrix(c.col_join(draw(matrices(outputs - 1, n))))
+    return disguised(A, B, C, draw(unimodular_matrices(n)))
+
+
+@st.composite
+def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Triple]:
+    """Draw a SISO plant and a compensator of its order with two Jordan blocks for one pole.
+
+    The compensator has a mode that is both uncontrollable and unobservable, and the plant's last
+    coefficient makes the visible loop have the same pole. Both are rational.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory import Realisation
+    >>> from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
+    >>> from compensator_theory.matrices.invariant_subspaces import derogatory_factor
+    >>> from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+    >>> from compensator_theory.strategies import derogatory_loops
+    >>> @given(derogatory_loops())
+    ... def check(loop):
+    ...     plant, compensator = (Realisation(*part) for part in loop)
+    ...     A = closed_loop_matrix(plant, compensator)
+    ...     whole = characteristic_polynomial(A, plant.variable)
+    ...     assert derogatory_factor(A, whole).degree() == 1
+    >>> check()
+    """
+    n = draw(st.integers(1, max_order))
+    D = draw(polynomials(min_degree=n, max_degree=n, is_monic=True))
+    N = coprime_to(D, draw(polynomials(max_degree=n - 1)))
+    D_c = draw(polynomials(min_degree=n - 1, max_degree=n - 1, is_monic=True))
+    N_c = draw(polynomials(max_degree=n - 2)) if n > 1 else Poly(0, D.gen, domain=QQ)
+    mode = draw(st.integers(-5, 5))
+    while D_c.eval(mode) == 0:
+        mode += 1
+    D -= D.eval(mode) - N.eval(mode) * N_c.eval(mode) / D_c.eval(mode)
+    plant = controllable_canonical_form(TransferFunction(N, canonical(D)))[:3]
+    if n == 1:
+        visible: Triple = (ImmutableMatrix(0, 0, []), ImmutableMatrix(0, 1, []),
+                           ImmutableMatrix(1, 0, []))  # fmt: skip
+    else:
+        visible = controllable_canonical_form(TransferFunction(N_c, D_c))[:3]
+    A = ImmutableMatrix(diag(visible[0], mode))
+    B, C = visible[1].col_join(ImmutableMatrix([[0]])), visible[2].row_join(ImmutableMatrix([[0]]))
+    return (
+        disguised(*plant, draw(unimodular_matrices(n))),
+        disguised(A, B, C, draw(unimodular_matrices(n))),
+    )
