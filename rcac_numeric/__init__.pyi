@@ -120,6 +120,8 @@ from .identification.modelling import (
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.mu_markov import identify_markov_parameters as identify_markov_parameters
 from .identification.noise_models import NeweyWest as NeweyWest
+from .identification.online.arx import RecursiveARX as RecursiveARX
+from .identification.online.zeros import OnlineZeros as OnlineZeros
 from .identification.recursive import RecursiveMarkov as RecursiveMarkov
 from .identification.windows import IdentifiedWindow as IdentifiedWindow
 from .identification.windows import identify_windows as identify_windows
@@ -195,6 +197,7 @@ from .sweeps.study.axes import RandomAxis as RandomAxis
 from .sweeps.study.files import load_study as load_study
 from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
+from .targets.data_driven import DataDriven as DataDriven
 from .targets.filters import target_model as target_model
 from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters

@@ -13,9 +13,10 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.values import Value, fingerprint
 from rcac_numeric.engine import _kernel
+from rcac_numeric.engine.live.learner import LearningLoop
 
 Counter = Callable[[], int]
-Compiled = _kernel.Controller | _kernel.Loop | _kernel.Filter | _kernel.Refinement
+Compiled = _kernel.Controller | _kernel.Loop | _kernel.Filter | _kernel.Refinement | LearningLoop
 
 
 @dataclass(frozen=True, eq=False)

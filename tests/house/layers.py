@@ -27,6 +27,7 @@ LAYERS = {
         "controllers.updates",
         "controllers",
         "engine.compiled",
+        "identification.online",
         "engine.live",
         "engine",
         "engine.reference",
