@@ -127,6 +127,8 @@ from .identification.modelling import (
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.mu_markov import identify_markov_parameters as identify_markov_parameters
 from .identification.noise_models import NeweyWest as NeweyWest
+from .identification.online.arx import RecursiveARX as RecursiveARX
+from .identification.online.zeros import OnlineZeros as OnlineZeros
 from .identification.recursive import RecursiveMarkov as RecursiveMarkov
 from .identification.windows import IdentifiedWindow as IdentifiedWindow
 from .identification.windows import identify_windows as identify_windows
@@ -205,6 +207,7 @@ from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
 from .targets.direction_checks import DirectionCheck as DirectionCheck
 from .targets.direction_checks import check_directions as check_directions
+from .targets.data_driven import DataDriven as DataDriven
 from .targets.filters import target_model as target_model
 from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters

@@ -18,6 +18,7 @@ from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.controllers.weights import SignalWeight
+from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.model import TargetModel
 
 FORMS = ("predictor", "filter")
@@ -35,8 +36,9 @@ class ControllerSettings(Value):
     ----------
     structure : Structure
         What the regressor is made of, for example ``iir(n_c=4)``.
-    target : TargetModel
-        G_f, with l_z rows and l_u columns.
+    target : TargetModel or DataDriven
+        G_f, with l_z rows and l_u columns; or how the controller learns it while it runs, which is
+        kept in `learning`.
     update : UD, Covariance, SlidingWindow, JointUD, Instantaneous or Gradient
         How theta is updated; R_theta, forgetting and what else belongs to it are its own.
     R_z, R_u : float, array of shape (l_z, l_z), SignalWeight, or function
@@ -61,6 +63,8 @@ class ControllerSettings(Value):
     reflect_poles : bool
         Replace unstable controller poles by their reciprocals after every update (section
         6.2.2); l_u = 1.
+    learning : DataDriven, optional
+        The other way to say it: `target` then is what stands there until the first look.
 
     Raises
     ------
@@ -91,12 +95,13 @@ class ControllerSettings(Value):
     target_changes: Mapping[int, TargetModel]
     freeze: tuple[tuple[int, int | None], ...]
     reflect_poles: bool
+    learning: DataDriven | None
 
     def __init__(
         self,
         *,
         structure: Structure,
-        target: TargetModel,
+        target: TargetModel | DataDriven,
         update: Update,
         R_z: ArrayLike | SignalWeight | WeightFunction = 1.0,
         R_u: ArrayLike | SignalWeight | WeightFunction = 0.0,
@@ -108,17 +113,24 @@ class ControllerSettings(Value):
         target_changes: Mapping[int, TargetModel] | None = None,
         freeze: Sequence[tuple[int, int | None]] = (),
         reflect_poles: bool = False,
+        learning: DataDriven | None = None,
     ) -> None:
         set_ = partial(object.__setattr__, self)
         if not isinstance(structure, Structure):
             raise InputError(f"structure = {structure!r}: use iir(...), fir(...) or another kind.")
         if not isinstance(update, Update):
             raise InputError(f"update = {update!r}: use UD(R_theta=...) or another update.")
+        if isinstance(target, DataDriven):
+            target, learning = target.first_target, target
         set_("structure", structure)
         set_("target", target)
+        set_("learning", learning)
         set_("target_changes", by_step(target_changes, "target_changes"))
         for model in self.targets:
             _require_target(model, structure, target)
+        if learning is not None:
+            self._require_learnable(learning)
+            k_w = learning.start if k_w is None else k_w
         update.require_size(structure.l_theta)
         set_("update", update)
         set_("R_z", _weight(R_z, "R_z", target.l_z, definite=True))
@@ -149,6 +161,11 @@ class ControllerSettings(Value):
         longest = max(target.n_f for target in self.targets)
         shortest = max(self.structure.n_c, longest)
         set_("k_w", shortest if k_w is None else integer(k_w, "k_w"))
+        if self.learning is not None and self.k_w < self.learning.start:
+            raise InputError(
+                f"k_w = {k_w}: until step start = {self.learning.start} of DataDriven u is the "
+                "dither alone. Use a later k_w, or an earlier start."
+            )
         if self.k_w < shortest:
             raise InputError(
                 f"k_w = {k_w} is shorter than max(n_c, n_f) = max({self.structure.n_c}, "
@@ -157,6 +174,18 @@ class ControllerSettings(Value):
             )
         set_("k_update", self.k_w if k_update is None else integer(k_update, "k_update"))
         set_("k_filter", integer(k_filter, "k_filter"))
+
+    def _require_learnable(self, learning: DataDriven) -> None:
+        instance_of(learning, "learning", DataDriven)
+        widths = self.structure.l_u, self.target.l_z
+        if widths != (1, 1):
+            raise InputError(
+                f"DataDriven learns a target model for scalar u and z; here (l_u, l_z) = {widths}."
+            )
+        if self.target_changes:
+            raise InputError(
+                "DataDriven changes the target model itself; leave target_changes out."
+            )
 
     @property
     def targets(self) -> tuple[TargetModel, ...]:

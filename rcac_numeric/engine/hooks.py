@@ -48,7 +48,7 @@ def run_with_hook(prepared: PreparedRun, on_step: Hook, every: int) -> None:
         k = prepared.first_step + prepared.job.done
         if k > 0 and k % every == 0:
             _ask(prepared, on_step, k)
-        prepared.job.pause_at(min(steps, prepared.job.done + every - k % every))
+        prepared.hold(min(steps, prepared.job.done + every - k % every))
         run_to_end([prepared])
 
 

@@ -59,9 +59,12 @@ def in_slices(
     """
     jobs = [one.job for one in prepared]
     go_on = True
+    for one in prepared:
+        one.proceed()
     while go_on:
         try:
             go_on = _kernel.run_jobs(jobs, threads, CHUNK, lanes)
+            go_on = sum(one.proceed() for one in prepared) > 0 or go_on  # each of them proceeds
         except KeyboardInterrupt:
             if not keep:
                 raise

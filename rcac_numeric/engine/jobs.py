@@ -17,6 +17,7 @@ from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compatibility import (
     AnyController,
+    OneController,
     command_position,
     controllers_of,
     require_fit,
@@ -26,6 +27,7 @@ from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
+from rcac_numeric.engine.live.learner import LearningLoop, TargetLearner
 from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -67,6 +69,9 @@ class PreparedRun:
             compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
         ]
         self._loop = self._compiled_loop(body)
+        self.learner = _learner(self._controllers)
+        whole = self._loop if self.learner is None else LearningLoop(self._loop, self.learner)
+        self._whole: _kernel.Loop | LearningLoop = whole
         self.first_step = 0
         if start is not None:
             self._continue(start)
@@ -81,14 +86,45 @@ class PreparedRun:
         self.job = _kernel.Job(
             self._loop, self.w, self.u, applied, self.y, self.z, self._theta, kept_every
         )
+        self._hold, self._learnt, self._looked_at = steps, 0, -1
 
     def _continue(self, start: SavedState) -> None:
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
         saved_state(start, "start").restore_into(
-            self._loop, "loop", self._name, lambda: self._kernels[0].k
+            self._whole, "loop", self._name, lambda: self._kernels[0].k
         )
         self.first_step = start.k
+
+    def hold(self, row: int) -> None:
+        """Let the job go no further than so many rows."""
+        self._hold = row
+        self._pause()
+
+    def _pause(self) -> None:
+        stop, k = self._hold, self.first_step + self.job.done
+        if self.learner is not None:
+            stop = min(stop, self.learner.next_look(k) - self.first_step)
+        self.job.pause_at(max(stop, self.job.done))
+
+    def proceed(self) -> bool:
+        """Where the job stands still: learn, look, and say whether there is more to do."""
+        if self.learner is None or self.job.outcome != 0:
+            return False
+        self._learn(self.learner)
+        if self.job.done >= self._hold:
+            return False
+        k = self.first_step + self.job.done
+        if self.learner.is_due(k) and self._looked_at != k:
+            self._looked_at = k
+            if (asked := self.learner.look()) is not None:
+                self.change(*asked)
+        self._pause()
+        return True
+
+    def _learn(self, learner: TargetLearner) -> None:
+        new, self._learnt = slice(self._learnt, self.job.done), self.job.done
+        learner.take(self.u_applied[new], self.z[new])
 
     @cached_property
     def _name(self) -> str:
@@ -115,6 +151,8 @@ class PreparedRun:
         is in the middle of a step, and none is handed out.
         """
         done, outcome, kernels = self.job.done, self.job.outcome, self._kernels
+        if self.learner is not None and outcome == 0:
+            self._learn(self.learner)
         # A function in which the key was pressed looks to the kernel like one that failed.
         in_function = (
             OUTCOMES[outcome] in ("plant failed", "overflow")
@@ -124,7 +162,7 @@ class PreparedRun:
         stopped = interrupted and done < len(self.w) and (outcome == 0 or in_function)
         state = None
         if with_state and outcome == 0 and not (stopped and self._failures.guards_something):
-            state = SavedState.taken("loop", self.first_step + done, self._loop.save(), self._name)
+            state = SavedState.taken("loop", self.first_step + done, self._whole.save(), self._name)
         return Run(
             plant=self.plant,
             settings=self.settings,
@@ -201,6 +239,16 @@ class PreparedRun:
             shared_u=shared,
             r_in_w=command_position(plant, max(one.l_r for one in self._controllers)),
         )
+
+
+def _learner(controllers: tuple[OneController, ...]) -> TargetLearner | None:
+    """What learns the target model of the one controller, if it is to be learnt."""
+    learning = [getattr(one, "learning", None) for one in controllers]
+    if not any(learning):
+        return None
+    if len(learning) > 1:
+        raise InputError("DataDriven learns u -> z for one controller; several would act on z.")
+    return TargetLearner(learning[0])
 
 
 def divergence_limit_of(given: float | None, *from_outside: Array | None) -> float:

@@ -31,6 +31,7 @@ LAYERS = {
         "controllers.updates",
         "controllers",
         "engine.compiled",
+        "identification.online",
         "engine.live",
         "engine",
         "engine.reference",

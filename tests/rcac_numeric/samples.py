@@ -224,6 +224,18 @@ SAMPLES = {
     # targets, identification
     rcac.ControllerChange: controller_change,
     rcac.AppliedChange: lambda seed: rcac.AppliedChange(seed, controller_change(seed), "keep", 0.1),
+    rcac.OnlineZeros: lambda seed: rcac.OnlineZeros(
+        1.5 + random(seed, 2) + 0j,
+        abs(random(seed, 2)),
+        ("undecided",) * 2,
+        1,
+        1.0,
+        0.1,
+        4,
+        9.0,
+        0.5,
+    ),
+    rcac.DataDriven: lambda seed: rcac.DataDriven(seed=seed),
     rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
     rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
     rcac.DirectionInformation: lambda seed: rcac.DirectionInformation(

@@ -57,7 +57,8 @@ void bind_arx(nb::module_& m) {
                      [](const OwnedArx& self) {
                          const std::vector<double>& theta = self.arx.theta();
                          return to_numpy(theta.data(), theta.size());
-                     })
+                     },
+                     nb::rv_policy::automatic)
         .def_prop_ro("errors",
                      [](const OwnedArx& self) {
                          std::vector<double> errors(RecursiveArx::kept_errors);
@@ -65,13 +66,14 @@ void bind_arx(nb::module_& m) {
                              errors[i] = self.arx.error(errors.size() - 1 - i);
                          const std::size_t size = errors.size();
                          return to_numpy(std::move(errors), {size});
-                     })
+                     },
+                     nb::rv_policy::automatic)
         .def_prop_ro("P", [](const OwnedArx& self) {
             const std::size_t n = self.arx.theta().size();
             std::vector<double> P(n * n);
             self.arx.update().covariance(P.data());
             return to_numpy(std::move(P), {n, n});
-        });
+        }, nb::rv_policy::automatic);
     m.def("arx", &make_arx, nb::kw_only(), nb::arg("order"), nb::arg("R_theta"),
           nb::arg("forgetting_factor"));
 }

@@ -31,6 +31,7 @@ from rcac_numeric.engine.compiled.updates import (
     kernel_update,
     require_kind,
 )
+from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.model import TargetModel
 
 NEVER = 2**62  # a step that no run reaches
@@ -92,6 +93,7 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Con
         reflect_poles=settings.reflect_poles,
         events=_events(settings, update),
         theta_0=settings.theta_0,
+        dither=_dither(settings.learning),
     )
 
 
@@ -142,6 +144,8 @@ def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
         require_kind(signal, "a derived signal", (DerivedSignal,), who)
     for model in settings.targets:
         require_kind(model, "target", (TargetModel,), who)
+    if settings.learning is not None:
+        require_kind(settings.learning, "learning", (DataDriven,), who)
     for name in ("R_z", "R_u"):
         if isinstance(weight := getattr(settings, name), SignalWeight):
             require_kind(weight, name, (SignalWeight,), who)
@@ -182,6 +186,12 @@ def _merged(intervals: Sequence[tuple[int, int | None]]) -> list[tuple[int, int 
         else:
             merged.append((start, stop))
     return [(start, None if stop == np.inf else int(stop)) for start, stop in merged]
+
+
+def _dither(learning: DataDriven | None) -> tuple[int, float, float, int]:
+    if learning is None:
+        return (0, 0.0, 0.0, 0)
+    return (learning.seed, learning.dither, learning.running_dither, learning.start)
 
 
 def _padded(model: TargetModel, order: int) -> tuple[Array, Array]:

@@ -20,6 +20,8 @@ EstimationModel = _kernel.EstimationModel
 EstimationError = _kernel.EstimationError
 Tape = tuple[Array, NDArray[np.int32], NDArray[np.int32]]  # constants, steps, results
 
+Arx = _kernel.Arx
+make_arx = _kernel.arx
 make_filter = _kernel.filter
 make_refinement = _kernel.refinement
 linear_estimation_model = _kernel.linear_estimation_model

@@ -1,0 +1,131 @@
+"""The model of u -> z beside a running controller, and what it asks to be changed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.engine.live.changes import ControllerChange
+from rcac_numeric.identification.online.arx import RecursiveARX
+from rcac_numeric.identification.online.zeros import PHASES, OnlineZeros
+from rcac_numeric.targets.data_driven import DataDriven
+from rcac_numeric.targets.model import TargetModel
+
+# A zero beyond that is a small leading coefficient more than a zero.
+LARGEST_ZERO = 10.0
+
+
+class TargetLearner:
+    """Takes in u and z, and says before a step whether G_f is to change, and why.
+
+    Parameters
+    ----------
+    settings : DataDriven
+    """
+
+    def __init__(self, settings: DataDriven) -> None:
+        self.settings = settings
+        self.model = RecursiveARX(
+            settings.order, R_theta=settings.R_theta, lambda_=settings.lambda_
+        )
+        self._current = np.zeros(0)  # the numerator that was asked for last
+        self._outside = np.zeros(0, dtype=np.complex128)  # its zeros
+
+    def take(self, u: Array, z: Array) -> None:
+        """The next steps."""
+        self.model.update(u, z)
+
+    def next_look(self, k: int) -> int:
+        """The first step after k before which the model is looked at."""
+        start, every = self.settings.start, self.settings.every
+        return start if k < start else k + every - (k - start) % every
+
+    def is_due(self, k: int) -> bool:
+        """Whether the model is looked at before step k."""
+        return k >= self.settings.start and (k - self.settings.start) % self.settings.every == 0
+
+    def look(self) -> tuple[ControllerChange, str] | None:
+        """The change to make now and its evidence; None where the target stays."""
+        try:
+            found = self.model.estimate(self.settings.level, self.settings.d_zu)
+        except InputError:
+            return None  # u is not seen to act on z: the target stays
+        outside = self._chosen(found)
+        H = found.H if self.settings.H is None else self.settings.H
+        if H == 0:
+            return None
+        numerator = np.r_[np.zeros(found.d_zu), H * np.poly(outside).real]
+        if not np.isfinite(numerator).all() or not self._differs(numerator):
+            return None
+        first = not self._current.size
+        self._current, self._outside = numerator, outside
+        option = "reset" if first else self.settings.covariance
+        return ControllerChange(TargetModel(numerator), covariance=option), str(found)
+
+    def _chosen(self, found: OnlineZeros) -> Array:
+        """The zeros that G_f is to have, in conjugate pairs."""
+        first = not self._current.size
+        chosen = []
+        for zero, phase in zip(found.zeros, found.phases, strict=True):
+            size = abs(zero)
+            if not 1 < size < LARGEST_ZERO or phase == PHASES[1]:
+                continue
+            was_outside = self._outside.size and (np.abs(self._outside - zero) < 0.2 * size).any()
+            if phase == PHASES[0] or first or was_outside:
+                chosen.append(zero)
+        # Both of a pair have one modulus and one error, but for rounding.
+        return np.array([z for z in chosen if z.imag == 0 or z.conjugate() in chosen])
+
+    def _differs(self, numerator: Array) -> bool:
+        if not self._current.size:
+            return True
+        length = max(len(numerator), len(self._current))
+        new, old = (np.pad(n, (0, length - len(n))) for n in (numerator, self._current))
+        gap = float(np.linalg.norm(new - old))
+        return gap > self.settings.changed * float(np.linalg.norm(old))
+
+    def save(self) -> Array:
+        """Everything that later looks depend on."""
+        parts = [self._outside.real, self._outside.imag]
+        sizes = np.array([float(self._current.size), float(self._outside.size)])
+        return np.concatenate([sizes, self._current, *parts, self.model.state])
+
+    def restore(self, values: Array) -> None:
+        """Go back, or forward, to what `save` gave."""
+        sizes = values[:2]
+        if len(sizes) < 2 or not (sizes >= 0).all() or not (sizes <= len(values)).all():
+            raise ValueError("it holds no state of a learner")
+        n, m = (int(size) for size in sizes)
+        ends = np.cumsum([2, n, m, m])
+        _, current, real, imaginary, model = np.split(values, ends)
+        self.model.restore(np.ascontiguousarray(model))
+        self._current, self._outside = current.copy(), real + 1j * imaginary
+
+
+class LearningLoop:
+    """A compiled loop or controller and its learner, saved and restored as one.
+
+    Parameters
+    ----------
+    compiled : compiled loop or controller
+    learner : TargetLearner
+    """
+
+    def __init__(self, compiled: object, learner: TargetLearner) -> None:
+        self._compiled, self._learner = compiled, learner
+
+    def save(self) -> Array:
+        """The learner's values behind those of the loop, and their number."""
+        learnt = self._learner.save()
+        values = self._compiled.save()  # type: ignore[attr-defined]
+        return np.concatenate([values, learnt, [float(learnt.size)]])
+
+    def restore(self, values: Array) -> None:
+        """Raise ValueError where the values do not fit."""
+        count = int(values[-1]) if values.size and 0 < values[-1] < values.size else 0
+        if not count:
+            raise ValueError("it holds no state of a learner")
+        whole = values[: -1 - count], values[-1 - count : -1]
+        self._compiled.restore(np.ascontiguousarray(whole[0]))  # type: ignore[attr-defined]
+        self._learner.restore(np.ascontiguousarray(whole[1]))

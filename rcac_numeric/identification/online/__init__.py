@@ -1,0 +1,1 @@
+"""Identification while the loop runs: recursive ARX, its zeros, and what they carry."""

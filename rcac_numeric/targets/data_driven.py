@@ -1,0 +1,118 @@
+"""A target model that the controller learns from u -> z while it runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import integer, number, one_of
+from rcac_numeric.targets.model import TargetModel
+
+COVARIANCES = ("blend", "keep", "reset", "replay")
+
+
+@dataclass(frozen=True)
+class DataDriven:
+    """In the place of a target model: RCAC learns d_zu, H and the NMP zeros from u -> z.
+
+    For `start` steps u is a white dither; from there on the controller runs with
+
+        G_f(q) = H q^{-d_zu} prod (1 - z_i q^{-1}),  z_i the NMP zeros,
+
+    the modelling information being that of an ARX(order) model of u -> z, which goes on learning.
+    Every `every` steps G_f is replaced where it changed by more than `changed` of its
+    coefficients; theta is kept. Scalar u and z.
+
+    A zero is NMP where its modulus exceeds 1 by `level` standard errors (delta method) and is
+    below 10. What is undecided keeps the side on which it was: at the beginning that of the
+    estimate. This is dual control: u serves the loop and the model.
+
+    Parameters
+    ----------
+    order : int
+        p of the ARX model; generous, since one that does not cover the plant and its noise is
+        biased for good. For a plant that is unstable small (p = n), and `start` short.
+    start : int
+        Steps of open loop with the dither alone, above the order.
+    every : int
+        Steps between two looks at the model; 5 for zeros that cross the unit circle.
+    lambda_ : float
+        Forgetting factor of the model (`SubspaceForgetting`); 1 for a plant that does not change.
+    dither, running_dither : float
+        Size of the dither before and after `start`. Ten times the sensor noise before; after, for
+        a plant that changes, the size of w, and for one that does not, 0.
+    d_zu : int, optional
+    H : float, optional
+        What is known; estimated where left out.
+    R_theta : float
+        Regularisation of the model.
+    level : float
+    changed : float
+    covariance : {"blend", "keep", "reset", "replay"}
+        What becomes of P, see `Controller.set_target`.
+    seed : int
+        Of the dither.
+
+    Raises
+    ------
+    InputError
+        Where a setting is out of range.
+
+    Notes
+    -----
+    Section 9.2.3 proposes to identify from the virtual perturbation u~(k) = u(k) - Phi(k)
+    theta(k+1). As literally generated it does not work: without dither its size falls to 1e-3 of
+    u, and it mixes as many controllers as steps. With theta frozen it holds what u holds.
+    docs/beyond-the-text.md has the figures.
+
+    Examples
+    --------
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, DataDriven, WhiteNoise, exogenous, iir, simulate,
+    ...     standard_plant)
+    >>> plant = standard_plant("(q - 1.5)/((q - 0.5)*(q - 0.7))")
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=6), update=UD(R_theta=1e-3), target=DataDriven(order=10, dither=1))
+    >>> run = simulate(plant, settings, exogenous([WhiteNoise(0.1)], 2000))
+    >>> run.outcome, run.changes[0].k, run.changes[0].change.target.n_f
+    ('completed', 300, 2)
+    """
+
+    order: int = 20
+    start: int = 300
+    every: int = 50
+    lambda_: float = 1.0
+    dither: float = 0.01
+    running_dither: float = 0.0
+    d_zu: int | None = None
+    H: float | None = None
+    R_theta: float = 1e-6
+    level: float = 1.96
+    changed: float = 0.05
+    covariance: str = "blend"
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        integer(self.order, "order", at_least=1, at_most=200)
+        integer(self.start, "start", at_least=self.order + 1)
+        integer(self.every, "every", at_least=1)
+        integer(self.seed, "seed", at_most=2**63 - 1)
+        if self.d_zu is not None:
+            integer(self.d_zu, "d_zu", at_least=1, at_most=self.order)
+        for name in ("lambda_", "dither", "running_dither", "R_theta", "level", "changed"):
+            value = number(getattr(self, name), name)
+            object.__setattr__(self, name, value)
+            if value < 0 or (value == 0 and name in ("lambda_", "dither", "R_theta")):
+                raise InputError(f"{name} = {value} must be positive.")
+        if self.lambda_ > 1:
+            raise InputError(f"lambda_ = {self.lambda_} is not in (0, 1].")
+        if self.H is not None:
+            object.__setattr__(self, "H", number(self.H, "H"))
+            if self.H == 0:
+                raise InputError("H = 0: the leading coefficient cannot be zero.")
+        one_of(self.covariance, "covariance", COVARIANCES)
+
+    @property
+    def first_target(self) -> TargetModel:
+        """What stands in the place of G_f until the first look; no update runs with it."""
+        return TargetModel([0.0, 1.0])
