@@ -131,6 +131,7 @@ from .margins.classical import Margins as Margins
 from .margins.classical import stability_margins as stability_margins
 from .margins.disk import DiskMargin as DiskMargin
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
+from .plants.foreign.reading import plant_of as plant_of
 from .plants.functions import FunctionPlant as FunctionPlant
 from .plants.gallery.aircraft import aircraft as aircraft
 from .plants.gallery.aircraft import aircraft_matrices as aircraft_matrices

@@ -7,6 +7,7 @@ from dataclasses import replace
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -16,6 +17,7 @@ from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.saturation import Saturation
 
 
@@ -35,6 +37,7 @@ def simulate(
     Parameters
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
+        Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`.
     settings : ControllerSettings, Decentralized or FixedController
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
@@ -83,6 +86,8 @@ def simulate(
     >>> bool((rest.theta_final == run.theta_final).all())
     True
     """
+    if is_foreign(plant):
+        plant = plant_of(plant)
     prepared = PreparedRun(
         plant,
         settings,

@@ -21,6 +21,7 @@ LAYERS = {
         "arrays",
         "plants",
         "plants.gallery",
+        "plants.foreign",
         "signals",
         "targets",
         "identification",
