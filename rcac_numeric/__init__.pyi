@@ -139,6 +139,7 @@ from .margins.classical import Margins as Margins
 from .margins.classical import stability_margins as stability_margins
 from .margins.disk import DiskMargin as DiskMargin
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
+from .plants.foreign.reading import plant_of as plant_of
 from .plants.functions import FunctionPlant as FunctionPlant
 from .plants.gallery.aircraft import aircraft as aircraft
 from .plants.gallery.aircraft import aircraft_matrices as aircraft_matrices
@@ -205,9 +206,9 @@ from .sweeps.study.axes import RandomAxis as RandomAxis
 from .sweeps.study.files import load_study as load_study
 from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
+from .targets.data_driven import DataDriven as DataDriven
 from .targets.direction_checks import DirectionCheck as DirectionCheck
 from .targets.direction_checks import check_directions as check_directions
-from .targets.data_driven import DataDriven as DataDriven
 from .targets.filters import target_model as target_model
 from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters

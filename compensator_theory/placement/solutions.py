@@ -75,7 +75,12 @@ class PolePlacement(ExactValue):
     @property
     def compensator(self) -> TransferFunction:
         """The pair (N_c, D_c) as an unreduced transfer function, which knows its sign."""
-        return TransferFunction(self.numerator, self.denominator, feedback=self.feedback)
+        return TransferFunction(
+            self.numerator,
+            self.denominator,
+            feedback=self.feedback,
+            sample_time=self.plant.sample_time,
+        )
 
     @property
     def leading_coefficient(self) -> Expr:

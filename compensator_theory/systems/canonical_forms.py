@@ -76,7 +76,9 @@ def realisation(
     if is_foreign(obj):
         found = contents_of(obj, variable)
         if isinstance(found, Matrices):
-            return Realisation(found.A, found.B, found.C, found.D, found.variable)
+            return Realisation(
+                found.A, found.B, found.C, found.D, found.variable, sample_time=found.sample_time
+            )
     return _canonical(obj, variable, form)
 
 

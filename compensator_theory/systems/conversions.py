@@ -1,6 +1,7 @@
 """Everything that describes a SISO transfer function, to an exact one."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TypeAlias
 
 from sympy import Poly, Symbol
@@ -148,6 +149,10 @@ def _in_variable(G: TransferFunction, variable: str | Symbol | None) -> Transfer
 
 
 def _from_foreign(found: Contents) -> TransferFunction:
+    return replace(_fraction_of(found), sample_time=found.sample_time)
+
+
+def _fraction_of(found: Contents) -> TransferFunction:
     match found:
         case Fraction(numerator, denominator, variable):
             return TransferFunction(

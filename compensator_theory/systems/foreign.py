@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeAlias
 
-from sympy import Symbol
+from sympy import Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.variables import as_symbol
 
 
@@ -41,6 +42,7 @@ class Fraction:
     numerator: Any
     denominator: Any
     variable: Symbol
+    sample_time: Rational | None = None
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,7 @@ class ZerosAndPoles:
     poles: Iterable[Any]
     gain: Any
     variable: Symbol
+    sample_time: Rational | None = None
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,7 @@ class Matrices:
     C: Any
     D: Any
     variable: Symbol
+    sample_time: Rational | None = None
 
 
 Contents: TypeAlias = Fraction | ZerosAndPoles | Matrices
@@ -105,6 +109,27 @@ def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
                 f"SymPy cannot join the parts of this {type(system).__name__}: {error}; join "
                 "transfer functions only"
             ) from error
+    return replace(_of_numbers(system, variable), sample_time=sample_time_of(system))
+
+
+def sample_time_of(system: Any) -> Rational | None:
+    """Return the sample time of a foreign system in seconds; None where it has none.
+
+    Examples
+    --------
+    >>> import control
+    >>> from compensator_theory.systems.foreign import sample_time_of
+    >>> sample_time_of(control.tf([1], [1, 2], 0.01)), sample_time_of(control.tf([1], [1, 2], True))
+    (1/100, None)
+    """
+    period = getattr(system, "dt", None)
+    if period is None or isinstance(period, bool) or not period > 0:
+        return None
+    found: Rational = exact_number(float(period))
+    return found
+
+
+def _of_numbers(system: Any, variable: str | Symbol | None) -> Contents:
     if all(hasattr(system, name) for name in "ABCD"):
         return Matrices(system.A, system.B, system.C, system.D, _variable(system, variable))
     if hasattr(system, "gain") and hasattr(system, "zeros"):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
@@ -34,6 +34,8 @@ class Realisation(ExactValue):
         Where it was made from a transfer function: that the two are the same.
     feedback : {+1, -1}, optional
         Of a compensator: the sign of the loop that it was designed for.
+    sample_time : Rational, optional
+        In seconds, where it was read from a system that has one.
 
     Raises
     ------
@@ -59,6 +61,7 @@ class Realisation(ExactValue):
     variable: Symbol
     certificate: Certificate | None = field(default=None, compare=False)
     feedback: int | None = field(default=None, compare=False)
+    sample_time: Rational | None = field(default=None, compare=False)
 
     def __init__(
         self,
@@ -69,11 +72,13 @@ class Realisation(ExactValue):
         variable: str | Symbol = "s",
         certificate: Certificate | None = None,
         feedback: int | None = None,
+        sample_time: Rational | None = None,
     ) -> None:
         symbol = as_symbol(variable)
         object.__setattr__(self, "variable", symbol)
         object.__setattr__(self, "certificate", certificate)
         object.__setattr__(self, "feedback", feedback)
+        object.__setattr__(self, "sample_time", sample_time)
         a, b, c = exact_matrix(A, "A"), exact_matrix(B, "B"), exact_matrix(C, "C")
         d = ImmutableMatrix.zeros(c.rows, b.cols) if D is None else exact_matrix(D, "D")
         needed = {"A": (a.rows, a.rows), "B": (a.rows, b.cols), "C": (c.rows, a.rows)}
@@ -150,7 +155,8 @@ class Realisation(ExactValue):
 
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""
-        return replace(self.transfer_matrix().scalar(), feedback=self.feedback)
+        scalar = self.transfer_matrix().scalar()
+        return replace(scalar, feedback=self.feedback, sample_time=self.sample_time)
 
     def in_basis(self, T: MatrixLike) -> "Realisation":
         """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""
@@ -191,7 +197,7 @@ def verified_realisation(
     C adj(sI - A) B + D det(sI - A) = N, det(sI - A) = D: holds exactly
     """
     s = G.variable
-    found = Realisation(A, B, C, D, s, feedback=G.feedback)
+    found = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
     back = found.transfer_function()
     residual = ImmutableMatrix([
         [(back.numerator - G.numerator).as_expr(), (back.denominator - G.denominator).as_expr()]

@@ -37,6 +37,8 @@ class TransferFunction(Substitution, ExactValue):
     feedback : {+1, -1}, optional
         Of a compensator: the sign of the loop that it was designed for. Functions that close a loop
         refuse another one.
+    sample_time : Rational, optional
+        In seconds, where it was read from a system that has one; it goes back out with it.
 
     Raises
     ------
@@ -66,6 +68,7 @@ class TransferFunction(Substitution, ExactValue):
     denominator: Poly
     certificate: Certificate | None = field(default=None, compare=False)
     feedback: int | None = field(default=None, compare=False)
+    sample_time: Rational | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         numerator, denominator = polynomial(self.numerator), polynomial(self.denominator)
@@ -136,6 +139,7 @@ class TransferFunction(Substitution, ExactValue):
             canonical(self.numerator.exquo(factor)),
             canonical(self.denominator.exquo(factor)),
             feedback=self.feedback,
+            sample_time=self.sample_time,
         )
 
     def zeros(self) -> tuple[Root, ...]:
@@ -162,7 +166,8 @@ class TransferFunction(Substitution, ExactValue):
         Parameters
         ----------
         dt : float or bool, optional
-            Sample time in seconds. Default: 0 (continuous) for ``s``, True for ``z`` and ``q``.
+            Sample time in seconds. Default: that which it was read with, else 0 (continuous) for
+            ``s`` and True for ``z`` and ``q``.
 
         Raises
         ------
@@ -171,6 +176,8 @@ class TransferFunction(Substitution, ExactValue):
         """
         import control  # slow to import, and only needed at this door
 
+        if dt is None and self.sample_time is not None:
+            dt = _to_float(self.sample_time)
         if dt is None:
             dt = {"s": 0, "z": True, "q": True}.get(self.variable.name)
             if dt is None:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import DivergedError, InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
@@ -29,6 +30,7 @@ from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
+from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -161,7 +163,8 @@ def check_controller(
     compensator : Compensator, optional
         In place of theta and structure. (D_c and N_c of a log do the same.)
     plant : Plant, optional
-        Without it there are no poles, margins, costs or match.
+        Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`. Without it
+        there are no poles, margins, costs or match.
     target : TargetModel, optional
     noise : mapping, optional
         Intensities of blocks or channels of w for the H2 costs, as for `h2_cost`.
@@ -200,6 +203,8 @@ def check_controller(
     >>> check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2)).unsaid["poles"]
     'the plant is not known'
     """
+    if plant is not None and is_foreign(plant):
+        plant = instance_of(plant_of(plant), "plant", Plant)
     if isinstance(u, Run):
         own = check_arguments(u)
         signals: ArrayLike | ControllerLog = own["log"]

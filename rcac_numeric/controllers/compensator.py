@@ -116,11 +116,14 @@ class Compensator(Value):
         shift, outputs, P, _ = self.observer_form()
         return np.linalg.eigvals(shift + P @ outputs).astype(np.complex128)
 
-    def to_control(self) -> control.StateSpace:
-        """The compensator as a discrete-time python-control system with unspecified period."""
+    def to_control(self, sample_time: float | None = None) -> control.StateSpace:
+        """The compensator as a discrete-time python-control system.
+
+        Without a sample time, in seconds, its period is unspecified, dt = True.
+        """
         import control  # a second of import time, paid only here
 
-        return control.ss(*self.state_space(), True)
+        return control.ss(*self.state_space(), True if sample_time is None else sample_time)
 
     def _require_scalar(self) -> None:
         if self.past_y.shape[1:] != (1, 1):

@@ -8,6 +8,7 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -20,6 +21,7 @@ from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.engine.stepwise import StepwiseLoop
 from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.saturation import Saturation
 
 
@@ -41,6 +43,8 @@ def simulate(
     Parameters
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
+    if is_foreign(plant):
+        plant = plant_of(plant)
     settings : ControllerSettings, Decentralized, FixedController or IndirectSettings
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
@@ -94,6 +98,8 @@ def simulate(
     >>> bool((rest.theta_final == run.theta_final).all())
     True
     """
+    if is_foreign(plant):
+        plant = plant_of(plant)
     options: dict[str, Any] = {
         "x_0": x_0,
         "stride": stride,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compensator_theory.errors import IllConditionedError, ImproperError, InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
@@ -24,6 +25,7 @@ from rcac_numeric.h2.riccati import stabilising_solution
 from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
 from rcac_numeric.h2.state_space import StateSpace
+from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.linear import Plant
 
 if TYPE_CHECKING:
@@ -99,10 +101,13 @@ class LQG(Value):
         return ClosedLoop(self.plant, self.compensator)
 
     def to_control(self) -> control.StateSpace:
-        """The controller as a discrete-time python-control StateSpace with unspecified period."""
+        """The controller as a python-control StateSpace with the sample time of the plant.
+
+        True stands for a plant that has none.
+        """
         import control  # a second of import time, paid only here
 
-        return control.ss(*self.state_space, True)
+        return control.ss(*self.state_space, self.plant.sample_time or True)
 
     @cached_property
     def poles(self) -> ComplexArray:
@@ -164,8 +169,9 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     Parameters
     ----------
     plant : Plant
-        R_1, R_12, R_2 are E_1'E_1, E_1'E_2, E_2'E_2 and V_1, V_12, V_2 are D_1D_1', D_1D_2',
-        D_2D_2'; all may be singular or zero. R_2 = 0 and V_2 = 0 is high-authority LQG.
+        Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`. R_1, R_12, R_2
+        are E_1'E_1, E_1'E_2, E_2'E_2 and V_1, V_12, V_2 are D_1D_1', D_1D_2', D_2D_2'; all may be
+        singular or zero. R_2 = 0 and V_2 = 0 is high-authority LQG.
     noise : mapping, optional
         Which blocks or channels of w are noise, with their intensities, for example
         ``{"d": 1.0, "v": 0.25}``; see `noise_inputs`. Every channel with intensity 1 by default.
@@ -210,7 +216,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     >>> lqg(plant, noise={"d": 1.0, "v": 0.25}, form="filter").cost
     H2Cost(1.88278: d 1.05816, v 0.824626)
     """
-    instance_of(plant, "plant", Plant)
+    plant = instance_of(plant_of(plant) if is_foreign(plant) else plant, "plant", Plant)
     one_of(form, "form", FORMS)
     inputs = noise_inputs(plant, noise)
     regulator = stabilising_solution(

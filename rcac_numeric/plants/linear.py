@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 import compensator_theory
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import matrix
+from rcac_numeric.arrays.validation import matrix, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.any_plant import blocks_of_w
 
@@ -39,6 +39,8 @@ class Plant(Value):
         How w is divided, for example {"r": 1, "d": 1, "v": 1} for the servo problem.
     exact : compensator_theory.StandardProblem, optional
         What the matrices were rounded from.
+    sample_time : float, optional
+        In seconds, where one is known: controllers go out to other packages with it.
 
     Raises
     ------
@@ -64,6 +66,7 @@ class Plant(Value):
     E_0: Array
     blocks: Mapping[str, int]
     exact: compensator_theory.StandardProblem | None = field(default=None)
+    sample_time: float | None = field(default=None, compare=False)
 
     def __init__(
         self,
@@ -78,6 +81,7 @@ class Plant(Value):
         E_0: ArrayLike | None = None,
         blocks: Mapping[str, int] | None = None,
         exact: compensator_theory.StandardProblem | None = None,
+        sample_time: float | None = None,
     ) -> None:
         def read(value: ArrayLike, name: str, rows: int | None, columns: int | None) -> None:
             object.__setattr__(self, name, matrix(value, name, (rows, columns)))
@@ -97,6 +101,10 @@ class Plant(Value):
         read_or_zero(E_0, "E_0", self.l_z, self.l_w)
         object.__setattr__(self, "blocks", blocks_of_w({} if blocks is None else blocks, self.l_w))
         object.__setattr__(self, "exact", exact)
+        if sample_time is not None and not number(sample_time, "sample_time") > 0:
+            raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+        period = None if sample_time is None else float(sample_time)
+        object.__setattr__(self, "sample_time", period)
 
     @property
     def n(self) -> int:

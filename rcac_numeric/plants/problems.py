@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
+from compensator_theory.systems.foreign import is_foreign
+from compensator_theory.systems.foreign import sample_time_of as exact_sample_time
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.plants.linear import MATRICES, Plant
 
 
 def from_problem(problem: exact.StandardProblem, blocks: Mapping[str, int] | None = None) -> Plant:
     """An exact standard problem, each entry rounded once to float64."""
-    matrices = {
+    matrices: dict[str, Any] = {
         name: rounded(list(getattr(problem, name)), name).reshape(getattr(problem, name).shape)
         for name in MATRICES
     }
@@ -34,7 +37,8 @@ def standard_plant(G: Any) -> Plant:
     >>> standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")
     Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
     """
-    return from_problem(_discrete(exact.standard_problem(G)))
+    plant = from_problem(_discrete(exact.standard_problem(G)))
+    return replace(plant, sample_time=sample_time_of(G))
 
 
 def servo_plant(G: Any = None, **matrices: Any) -> Plant:
@@ -44,7 +48,9 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     ----------
     G : transfer function, optional
         Anything `compensator_theory.transfer_function` accepts; or one row of them,
-        [[G_1, G_2]], for a plant whose inputs add up in one output, (6.7).
+        [[G_1, G_2]], for a plant whose inputs add up in one output, (6.7); or a system of
+        python-control, SciPy or SymPy with any numbers of inputs and outputs, each input with a
+        disturbance d of its own.
     **matrices
         A, B, D_1, C and D_0 of (2.16)-(2.17) in place of G; and
         performance="measured" (z = e_n, the default) or "true" (z = e_0).
@@ -70,9 +76,17 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     """
     if isinstance(G, list) and len(G) == 1 and isinstance(G[0], list):
         matrices, G = {**matrices, **realised_row(G[0])}, None
+    period = sample_time_of(G)
+    if is_foreign(G) and _signals(G) != (1, 1):
+        # Inputs and disturbances are matched, in the system's own basis or a minimal one.
+        found = exact.minimal_realisation(exact.transfer_matrix(G)).realisation
+        found = exact.realisation(G) if hasattr(G, "A") else found
+        own = {"A": found.A, "B": found.B, "D_1": found.B, "C": found.C, "D_0": found.D}
+        matrices, G = {**own, "variable": found.variable, **matrices}, None
     problem = _discrete(exact.servo_problem(G, **matrices))
     l_y = problem.C.shape[0]
-    return from_problem(problem, {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y})
+    blocks = {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y}
+    return replace(from_problem(problem, blocks), sample_time=period)
 
 
 def realised_row(entries: list[Any]) -> dict[str, Any]:
@@ -117,6 +131,31 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
         "C": [[1] + [0] * (n - 1)],
         "variable": given[0].variable,
     }
+
+
+def sample_time_of(system: Any) -> float | None:
+    """The sample time of a system of another package; None where it has none, or of a text.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric.plants.problems import sample_time_of
+    >>> sample_time_of(control.tf([1], [1, -0.5], 0.01)), sample_time_of("1/(q - 0.5)")
+    (0.01, None)
+    """
+    if isinstance(system, exact.TransferFunction | exact.Realisation):
+        period = system.sample_time
+    else:
+        period = exact_sample_time(system) if is_foreign(system) else None
+    return None if period is None else float(period)
+
+
+def _signals(system: Any) -> tuple[int, int]:
+    """Numbers of inputs and outputs."""
+    for names in (("ninputs", "noutputs"), ("inputs", "outputs"), ("num_inputs", "num_outputs")):
+        if all(isinstance(getattr(system, name, None), int) for name in names):
+            return getattr(system, names[0]), getattr(system, names[1])
+    return 1, 1
 
 
 def _discrete(problem: exact.StandardProblem) -> exact.StandardProblem:

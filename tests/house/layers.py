@@ -25,6 +25,7 @@ LAYERS = {
         "arrays",
         "plants",
         "plants.gallery",
+        "plants.foreign",
         "signals",
         "targets",
         "identification",

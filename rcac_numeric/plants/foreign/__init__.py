@@ -1,0 +1,1 @@
+"""Systems of python-control, SciPy and SymPy as plants of ours."""

@@ -1,0 +1,187 @@
+"""Whatever another package calls a system, as a plant, and the proof that it is the same one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+import compensator_theory as exact
+from compensator_theory.errors import IllConditionedError, InputError
+from compensator_theory.systems.foreign import is_foreign
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.validation import number, one_of, rounded
+from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign.nonlinear import is_nonlinear, plant_of_nonlinear
+from rcac_numeric.plants.functions import FunctionPlant
+from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.problems import sample_time_of, standard_plant
+from rcac_numeric.plants.schedules import PlantSchedule
+
+METHODS = ("zoh", "bilinear")
+CHECKED = np.exp(1j * np.array([0.1, 0.7, 1.9, 2.9]))  # where plant and source are compared
+LARGEST_GAP = 1e-8
+
+
+def plant_of(
+    system: Any, *, sample_time: float | None = None, method: str = "zoh",
+    variable: str | None = None,
+) -> AnyPlant:  # fmt: skip
+    """The standard problem y = z = G (u + w) of a system of another package, (2.15).
+
+    Parameters
+    ----------
+    system : python-control, SciPy or SymPy system, str or TransferFunction
+        One signal or several: StateSpace, TransferFunction, what `interconnect` gives, a discrete
+        `nlsys`; `lti` and `dlti`; StateSpace, TransferFunction, Series, Feedback and their
+        matrices of sympy.physics.control. A plant of ours is handed back as it is.
+    sample_time : float, optional
+        In seconds: with it, and only with it, a system in continuous time is sampled.
+    method : {"zoh", "bilinear"}
+        How: with a zero-order hold on its inputs, or by Tustin's substitution.
+    variable : {"s", "z"}, optional
+        Of a system that does not say whether its time is discrete: a StateSpace of SymPy, which
+        counts as continuous, or a system of python-control with dt = None.
+
+    Returns
+    -------
+    Plant, or FunctionPlant for a nonlinear system
+
+    Raises
+    ------
+    InputError
+        Where the system is in continuous time and no sample time is given, or is in discrete time
+        with another one, or cannot be read.
+    IllConditionedError
+        Where the float64 plant does not have the response of the system.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric import plant_of
+    >>> plant_of(control.ss([[0.5, 1], [0, 0.2]], np.eye(2), [[1, 1]], [[0, 0]], 0.01))
+    Plant(n=2, l_u=2, l_w=2, l_y=1, l_z=1)
+    >>> plant_of(control.tf([1], [1, 1]), sample_time=0.1).sample_time
+    0.1
+    >>> plant_of(control.tf([1], [1, 1]))
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: this TransferFunction is in continuous time, and RCAC runs
+    in discrete time; say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").
+    """
+    one_of(method, "method", METHODS)
+    if sample_time is not None and not number(sample_time, "sample_time") > 0:
+        raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+    if isinstance(system, Plant | PlantSchedule | FunctionPlant) or _is_own(system):
+        own: AnyPlant = system
+        return own
+    if is_nonlinear(system):
+        return plant_of_nonlinear(system, sample_time)
+    found = _realisation(system, variable)
+    own_period = sample_time_of(system)
+    if str(found.variable) == "s":
+        sampled = _sampled(system, found, sample_time, method)
+        return _verified(sampled, system, found, method)
+    if None not in (own_period, sample_time) and own_period != sample_time:
+        raise InputError(
+            f"the system is sampled every {own_period:g} s, not {sample_time:g} s; leave "
+            "sample_time out, or resample it yourself."
+        )
+    period = own_period if own_period is not None else sample_time
+    if not is_foreign(system):
+        return replace(standard_plant(system), sample_time=period)
+    A, B, C, D = (_float(found, name) for name in "ABCD")
+    return _verified(_matched(A, B, C, D, period), system, found, "")
+
+
+def _is_own(system: Any) -> bool:
+    """Whether it says of itself what a plant says; the engine decides whether it can run it."""
+    return all(hasattr(system, name) for name in ("l_u", "l_w", "l_y", "l_z", "blocks"))
+
+
+def _realisation(system: Any, variable: str | None) -> exact.Realisation:
+    """The exact realisation, in the system's own basis where it has one."""
+    if isinstance(system, exact.Realisation) or (is_foreign(system) and hasattr(system, "A")):
+        return exact.realisation(system, variable)
+    matrix = exact.transfer_matrix(system, variable)
+    if matrix.shape == (1, 1):
+        return exact.realisation(matrix.scalar())
+    return exact.minimal_realisation(matrix).realisation
+
+
+def _float(found: exact.Realisation, name: str) -> Array:
+    entries = getattr(found, name)
+    return np.reshape(rounded(list(entries), name), entries.shape)
+
+
+def _sampled(
+    system: Any, found: exact.Realisation, sample_time: float | None, method: str
+) -> Plant:
+    if sample_time is None:
+        raise InputError(
+            f"this {type(system).__name__} is in continuous time, and RCAC runs in discrete time; "
+            'say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").'
+        )
+    A, B, C, D = (_float(found, name) for name in "ABCD")
+    if method == "zoh":
+        A, B = zero_order_hold(A, B, sample_time)
+        return _matched(A, B, C, D, sample_time)
+    from scipy.signal import cont2discrete
+
+    A, B, C, D, _ = cont2discrete((A, B, C, D), sample_time, method)
+    return _matched(A, B, C, D, sample_time)
+
+
+def _matched(A: Array, B: Array, C: Array, D: Array, period: float | None) -> Plant:
+    """The standard problem with w at the inputs."""
+    return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=period)
+
+
+def _verified(plant: Plant, system: Any, found: exact.Realisation, method: str) -> Plant:
+    """The plant, whose response was compared with that of the system itself."""
+    if method == "zoh":  # its own rounding is bounded; the entries are compared by its tests
+        return plant
+    points = CHECKED
+    if method == "bilinear":
+        assert plant.sample_time is not None
+        points = 2 / plant.sample_time * (CHECKED - 1) / (CHECKED + 1)
+    ours, theirs = _response(plant, CHECKED), _response_of(system, found, points)
+    gap = np.abs(ours - theirs).max(initial=0.0)
+    size = np.abs(theirs).max(initial=0.0)
+    if not gap <= LARGEST_GAP * (size or 1.0):
+        raise IllConditionedError(
+            f"the float64 matrices of this {type(system).__name__} have another response than the "
+            f"system, by {gap / (size or 1.0):.1e} of its size. Give a state space in a better "
+            "basis, or factors instead of coefficients."
+        )
+    return plant
+
+
+def _response(plant: Plant, points: ComplexArray) -> ComplexArray:
+    pencils = points[:, None, None] * np.eye(plant.n) - plant.A
+    with np.errstate(all="ignore"):
+        return np.asarray(plant.C @ np.linalg.solve(pencils, plant.B[None]) + plant.D_0)
+
+
+def _response_of(system: Any, found: exact.Realisation, points: ComplexArray) -> ComplexArray:
+    """The response as the system's own package computes it; of SymPy's from its exact matrix."""
+    package = type(system).__module__.split(".")[0]
+    with np.errstate(all="ignore"):
+        if package == "control":
+            return np.array([np.atleast_2d(system(point)) for point in points])
+        if package == "scipy":
+            matrices = system if hasattr(system, "A") else system.to_ss()
+            A, B, C, D = (np.atleast_2d(getattr(matrices, name)) for name in "ABCD")
+            pencils = points[:, None, None] * np.eye(len(A)) - A
+            return np.asarray(C @ np.linalg.solve(pencils, B[None]) + D)
+    matrix = found.transfer_matrix()
+    below = _values(matrix.denominator, points)
+    values = [[_values(entry, points) / below for entry in row] for row in matrix.numerators]
+    return np.moveaxis(np.array(values), -1, 0)
+
+
+def _values(polynomial: Any, points: ComplexArray) -> ComplexArray:
+    coefficients = np.array([float(c) for c in polynomial.all_coeffs()])
+    return np.asarray(np.polyval(coefficients, points), dtype=np.complex128)
