@@ -102,6 +102,44 @@ nb::object step(OwnedController& owned, nb::handle y_k, nb::handle z_k, nb::hand
     return nb::make_tuple(to_numpy(std::move(u), {size}), in_range);
 }
 
+// How far the filtered signals moved. The controller stays as it was where that is refused.
+double set_target(OwnedController& owned, const Array& numerator, const Array& denominator,
+                  const std::string& past) {
+    Controller& controller = owned.controller;
+    const TargetModel model = target_of(numerator, denominator, controller.l_z(),
+                                        controller.l_u(), controller.longest_order());
+    const Past option = past_of(past);
+    const Hold hold(owned.use);
+    Archive before;
+    if (option == Past::replay) owned.visit(before);
+    if (!controller.set_target(model, option)) {
+        Archive back(before.values());
+        owned.visit(back);
+        throw std::overflow_error("the replay left the range of float64");
+    }
+    return controller.target().rho();
+}
+
+// None leaves a weight as it is.
+void set_weights(OwnedController& owned, nb::object R_z, nb::object R_u) {
+    Controller& controller = owned.controller;
+    const auto read_weight = [&](const nb::object& value, const char* name) {
+        refuse_unless(!PyCallable_Check(value.ptr()), std::string(name) + " is a function");
+        return weight_of(value, controller.structure(), controller.l_z(), name);
+    };
+    const Weight z = R_z.is_none() ? Weight() : read_weight(R_z, "R_z");
+    const Weight u = R_u.is_none() ? Weight() : read_weight(R_u, "R_u");
+    const Hold hold(owned.use);
+    if (!R_z.is_none()) controller.set_R_z(z);
+    if (!R_u.is_none()) controller.set_R_u(u);
+}
+
+void set_lambda(OwnedController& owned, double lambda) {
+    require_forgetting(lambda, "lambda");
+    const Hold hold(owned.use);
+    owned.controller.set_lambda(lambda);
+}
+
 }  // namespace
 
 void bind_controller(nb::module_& m) {
@@ -121,6 +159,10 @@ void bind_controller(nb::module_& m) {
                  const Hold hold(self.use);
                  self.controller.reset_covariance();
              })
+        .def("set_target", &set_target, nb::arg("numerator"), nb::arg("denominator"),
+             nb::arg("past"))
+        .def("set_weights", &set_weights, nb::arg("R_z").none(), nb::arg("R_u").none())
+        .def("set_lambda", &set_lambda, nb::arg("lambda_"))
         .def("save",
              [](OwnedController& self) {
                  const Hold hold(self.use);
@@ -144,6 +186,15 @@ void bind_controller(nb::module_& m) {
                          return to_numpy(std::move(P), {n, n});
                      }),
                      nb::rv_policy::automatic)
+        .def_prop_ro("target", [](const OwnedController& self) {
+                         const TargetModel& m = self.controller.target().model();
+                         const std::size_t length = m.order + 1;
+                         return nb::make_tuple(
+                             to_numpy(std::vector<double>(m.numerator), {length, m.l_z, m.l_u}),
+                             to_numpy(std::vector<double>(m.denominator), {length, m.l_z, m.l_z}));
+                     })
+        .def_prop_ro("longest_order",
+                     number([](const Controller& c) { return c.longest_order(); }))
         .def_prop_ro("k", number([](const Controller& c) { return c.step(); }))
         .def_prop_ro("forgetting_factor", number([](const Controller& c) { return c.lambda(); }))
         .def_prop_ro("reflections", number([](const Controller& c) { return c.reflections(); }))

@@ -11,6 +11,7 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.live.changes import AppliedChange
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
@@ -60,6 +61,8 @@ class Run(Value):
         From which `simulate` continues bit for bit; None where the run failed.
     failure : str
         What a function of the plant or of a weight raised; empty where none did.
+    changes : tuple of AppliedChange
+        What was changed in the controller while it ran, and why.
     """
 
     plant: AnyPlant
@@ -83,6 +86,7 @@ class Run(Value):
     x_0: Array | None = None
     divergence_limit: float = math.inf
     failure: str = ""
+    changes: tuple[AppliedChange, ...] = ()
 
     @property
     def steps(self) -> int:

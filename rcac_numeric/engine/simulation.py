@@ -11,6 +11,7 @@ from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.hooks import Hook, require_hook, run_with_hook
 from rcac_numeric.engine.interruption import run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
@@ -29,6 +30,8 @@ def simulate(
     divergence_limit: float | None = None,
     saturation: Saturation | None = None,
     start: SavedState | None = None,
+    on_step: Hook | None = None,
+    every: int = 1,
 ) -> Run:
     """Run a controller on a plant.
 
@@ -50,7 +53,12 @@ def simulate(
     saturation : Saturation, optional
     start : SavedState, optional
         The state of an earlier run with the same plant, settings and saturation; this run goes on
-        from there, bit for bit as if it had not been cut.
+        from there, bit for bit as if it had not been cut, changes of the controller included.
+    on_step : function, optional
+        Called with the run so far (its steps and signals, without a `state`) before every step
+        k = every, 2 every, ...; returns a `ControllerChange` to make, or None. `Run.changes` says
+        what was made.
+    every : int
 
     Raises
     ------
@@ -59,8 +67,8 @@ def simulate(
     ImproperError
         Where u(k) and y(k) depend on each other.
     FunctionFailedError
-        Where a function of the plant or of a weight raised or returned the wrong shape; the
-        attribute `run` of the error holds what came before.
+        Where a function of the plant, of a weight or on_step raised or returned what does not fit;
+        the attribute `run` of the error holds what came before.
     RunInterrupted
         On Ctrl-C, within about 0.1 s; its attribute `run` holds the run so far, whose `state`
         goes on from there.
@@ -93,7 +101,10 @@ def simulate(
         saturation=saturation,
         start=start,
     )
-    run_to_end([prepared])
+    if on_step is None:
+        run_to_end([prepared])
+    else:
+        run_with_hook(prepared, on_step, require_hook(on_step, every, settings))
     run = prepared.result()
     prepared.require_no_failure(run)
     return run
@@ -118,6 +129,8 @@ def frozen_twin(run: Run, k: int) -> Run:
     """
     if instance_of(run, "run", Run).first_step != 0:
         raise InputError("the run is the continuation of another; freeze the whole run instead.")
+    if run.changes:
+        raise InputError("the controller was changed while it ran; its twin would not be.")
     from_k = ((integer(k, "k"), None),)
     settings = run.settings
     if isinstance(settings, Decentralized):

@@ -27,6 +27,7 @@ LAYERS = {
         "controllers.updates",
         "controllers",
         "engine.compiled",
+        "engine.live",
         "engine",
         "engine.reference",
         "analysis",

@@ -109,6 +109,10 @@ def adaptive(seed):
     return rcac.ControllerSettings(structure=rcac.iir(1), target=target(0), update=update)
 
 
+def controller_change(seed):
+    return rcac.ControllerChange(target(seed), lambda_=0.9, R_z=symmetric(seed))
+
+
 def scheduled(seed):
     return rcac.ScheduledForgetting({1 + seed: 0.9, 3 * SEEDS: 1})
 
@@ -216,6 +220,8 @@ SAMPLES = {
     Sum: lambda seed: rcac.Step(2) + rcac.Harmonic(random(seed)[()]),
     Scaled: lambda seed: random(seed)[()] * rcac.Levels(random(seed, 2)),
     # targets, identification
+    rcac.ControllerChange: controller_change,
+    rcac.AppliedChange: lambda seed: rcac.AppliedChange(seed, controller_change(seed), "keep", 0.1),
     rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
     rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
     rcac.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
