@@ -29,6 +29,7 @@ LAYERS = {
         "engine.compiled",
         "engine.live",
         "engine",
+        "engine.learning",
         "engine.reference",
         "analysis",
         "margins",

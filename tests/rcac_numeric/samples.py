@@ -221,6 +221,7 @@ SAMPLES = {
     Scaled: lambda seed: random(seed)[()] * rcac.Levels(random(seed, 2)),
     # targets, identification
     rcac.ControllerChange: controller_change,
+    rcac.LearnedTarget: lambda seed: rcac.LearnedTarget(seed, "updated", random(seed, 2) + 0j),
     rcac.AppliedChange: lambda seed: rcac.AppliedChange(seed, controller_change(seed), "keep", 0.1),
     rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
     rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
