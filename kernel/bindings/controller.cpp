@@ -7,12 +7,14 @@
 #include "bindings/quick_read.hpp"
 #include "updates/covariance.hpp"
 #include "updates/memoryless.hpp"
+#include "updates/subspace.hpp"
 #include "updates/window.hpp"
 
 namespace rcac {
 namespace {
 
 using Forgetting = std::tuple<std::size_t, std::size_t, double, double>;
+using Perturbation = std::tuple<std::uint64_t, double, double, std::int64_t>;
 using Reset = std::tuple<std::int64_t, double, double, std::size_t, std::size_t>;
 
 void require_window(std::size_t steps, const char* name) {
@@ -24,6 +26,7 @@ std::unique_ptr<Update> update_of(const std::string& name, const std::vector<dou
                                   std::size_t window, double step_size) {
     const std::size_t l_theta = theta.size();
     if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta);
+    if (name == "ud, subspace") return std::make_unique<SubspaceUpdate>(P.data(), l_theta);
     if (name == "covariance") return std::make_unique<CovarianceUpdate>(P.data(), l_theta);
     if (name == "sliding window") {
         require_range<std::size_t>(window, 1, most_numbers, "window");
@@ -41,7 +44,8 @@ std::unique_ptr<OwnedController> make_controller(
     nb::object R_z, nb::object R_u, double lambda, std::int64_t k_w, std::int64_t k_update,
     std::int64_t k_filter, bool filter_form, bool reflect_poles, const nb::list& events,
     const Forgetting& forgetting, const Reset& reset, const Array& noise, const std::string& update,
-    const Array& P_0, const Array& theta_0, std::size_t window, double step_size) {
+    const Array& P_0, const Array& theta_0, std::size_t window, double step_size,
+    const Perturbation& dither) {
     ControllerPlan plan;
     require_width(l_z, 1, "l_z");
     plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
@@ -67,6 +71,8 @@ std::unique_ptr<OwnedController> make_controller(
     for (std::size_t steps : {plan.forgetting.short_window, plan.forgetting.long_window,
                               plan.reset.short_window, plan.reset.long_window})
         require_window(steps, "the window of a rule");
+    plan.dither = {std::get<0>(dither), std::get<1>(dither), std::get<2>(dither),
+                   std::get<3>(dither)};
     const std::size_t l_theta = regressor.size() * l_u, P_size = length_of({l_theta, l_theta}, "P_0");
     plan.noise = copied(noise, noise.size() / l_theta * l_theta, "noise");
 
@@ -209,7 +215,8 @@ void bind_controller(nb::module_& m) {
           nb::arg("R_u"), nb::arg("forgetting_factor"), nb::arg("k_w"), nb::arg("k_update"),
           nb::arg("k_filter"), nb::arg("filter_form"), nb::arg("reflect_poles"), nb::arg("events"),
           nb::arg("forgetting"), nb::arg("reset"), nb::arg("noise"), nb::arg("update"),
-          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("window"), nb::arg("step_size"));
+          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("window"), nb::arg("step_size"),
+          nb::arg("dither") = Perturbation{0, 0.0, 0.0, 0});
 }
 
 }  // namespace rcac

@@ -47,6 +47,27 @@ struct Weight {
     }
 };
 
+// A perturbation of u that is white and has two values, +-`first` before the step `until` and
+// +-`after` from there on; a function of the seed and the step, so that it has no state.
+struct Dither {
+    std::uint64_t seed = 0;
+    double first = 0.0, after = 0.0;
+    std::int64_t until = 0;
+
+    bool is_on() const { return first != 0.0 || after != 0.0; }
+    double operator()(std::int64_t k, std::size_t i) const {
+        // splitmix64 (Steele, Lea, Flood 2014) of the place in the sequence.
+        std::uint64_t x = seed * 0xd1342543de82ef95u + (static_cast<std::uint64_t>(k) << 20) + i;
+        for (std::uint64_t factor : {0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu}) {
+            x += 0x9e3779b97f4a7c15u;
+            x = (x ^ (x >> 30)) * factor;
+        }
+        x ^= x >> 31;
+        const double size = k < until ? first : after;
+        return x >> 63 ? size : -size;
+    }
+};
+
 // The weight in force: that of the plan, until another is set while the controller runs.
 class CurrentWeight {
 public:

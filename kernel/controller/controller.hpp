@@ -52,6 +52,8 @@ public:
     const double* control() {
         for (double& u : u_) u = 0.0;
         if (step_ >= plan_.k_w) regressor_.control(theta_, u_);
+        if (plan_.dither.is_on())
+            for (std::size_t i = 0; i < l_u(); ++i) u_[i] += plan_.dither(step_, i);
         apply(u_.data());
         return u_.data();
     }

@@ -42,13 +42,19 @@ public:
         if (!rows_.take(data)) return false;
         for (std::size_t r = 0; r < data.l_z; ++r) {
             bool lost = false;
-            const bool finite = instructions_->ud_measure(
-                {n_, U_.data(), D_.data()}, rows_.phi(data, r), rows_.scale(), rows_.rhs(r),
-                data.lambda, row_.data(), gain_.data(), theta, lost);
+            const bool finite = measure_row(rows_.phi(data, r), rows_.scale(), rows_.rhs(r),
+                                            data.lambda, theta, lost);
             if (lost) guard_.raise(step);
             if (!finite) return false;
         }
         return true;
+    }
+
+    // The measurement  scale phi theta + rhs = 0  of this variance.
+    bool measure_row(const double* phi, double scale, double rhs, double variance, double* theta,
+                     bool& lost) {
+        return instructions_->ud_measure({n_, U_.data(), D_.data()}, phi, scale, rhs, variance,
+                                         row_.data(), gain_.data(), theta, lost);
     }
 
     void reset() override {

@@ -101,7 +101,7 @@ class ContinuousPlant(Value):
 
     def plot(self, periods: Sequence[float]) -> figures.Figure:
         """Poles and zeros, step response, and the sampled zeros against the period in s."""
-        from rcac_numeric.plots.plants import plot_continuous_plant
+        from rcac_numeric.plots.figures.plants import plot_continuous_plant
 
         return plot_continuous_plant(self, periods)
 

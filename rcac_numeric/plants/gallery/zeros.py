@@ -47,7 +47,7 @@ class ZeroPath(Value):
 
     def plot(self) -> figures.Figure:
         """The zeros in the plane and their moduli over the steps, figures 3.4 and 3.5."""
-        from rcac_numeric.plots.plants import plot_zero_path
+        from rcac_numeric.plots.figures.plants import plot_zero_path
 
         return plot_zero_path(self)
 

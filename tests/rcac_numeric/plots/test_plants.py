@@ -14,7 +14,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.plant_measures import windows_of
-from rcac_numeric.plots.requested import plot_request
+from rcac_numeric.plots.figures.requested import plot_request
 
 OPEN_LOOP = {
     "plant": {"problem": "aircraft transition", "start": 14, "duration": 1},

@@ -36,7 +36,7 @@ def plant(**table):
     return read_plant(table, Place("case", "plant")).build()
 
 
-@pytest.mark.parametrize("name", set(PROBLEMS.kinds) - {"standard", "servo"})
+@pytest.mark.parametrize("name", sorted(set(PROBLEMS.kinds) - {"standard", "servo"}))
 def test_a_named_plant_is_that_of_the_gallery(name):
     table, expected = MADE[name]
     assert plant(problem=name, **table) == expected
