@@ -47,6 +47,8 @@ from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
 from .engine.interruption import RunInterrupted as RunInterrupted
+from .engine.learning.target_learner import LearnedTarget as LearnedTarget
+from .engine.learning.target_learner import TargetLearner as TargetLearner
 from .engine.live.changes import AppliedChange as AppliedChange
 from .engine.live.changes import ControllerChange as ControllerChange
 from .engine.reference.run import ReferenceRun as ReferenceRun

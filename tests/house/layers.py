@@ -35,6 +35,7 @@ LAYERS = {
         "identification.online",
         "engine.live",
         "engine",
+        "engine.learning",
         "engine.reference",
         "analysis",
         "margins",

@@ -223,6 +223,7 @@ SAMPLES = {
     Scaled: lambda seed: random(seed)[()] * rcac.Levels(random(seed, 2)),
     # targets, identification
     rcac.ControllerChange: controller_change,
+    rcac.LearnedTarget: lambda seed: rcac.LearnedTarget(seed, "updated", random(seed, 2) + 0j),
     rcac.AppliedChange: lambda seed: rcac.AppliedChange(seed, controller_change(seed), "keep", 0.1),
     rcac.OnlineZeros: lambda seed: rcac.OnlineZeros(
         1.5 + random(seed, 2) + 0j,

@@ -26,6 +26,7 @@ DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     rcac.ProgressLine, rcac.RecursiveMarkov, rcac.StoreError, rcac.StudyInterrupted,
+    rcac.TargetLearner,
 }  # fmt: skip
 
 FRESH = """

@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
+from rcac_numeric.engine.learning.target_learner import acting_input
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.identification.windows import IdentifiedWindow, identify_windows
-from rcac_numeric.plants.any_plant import block_start
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.gallery.zeros import plant_zeros
 
@@ -82,27 +81,6 @@ def windows_of(run: Run) -> tuple[IdentifiedWindow, ...]:
     """
     n = plant_at(run.plant, 0).n
     return identify_windows(acting_input(run), run.z, 2 * n + 2, n, window=WINDOW, order=n)
-
-
-def acting_input(run: Run) -> Array:
-    """The applied control, with the disturbance that enters where the control does.
-
-    Examples
-    --------
-    >>> from rcac_numeric import load_example
-    >>> from rcac_numeric.experiments.measures.plant_measures import acting_input
-    >>> run = load_example("2.1").main_run.execute().first.run
-    >>> bool((acting_input(run) == run.u_applied).all())
-    True
-    """
-    plant = plant_at(run.plant, 0)
-    if "d" not in plant.blocks:
-        return run.u_applied
-    first = block_start(plant, "d")
-    columns = slice(first, first + plant.blocks["d"])
-    if not np.array_equal(plant.D_1[:, columns], plant.B):
-        return run.u_applied
-    return np.asarray(run.u_applied + run.w[:, columns])
 
 
 def _distance(run: Run, window: IdentifiedWindow) -> float:

@@ -1,0 +1,1 @@
+"""Runs that learn about their plant from their own data."""

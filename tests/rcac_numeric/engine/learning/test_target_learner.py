@@ -1,0 +1,99 @@
+"""The aircraft learns its nonminimum-phase zero while it flies, and refuses what shows nothing."""
+
+import numpy as np
+import pytest
+
+from compensator_theory import InputError
+from rcac_numeric import (
+    UD,
+    ControllerSettings,
+    ModellingInformation,
+    SignalWeight,
+    TargetLearner,
+    aircraft_transition,
+    fir_target,
+    iir,
+    simulate,
+)
+
+STEPS = 8000
+# The best settings found for Example 3.2 with the zeros known.
+SETTINGS = ControllerSettings(
+    structure=iir(40),
+    target=fir_target(ModellingInformation(1, -0.0126)),
+    update=UD(R_theta=0.62, lambda_=0.9997),
+    R_u=SignalWeight(22000),
+)
+
+
+def flight(seed, *, dither=1e-4, noise=0.0, learns=True, steps=STEPS):
+    """x(0) and the dither of one seed; the first target model knows no zero."""
+    rng = np.random.default_rng([seed, 7])
+    w = np.zeros((steps, 3))
+    w[:, 0] = 0.15
+    w[:, 1], w[:, 2] = dither * rng.standard_normal(steps), noise * rng.standard_normal(steps)
+    x_0 = 0.01 * np.random.default_rng([seed, 2]).standard_normal(4)
+    learner = TargetLearner(mu=10, n_mod=4, order=4)
+    hook = {"on_step": learner, "every": 70} if learns else {}
+    plant = aircraft_transition(source="corrected")
+    return simulate(plant, SETTINGS, w, x_0=x_0, stride=steps, **hook), learner
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def test_it_follows_through_the_transition_because_it_learns(in_full):
+    """With a dither of 1e-4 rad on 3 initial states, on 20 with --long."""
+    for seed in range(20 if in_full else 3):
+        run, learner = flight(seed)
+        assert rms(run.z[2300:2500]) < 0.015 and rms(run.z[7000:]) < 1e-3
+        assert np.abs(run.z).max() < 0.5
+        updates = [found for found in learner.windows if found.action == "updated"]
+        assert [change.k for change in run.changes] == [found.k for found in updates]
+        before, after = (found.nmp_zeros for found in updates)
+        assert len(before) == 0 and updates[1].k < 2800
+        assert after == pytest.approx([-1.0027, 1.1369], abs=1e-4)
+    ignorant, _ = flight(0, learns=False)
+    assert rms(ignorant.z[7000:]) > 0.2, "without the zeros it does not"
+
+
+def test_windows_that_hold_the_transition_are_refused():
+    _, learner = flight(0, steps=2800)
+    held = [found for found in learner.windows if 2500 < found.k < 2670]
+    assert len(held) == 3 and {found.action for found in held} == {"refused"}
+    assert all(found.reason for found in held)
+
+
+def test_noise_that_hides_the_zeros_leaves_the_run_as_it_is():
+    """Every window is refused, by name, and nothing has changed bit for bit."""
+    learned, learner = flight(0, noise=1e-3, steps=700)
+    plain, _ = flight(0, noise=1e-3, steps=700, learns=False)
+    assert len(learner.windows) == 9
+    assert {found.action for found in learner.windows} == {"refused"}
+    assert all(found.reason.endswith(".") for found in learner.windows)
+    assert np.array_equal(learned.u, plain.u) and not learned.changes
+
+
+def test_too_few_samples_are_refused():
+    learner = TargetLearner(mu=10, n_mod=4, order=4, window=70)
+    w = np.full((60, 3), [0.15, 0.0, 0.0])
+    simulate(aircraft_transition(), SETTINGS, w, on_step=learner, every=50)
+    (found,) = learner.windows
+    assert (found.k, found.action, found.reason) == (50, "refused", "only 50 samples so far")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"mu": 0}, "mu = 0"),
+        ({"window": 0}, "window = 0"),
+        ({"moved": -0.1}, "moved = -0.1"),
+        ({"residual_growth": 0.5}, "residual_growth = 0.5"),
+        ({"covariance": "forget"}, "covariance"),
+        ({"level": "high"}, "level"),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(options, message):
+    with pytest.raises(InputError, match=message):
+        TargetLearner(**{"mu": 10, "n_mod": 4, "order": 4, **options})
