@@ -50,6 +50,7 @@ from .engine.live.changes import ControllerChange as ControllerChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
+from .engine.runs import load_run as load_run
 from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
@@ -86,6 +87,7 @@ from .estimation.refinement.subsystems import repeated_parameters as repeated_pa
 from .estimation.riccati.forward import ForwardEstimator as ForwardEstimator
 from .estimation.riccati.forward import ForwardRegulator as ForwardRegulator
 from .estimation.riccati.indirect import IndirectController as IndirectController
+from .estimation.riccati.indirect import IndirectSettings as IndirectSettings
 from .estimation.settings import EKF as EKF
 from .estimation.settings import UKF as UKF
 from .experiments.budgets import Budget as Budget
@@ -108,6 +110,9 @@ from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati import solve_dare as solve_dare
 from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
+from .health.diagnosis import loop_health as loop_health
+from .health.health import LoopHealth as LoopHealth
+from .health.warning import HealthWarning as HealthWarning
 from .identification.bootstrap import BootstrapZeros as BootstrapZeros
 from .identification.bootstrap import bootstrap_zeros as bootstrap_zeros
 from .identification.data_targets import DataTarget as DataTarget
@@ -161,7 +166,8 @@ from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
-from .plots.requested import plot_request as plot_request
+from .plots.figures.requested import plot_request as plot_request
+from .plots.figures.runs import plot_runs as plot_runs
 from .plots.run import plot_sheet as plot_sheet
 from .reproduction.reproduce import Reproduction as Reproduction
 from .reproduction.reproduce import reproduce as reproduce
@@ -198,6 +204,8 @@ from .sweeps.study.files import load_study as load_study
 from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
 from .targets.data_driven import DataDriven as DataDriven
+from .targets.direction_checks import DirectionCheck as DirectionCheck
+from .targets.direction_checks import check_directions as check_directions
 from .targets.filters import target_model as target_model
 from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters
@@ -210,3 +218,6 @@ from .targets.output_subspaces import output_subspace_target as output_subspace_
 from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .targets.pole_placement import fir_target as fir_target
 from .targets.pole_placement import pole_placement_target as pole_placement_target
+from .targets.zero_directions import DirectionInformation as DirectionInformation
+from .targets.zero_directions import direction_information as direction_information
+from .targets.zero_directions import zero_direction_target as zero_direction_target

@@ -64,7 +64,7 @@ class PreparedRun:
         self.w = signal_array(w, "w", plant.l_w)
         require_fit(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
-        self.divergence_limit = _limit(divergence_limit, self.w, self.x_0)
+        self.divergence_limit = divergence_limit_of(divergence_limit, self.w, self.x_0)
         self._kernels = [
             compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
         ]
@@ -253,7 +253,7 @@ def _learner(controllers: tuple[OneController, ...]) -> TargetLearner | None:
     return TargetLearner(learning[0]) if learning else None
 
 
-def _limit(given: float | None, *from_outside: Array | None) -> float:
+def divergence_limit_of(given: float | None, *from_outside: Array | None) -> float:
     """The size at which a loop counts as diverged."""
     if given is None:
         peaks = [np.abs(values).max(initial=0.0) for values in from_outside if values is not None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -10,12 +11,14 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.hooks import Hook, require_hook, run_with_hook
 from rcac_numeric.engine.interruption import run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState
+from rcac_numeric.engine.stepwise import StepwiseLoop
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.saturation import Saturation
 
@@ -38,7 +41,7 @@ def simulate(
     Parameters
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
-    settings : ControllerSettings, Decentralized or FixedController
+    settings : ControllerSettings, Decentralized, FixedController or IndirectSettings
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
         command, that is the block "r" of w.
@@ -91,16 +94,23 @@ def simulate(
     >>> bool((rest.theta_final == run.theta_final).all())
     True
     """
-    prepared = PreparedRun(
-        plant,
-        settings,
-        w,
-        x_0=x_0,
-        stride=stride,
-        divergence_limit=divergence_limit,
-        saturation=saturation,
-        start=start,
-    )
+    options: dict[str, Any] = {
+        "x_0": x_0,
+        "stride": stride,
+        "divergence_limit": divergence_limit,
+        "saturation": saturation,
+        "start": start,
+    }
+    if isinstance(settings, StepwiseController):
+        if on_step is not None:
+            raise InputError(
+                f"on_step changes an RCAC controller; a {type(settings).__name__} has its own step."
+            )
+        loop = StepwiseLoop(plant, settings, w, **options)
+        run = loop.run()
+        loop.require_no_failure(run)
+        return run
+    prepared = PreparedRun(plant, settings, w, **options)
     if on_step is None:
         run_to_end([prepared])
     else:
@@ -131,6 +141,10 @@ def frozen_twin(run: Run, k: int) -> Run:
         raise InputError("the run is the continuation of another; freeze the whole run instead.")
     if run.changes:
         raise InputError("the controller was changed while it ran; its twin would not be.")
+    if isinstance(run.settings, StepwiseController):
+        raise InputError(
+            f"a {type(run.settings).__name__} has no freeze: set k_update of its model instead."
+        )
     from_k = ((integer(k, "k"), None),)
     settings = run.settings
     if isinstance(settings, Decentralized):

@@ -208,6 +208,8 @@ SAMPLES = {
     rcac.PlantSchedule: schedule,
     rcac.FunctionPlant: function_plant,
     rcac.Saturation: saturation,
+    rcac.HealthWarning: lambda seed: rcac.HealthWarning("slow", f"after {seed} steps", "wait"),
+    rcac.LoopHealth: lambda seed: replace(rcac.loop_health(run(seed)), guard_count=seed),
     # signals
     rcac.Step: lambda seed: rcac.Step(random(seed)[()], start=3),
     rcac.Ramp: lambda seed: rcac.Ramp(random(seed)[()], start=seed),
@@ -236,6 +238,13 @@ SAMPLES = {
     rcac.DataDriven: lambda seed: rcac.DataDriven(seed=seed),
     rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
     rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
+    rcac.DirectionInformation: lambda seed: rcac.DirectionInformation(
+        random(seed, 2, 2), [(1.5, random(seed, 2))]
+    ),
+    rcac.DirectionCheck: lambda seed: rcac.check_directions(
+        rcac.TargetModel(random(seed, 2, 2, 2)),
+        rcac.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
+    ),
     rcac.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
     rcac.EigensystemRealisation: lambda seed: rcac.eigensystem_realisation(
         [0, *(float(fraction(seed)) ** i for i in range(5))]
