@@ -120,17 +120,18 @@ class ControllerSettings(Value):
             raise InputError(f"structure = {structure!r}: use iir(...), fir(...) or another kind.")
         if not isinstance(update, Update):
             raise InputError(f"update = {update!r}: use UD(R_theta=...) or another update.")
-        if isinstance(target, DataDriven):
-            target, learning = target.first_target, target
+        learning = target if isinstance(target, DataDriven) else learning
+        target = target.first_target if isinstance(target, DataDriven) else target
         set_("structure", structure)
         set_("target", target)
         set_("learning", learning)
         set_("target_changes", by_step(target_changes, "target_changes"))
-        for model in self.targets:
-            _require_target(model, structure, target)
+        set_("freeze", tuple(_interval(pair) for pair in items(freeze, "freeze")))
         if learning is not None:
             self._require_learnable(learning)
             k_w = learning.start if k_w is None else k_w
+        for model in self.targets:
+            _require_target(model, structure, target)
         update.require_size(structure.l_theta)
         set_("update", update)
         set_("R_z", _weight(R_z, "R_z", target.l_z, definite=True))
@@ -145,7 +146,6 @@ class ControllerSettings(Value):
                 f"theta_0 has {self.theta_0.size} entries; l_theta = {structure.l_theta} are "
                 "needed."
             )
-        set_("freeze", tuple(_interval(pair) for pair in items(freeze, "freeze")))
         set_("form", one_of(form, "form", FORMS))
         if form == "filter" and any(t.relative_degree == 0 for t in self.targets):
             raise ImproperError(
@@ -182,9 +182,10 @@ class ControllerSettings(Value):
             raise InputError(
                 f"DataDriven learns a target model for scalar u and z; here (l_u, l_z) = {widths}."
             )
-        if self.target_changes:
+        if self.target_changes or self.freeze:
             raise InputError(
-                "DataDriven changes the target model itself; leave target_changes out."
+                "DataDriven changes the target model itself, and no update comes before the first; "
+                "leave target_changes and freeze out."
             )
 
     @property

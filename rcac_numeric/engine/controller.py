@@ -58,6 +58,11 @@ class Controller(LiveMethods):
     def __init__(self, settings: ControllerSettings) -> None:
         if not isinstance(settings, ControllerSettings):
             raise InputError(f"settings = {settings!r}: ControllerSettings are needed.")
+        if settings.learning is not None:
+            raise InputError(
+                "DataDriven learns its target model in simulate. At a device, let RecursiveARX "
+                "learn from u and z, and give what it finds to set_target."
+            )
         self.settings = settings
         self._failures = Failures()
         self._kernel = compiled_controller(settings, settings.target.l_z, self._failures)

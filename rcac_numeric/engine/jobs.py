@@ -72,6 +72,8 @@ class PreparedRun:
         self.learner = _learner(self._controllers)
         whole = self._loop if self.learner is None else LearningLoop(self._loop, self.learner)
         self._whole: _kernel.Loop | LearningLoop = whole
+        if self.learner is not None:
+            self._kernels[0].freeze(True)  # until there is a target model
         self.first_step = 0
         if start is not None:
             self._continue(start)
@@ -119,6 +121,7 @@ class PreparedRun:
             self._looked_at = k
             if (asked := self.learner.look()) is not None:
                 self.change(*asked)
+                self._kernels[0].freeze(False)
         self._pause()
         return True
 
@@ -243,12 +246,11 @@ class PreparedRun:
 
 def _learner(controllers: tuple[OneController, ...]) -> TargetLearner | None:
     """What learns the target model of the one controller, if it is to be learnt."""
-    learning = [getattr(one, "learning", None) for one in controllers]
-    if not any(learning):
-        return None
-    if len(learning) > 1:
+    adaptive = [one for one in controllers if isinstance(one, ControllerSettings)]
+    learning = [one.learning for one in adaptive if one.learning is not None]
+    if learning and len(controllers) > 1:
         raise InputError("DataDriven learns u -> z for one controller; several would act on z.")
-    return TargetLearner(learning[0])
+    return TargetLearner(learning[0]) if learning else None
 
 
 def divergence_limit_of(given: float | None, *from_outside: Array | None) -> float:

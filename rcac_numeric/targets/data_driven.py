@@ -24,8 +24,8 @@ class DataDriven:
     coefficients; theta is kept. Scalar u and z.
 
     A zero is NMP where its modulus exceeds 1 by `level` standard errors (delta method) and is
-    below 10. What is undecided keeps the side on which it was: at the beginning that of the
-    estimate. This is dual control: u serves the loop and the model.
+    between 1.02 and 10. What is undecided keeps the side that it was on, at the beginning that of
+    the estimate. This is dual control: u serves the loop and the model.
 
     Parameters
     ----------
@@ -42,14 +42,17 @@ class DataDriven:
         Size of the dither before and after `start`. Ten times the sensor noise before; after, for
         a plant that changes, the size of w, and for one that does not, 0.
     d_zu : int, optional
+        The relative degree where it is known; estimated otherwise.
     H : float, optional
-        What is known; estimated where left out.
+        The leading coefficient where it is known; estimated otherwise.
     R_theta : float
         Regularisation of the model.
     level : float
+        Standard errors between a zero and the circle from which on it is decided.
     changed : float
+        Relative change of the coefficients of G_f from which on it is replaced.
     covariance : {"blend", "keep", "reset", "replay"}
-        What becomes of P, see `Controller.set_target`.
+        What becomes of P, see `Controller.set_target`; "replay" for zeros that cross the circle.
     seed : int
         Of the dither.
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.engine.live.changes import ControllerChange
 from rcac_numeric.identification.online.arx import RecursiveARX
 from rcac_numeric.identification.online.zeros import PHASES, OnlineZeros
 from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.model import TargetModel
 
-# A zero beyond that is a small leading coefficient more than a zero.
-LARGEST_ZERO = 10.0
+# A zero beyond the largest is a small leading coefficient more than a zero. One between the circle
+# and the smallest is as often what a command or disturbance that persists, 1 or exp(+-j omega),
+# leaves in numerator and denominator alike.
+SMALLEST_ZERO, LARGEST_ZERO = 1.02, 10.0
 
 
 class TargetLearner:
@@ -30,7 +32,7 @@ class TargetLearner:
             settings.order, R_theta=settings.R_theta, lambda_=settings.lambda_
         )
         self._current = np.zeros(0)  # the numerator that was asked for last
-        self._outside = np.zeros(0, dtype=np.complex128)  # its zeros
+        self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # its zeros
 
     def take(self, u: Array, z: Array) -> None:
         """The next steps."""
@@ -63,19 +65,20 @@ class TargetLearner:
         option = "reset" if first else self.settings.covariance
         return ControllerChange(TargetModel(numerator), covariance=option), str(found)
 
-    def _chosen(self, found: OnlineZeros) -> Array:
+    def _chosen(self, found: OnlineZeros) -> ComplexArray:
         """The zeros that G_f is to have, in conjugate pairs."""
         first = not self._current.size
         chosen = []
         for zero, phase in zip(found.zeros, found.phases, strict=True):
             size = abs(zero)
-            if not 1 < size < LARGEST_ZERO or phase == PHASES[1]:
+            if not SMALLEST_ZERO < size < LARGEST_ZERO or phase == PHASES[1]:
                 continue
             was_outside = self._outside.size and (np.abs(self._outside - zero) < 0.2 * size).any()
             if phase == PHASES[0] or first or was_outside:
                 chosen.append(zero)
         # Both of a pair have one modulus and one error, but for rounding.
-        return np.array([z for z in chosen if z.imag == 0 or z.conjugate() in chosen])
+        paired = [z for z in chosen if z.imag == 0 or z.conjugate() in chosen]
+        return np.array(paired, dtype=np.complex128)
 
     def _differs(self, numerator: Array) -> bool:
         if not self._current.size:

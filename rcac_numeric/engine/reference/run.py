@@ -111,6 +111,8 @@ def require_supported(
             raise InputError(
                 f"the reference does not know {name} as a weight that is a function; leave it out."
             )
+    if controller.learning is not None:
+        raise InputError("the reference learns no target model; give it one.")
     if controller.reflect_poles:
         raise InputError("the reference does not know reflect_poles; leave it out.")
     require_linear(plant, "reference")

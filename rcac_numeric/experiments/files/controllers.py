@@ -116,7 +116,7 @@ SEVERAL = Table(_several)
 CONTROLLER = Deferred(
     Table(
         ControllerSettings,
-        given=["target"],
+        given=["target", "learning"],
         forms=FORMS,
         docs=DOCS,
         elsewhere=(SEVERAL, "only [[controllers]] read"),
@@ -125,6 +125,7 @@ CONTROLLER = Deferred(
 ONE_OF_SEVERAL = Deferred(
     Table(
         ControllerSettings,
+        given=["learning"],
         forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
         docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
     )
@@ -154,7 +155,8 @@ class ControllerSpecification(Value):
         What a target model takes from the plant is taken from the plant at step 0.
         """
         first = Later(lambda: plant_at(plant, 0))
-        context = {"plant": first, "whole_plant": plant, **sizes_of(plant)}
+        # What is learnt is said by a target model; the constructor's other way has no key.
+        context = {"plant": first, "whole_plant": plant, "learning": None, **sizes_of(plant)}
         if self.target is None:
             settings = [part.build(**context) for part in self.parts]
             return Decentralized(settings, shared_u=self.shared_u), None

@@ -11,6 +11,7 @@ from rcac_numeric.experiments.format.lists import ListOf, Row
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
 from rcac_numeric.experiments.format.values import Exact, Integer, Numbers
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.high_authority import high_authority_target_model
 from rcac_numeric.targets.markov import markov_target
@@ -161,7 +162,7 @@ LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 20
 TOLD = {"H": Exact(), "nmp_zeros": ListOf(Exact())}
 GIVEN = ("plant",)
 
-TARGETS: Kinds[TargetModel] = Kinds(
+TARGETS: Kinds[TargetModel | DataDriven] = Kinds(
     {
         "fir": Table(_fir, given=GIVEN, forms=TOLD),
         "pole placement": Table(_pole_placement, given=GIVEN, forms={**TOLD, "poles": Exact()}),
@@ -180,6 +181,7 @@ TARGETS: Kinds[TargetModel] = Kinds(
         ),
         "high authority": _high_authority,
         "output subspace": _output_subspace,
+        "data driven": Table(DataDriven),
         "zero directions": Kind(
             Variant(
                 Table(
@@ -218,7 +220,7 @@ TARGETS: Kinds[TargetModel] = Kinds(
 )
 
 
-def _target(model: TargetModel) -> TargetModel:
+def _target(model: TargetModel | DataDriven) -> TargetModel | DataDriven:
     """The target model G_f.
 
     Parameters

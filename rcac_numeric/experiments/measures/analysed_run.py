@@ -106,7 +106,13 @@ class AnalysedRun(Value):
             if isinstance(settings, ControllerSettings):
                 changes = settings.target_changes
                 later = [model for k, model in changes.items() if k <= self.last_step]
-                targets.append([settings.target, *later][-1])
+                told = [
+                    one.change.target
+                    for one in self.run.changes
+                    if one.change.target is not None and one.k <= self.last_step
+                ]
+                first = [settings.target] if settings.learning is None else []
+                targets += [*first, *later, *told][-1:]
         if not targets:
             raise InputError("nothing adapts in this run, so it has no target model of its own")
         if any(other != targets[0] for other in targets[1:]):
