@@ -88,7 +88,7 @@ CHECK = Table(
 CLAIM = Table(_estimation_claim, forms={"checks": ListOf(CHECK, 1), "verdict": Choice(VERDICTS)})
 FIGURE = Table(
     FigureRequest,
-    given=["channel", "noise", "direct"],
+    given=["channel", "noise", "direct", "designs"],
     forms={
         "kind": Choice(("estimates", "responses", "distribution")),
         "runs": ListOf(Text()),
@@ -120,7 +120,7 @@ def estimation_claim(part: Part[Any], corrections: Mapping[str, str]) -> Claim:
 
 def estimation_figure(part: Part[FigureRequest], runs: Mapping[str, str]) -> FigureRequest:
     """The figure that a table asks for."""
-    request = part.build(channel="", noise=None, direct=True)
+    request = part.build(channel="", noise=None, direct=True, designs=())
     for name in request.runs:
         require_run(name, runs, "a figure")
     return request

@@ -9,7 +9,7 @@ from compensator_theory import InputError
 from rcac_numeric import FigureRequest, load_example, plot_request, verify
 from rcac_numeric.experiments.figure_requests import KINDS
 from rcac_numeric.experiments.files.documents import example_ids
-from rcac_numeric.plots.figures.histories import MANY, _thinned
+from rcac_numeric.plots.figures.histories import MANY, thinned
 from rcac_numeric.plots.figures.requested import DRAWINGS, OF_STUDIES
 
 
@@ -51,10 +51,10 @@ def test_responses_are_those_of_the_runs(steps):
 def test_long_signals_keep_their_peaks():
     values = np.random.default_rng(3).standard_normal(100_003)
     values[71_234] = 50.0
-    k, thinned = _thinned(np.arange(len(values)), values)
+    k, thinned = thinned(np.arange(len(values)), values)
     assert len(thinned) < 2 * MANY and thinned.max() == 50.0
     assert np.array_equal(values[k], thinned) and (np.diff(k) > 0).all()
-    assert _thinned(np.arange(9), values[:9])[1] is not None
+    assert thinned(np.arange(9), values[:9])[1] is not None
 
 
 def test_a_distribution_has_every_repetition(rounding):
