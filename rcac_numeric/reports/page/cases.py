@@ -12,7 +12,7 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.experiments.claims import Verdict
+from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, Verdict
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.page.html import sheet_html
 from rcac_numeric.reports.page.svg import svg_of
@@ -31,6 +31,8 @@ class ClaimRow(Value):
     measured: str
     verdict: str
     correction: str
+    reason: str
+    run: str
     was: str
 
 
@@ -132,9 +134,16 @@ def case_of(verification: Verification) -> Case:
 
 def _row(verdict: Verdict) -> ClaimRow:
     claim = verdict.claim
-    was = claim.recorded if verdict.has_changed else ""
+    holds = verdict.verdict in (REPRODUCED, CORRECTED)
     return ClaimRow(
-        claim.text, claim.claimed, verdict.measured, verdict.verdict, claim.correction, was
+        text=claim.text,
+        claimed=claim.claimed,
+        measured=verdict.measured,
+        verdict=verdict.verdict,
+        correction=claim.correction,
+        reason="" if holds else claim.reason,
+        run=claim.run,
+        was=claim.recorded if verdict.has_changed else "",
     )
 
 

@@ -15,6 +15,7 @@ from rcac_numeric.errata.reading import find_errata
 from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, VERDICTS
 from rcac_numeric.reports.page.cases import Case, ClaimRow, picture_html
 from rcac_numeric.reports.page.html import words
+from rcac_numeric.reports.page.summaries import LEAD, opening, told_of
 
 NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "control", "matplotlib")
 LEADS = {
@@ -61,6 +62,7 @@ def gallery_page(cases: Sequence[Case], title: str = "The dissertation's example
     wrong = _errata_at(cases)
     inside = [
         '<main id="content">',
+        *opening(),
         *_summary(cases),
         *_filters(cases),
         *_claims(cases),
@@ -69,11 +71,7 @@ def gallery_page(cases: Sequence[Case], title: str = "The dissertation's example
         *_made_with(cases),
         "</main>",
     ]
-    lead = (
-        "What the text claims of its examples, what was measured, and why the two differ where "
-        "they do. A verdict is computed from the runs; none is typed in."
-    )
-    return _document(title, lead, inside)
+    return _document(title, LEAD, inside)
 
 
 def write_page(page: str, path: str | Path) -> None:
@@ -94,8 +92,8 @@ def _document(title: str, lead: str, inside: Sequence[str]) -> str:
         f"<style>\n{css}</style></head><body>",
         '<a class="skip" href="#content">To the content</a>',
         f"<header><h1>{words(title)}</h1>",
-        '<button id="theme" class="theme" type="button" hidden>Light or dark</button></header>',
-        f"<p>{words(lead)}</p>",
+        '<button id="theme" class="theme" type="button" hidden>Light or dark</button>',
+        f'<p class="lead">{words(lead)}</p></header>',
         *inside,
         f"<script>\n{js}</script></body></html>",
     ]
@@ -152,6 +150,8 @@ def _verdict(row: ClaimRow) -> str:
     told = f'<span class="{LEADS.get(row.verdict, "bad")} verdict">{words(row.verdict)}</span>'
     if row.correction:
         told += f'<br><span class="quiet">{words(row.correction)}</span>'
+    if row.reason:
+        told += f'<br><span class="quiet">{words(row.reason)}</span>'
     if row.was:
         told += f'<br><span class="bad">was: {words(row.was)}</span>'
     return told
@@ -166,6 +166,7 @@ def _section_of(case: Case, wrong: Sequence[Erratum], heading: str) -> str:
     lines = [
         f'<section class="case" id="{case.anchor}" data-chapter="{case.chapter}">',
         f"<h2>{words(heading)}</h2>",
+        *told_of(case),
         case.body,
         *_pictures(case),
     ]

@@ -1,16 +1,19 @@
 """Pages: whole, without a network, the same words as the report, one id for each thing."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 from matplotlib.figure import Figure
 
 from rcac_numeric import load_example, verify
+from rcac_numeric.experiments.claims import NOT_REPRODUCED, VERDICTS
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.reports.page.cases import Case, case_of
+from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of
 from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.pages import case_page, gallery_page
+from rcac_numeric.reports.page.summaries import LETTERS, MEANINGS, PHRASES, told_of
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from tests.support.pages import Page
@@ -63,6 +66,34 @@ def test_every_claim_stands_in_the_table_with_its_verdict(gallery, cases):
             assert " ".join(claim.text.split()) in text
 
 
+def test_a_case_opens_with_what_is_so_and_why(cases):
+    case = next(case for case in cases if case.id == "7.1")
+    text = Page(case_page(case)).text
+    counts = [sum(row.verdict == v for row in case.claims) for v in VERDICTS]
+    said = f"{counts[0]} true as the text has it, {counts[1]} true with a correction, {counts[2]} "
+    assert f"Of {len(case.claims)} claims: {said}not true." in text
+    opened = text[: text.index("Decided exactly")]
+    for row in case.claims:
+        assert (row.text in opened) == (row.verdict == NOT_REPRODUCED) == bool(row.reason)
+        assert row.reason in opened
+
+
+def test_a_claim_that_fails_for_variants_is_told_once_and_names_them(cases):
+    rows = [
+        ClaimRow("It holds.", "", "", NOT_REPRODUCED, "", "it does not", run, "") for run in "ab"
+    ]
+    text = " ".join(Page("".join(told_of(replace(cases[0], claims=tuple(rows))))).text.split())
+    assert text.endswith("why: It holds. (Run a, b.) But it does not.")
+    assert "Of 2 claims: 2 not true." in text
+    assert not list(told_of(replace(cases[0], claims=())))
+
+
+def test_every_verdict_is_explained(gallery):
+    assert set(MEANINGS) == set(PHRASES) == set(VERDICTS)
+    for name, told in (*MEANINGS.items(), *LETTERS.items()):
+        assert name in Page(gallery).text and " ".join(told.split()) in Page(gallery).text
+
+
 def test_examples_that_run_have_pictures_with_titles(gallery, cases):
     page = Page(gallery)
     pictures = [picture for case in cases for picture in case.pictures]
@@ -97,6 +128,15 @@ def test_the_same_case_gives_the_same_page(cases):
     again = case_of(verify(load_example("2.5")))
     assert again == cases[1]
     assert Case.from_record(again.to_record()) == again
+
+
+def test_a_legend_of_a_figure_has_no_face_of_its_own():
+    """A white box behind it would stand out on a dark page."""
+    figure = Figure(figsize=(3, 2))
+    figure.subplots().plot([0, 1], label="x")
+    figure.legend()
+    assert "fill: #ffffff" not in svg_of(figure, "a", "A title").replace("opacity: 0", "")
+    assert figure.legends[0].get_frame().get_alpha() == 0
 
 
 def test_words_of_a_user_are_words_and_no_markup():
