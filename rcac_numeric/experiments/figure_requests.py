@@ -24,6 +24,8 @@ KINDS = (
     "intercalated match",
     "distribution",
     "estimates",
+    "plant zeros",
+    "identified zeros",
 )
 SIGNALS = ("z", "u", "y", "u_applied")
 
@@ -41,6 +43,8 @@ class FigureRequest(Value):
         LQG. "intercalated match": G_f and what each run made of it. "distribution": a measure over
         the repetitions or seeds of each run. "estimates", of estimation examples: what each run
         estimates beside the truth, or with `magnitude` its error.
+        the repetitions or seeds of each run. "plant zeros": those of the plant, frozen at steps.
+        "identified zeros": those that windows of the run's data show.
     caption : str
         What the reader is to see in it.
     runs : list of str

@@ -67,7 +67,7 @@ class Verification(Value):
 
     def report(self) -> str:
         """The whole verification in words and numbers."""
-        from rcac_numeric.reports.terminal import as_text
+        from rcac_numeric.reports.sheets.terminal import as_text
         from rcac_numeric.reports.verification import verification_sheet
 
         return as_text(verification_sheet(self))
@@ -75,12 +75,22 @@ class Verification(Value):
     def __str__(self) -> str:
         return self.report()
 
+    def __repr__(self) -> str:
+        return self.report().split("\n\n", 1)[0]  # its name and the health of its loop
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and, where something ran, its sheet of pictures."""
+        from rcac_numeric.reports.page.notebook import notebook_html
+        from rcac_numeric.reports.verification import verification_sheet
+
+        return notebook_html(verification_sheet(self), self.plot() if self.results else None)
+
     def plot(self, request: FigureRequest | None = None, *, width: float = 9.0) -> figures.Figure:
         """One sheet on the main run; or the figure that is asked for, so many inches wide.
 
         `experiment.figures` are those that an example has of itself.
         """
-        from rcac_numeric.plots.requested import plot_request
+        from rcac_numeric.plots.figures.requested import plot_request
         from rcac_numeric.plots.run import plot_verification
 
         if request is None and self.estimates:

@@ -6,7 +6,7 @@ import numpy as np
 
 from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.reports.sheet import Section, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Section, Table, Text, cells
 
 
 def estimation_health(verification: Verification) -> tuple[Text, ...]:

@@ -123,7 +123,7 @@ def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
     Traceback (most recent call last):
         ...
     compensator_theory.errors.InputError: case.toml: [plant] problem = 'standrad' is not known;
-    choose one of standard, servo. Did you mean 'standard'?
+    choose one of standard, servo, aircraft, ... Did you mean 'standard'?
     """
     require_plain(dict(table), file)
     return _built(table, file, budget or Budget())

@@ -56,12 +56,29 @@ def example_titles() -> Iterator[tuple[str, str]]:
 
 def read_example(number: str) -> tuple[Raw, str]:
     """The tables of one numbered example and the name of its file."""
+    return tomllib.loads(example_text(number)), number
+
+
+def example_text(number: str) -> str:
+    """The file of one numbered example, as it was written.
+
+    Raises
+    ------
+    InputError
+        Where there is no such example.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.files.documents import example_text
+    >>> example_text("4.7").splitlines()[0]
+    'id = "4.7"'
+    """
     if number not in example_ids():
         raise InputError(
             f"there is no example {brief(number)}; there are {', '.join(example_ids())}. "
             "For a case of your own, give the path of its TOML file."
         )
-    return tomllib.loads(_folder().joinpath(f"{number}.toml").read_text("utf-8")), number
+    return str(_folder().joinpath(f"{number}.toml").read_text("utf-8"))
 
 
 def read_file(path: str | Path) -> tuple[Raw, str]:

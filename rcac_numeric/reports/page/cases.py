@@ -16,7 +16,7 @@ from rcac_numeric.experiments.claims import Verdict
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.page.html import sheet_html
 from rcac_numeric.reports.page.svg import svg_of
-from rcac_numeric.reports.sheet import Sheet
+from rcac_numeric.reports.sheets.sheet import Sheet
 from rcac_numeric.reports.verification import verification_sheet
 
 FIRST = 2  # sections of a verification's sheet that come before the pictures: problem and claims

@@ -9,8 +9,8 @@ from compensator_theory import InputError
 from rcac_numeric import FigureRequest, load_example, plot_request, verify
 from rcac_numeric.experiments.figure_requests import KINDS
 from rcac_numeric.experiments.files.documents import example_ids
-from rcac_numeric.plots.histories import MANY, _thinned
-from rcac_numeric.plots.requested import DRAWINGS, OF_STUDIES
+from rcac_numeric.plots.figures.histories import MANY, _thinned
+from rcac_numeric.plots.figures.requested import DRAWINGS, OF_STUDIES
 
 
 @pytest.fixture(scope="module")

@@ -12,15 +12,16 @@ from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable
 from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.plots.distributions import draw_distribution, draw_study_distribution
-from rcac_numeric.plots.frequency_responses import draw_disturbance_response, draw_matches
-from rcac_numeric.plots.histories import (
+from rcac_numeric.plots.figures.distributions import draw_distribution, draw_study_distribution
+from rcac_numeric.plots.figures.frequency_responses import draw_disturbance_response, draw_matches
+from rcac_numeric.plots.figures.histories import (
     draw_coefficients,
     draw_estimates,
     draw_outputs,
     draw_responses,
 )
-from rcac_numeric.plots.pole_maps import draw_pole_maps
+from rcac_numeric.plots.figures.plants import draw_identified_zeros, draw_plant_zeros
+from rcac_numeric.plots.figures.pole_maps import draw_pole_maps
 from rcac_numeric.plots.run import plot_sheet
 from rcac_numeric.plots.style import draw_title
 
@@ -119,6 +120,8 @@ DRAWINGS: dict[str, Drawing] = {
     "disturbance response": _of_analysed(draw_disturbance_response),
     "intercalated match": _of_analysed(draw_matches),
     "distribution": draw_distribution,
+    "plant zeros": _of_runs(draw_plant_zeros),
+    "identified zeros": _of_runs(draw_identified_zeros),
 }
 OF_STUDIES: dict[str, Callable[[Figure, Mapping[str, StudyResult], FigureRequest], None]] = {
     "estimates": draw_estimates,
