@@ -9,6 +9,7 @@ from rcac_numeric.errata.reading import find_errata
 
 CHAPTERS = Path(rcac_numeric.errata.__file__).parent / "chapters"
 HEADINGS = {
+    "1": "Chapter 1: plants that are hard to control",
     "2": "Chapter 2: the controller and its update",
     "3": "Chapter 3: the aircraft",
     "4": "Chapter 4: target models, LQG, pole placement",

@@ -18,6 +18,7 @@ from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
 from rcac_numeric.plants.gallery.rohrs import sampling_zeros
 from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros
+from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, line_style
 
 FROZEN = 81  # steps at which the zeros of a plant that changes are found
@@ -26,6 +27,9 @@ FARTHEST = 4.0  # zeros of larger modulus are left out of a picture of moduli
 
 def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
     """The zeros of the plant of each run, frozen at steps: in the plane, and their moduli."""
+    if not any(isinstance(run.plant, PlantSchedule) for run in runs.values()):
+        _draw_fixed(figure, runs)
+        return
     rows = figure.subplots(len(runs), 2, squeeze=False)
     figure.set_figheight(max(figure.get_figheight(), 2.8 * len(runs)))
     for (plane, moduli), (name, run) in zip(rows, runs.items(), strict=True):
@@ -36,6 +40,24 @@ def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureReq
         _moduli(moduli, steps, found, "step $k$")
         if len(runs) > 1:
             moduli.set_title(shortened(name, 45), fontsize=10, parse_math=False)
+
+
+def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
+    """The zeros of plants that do not change, one plane beside the other."""
+    figure.set_figheight(min(figure.get_figheight(), 1.25 * figure.get_figwidth() / len(runs)))
+    for axis, (name, run) in zip(
+        np.ravel(figure.subplots(1, len(runs), squeeze=False)), runs.items(), strict=True
+    ):
+        zeros = plant_zeros(plant_at(run.plant, 0))
+        _circle(axis)
+        near = zeros[np.abs(zeros) <= FARTHEST]
+        axis.plot(near.real, near.imag, "o", mfc="none", mec=WANTED, ms=7, label="zeros")
+        axis.set(xlabel="real", ylabel="imaginary")
+        axis.set_aspect("equal", adjustable="datalim")
+        moduli = ", ".join(f"{size:.4g}" for size in np.abs(zeros))
+        axis.set_title(f"{shortened(name, 45)}\nmoduli {moduli or 'none'}",
+                       fontsize=10, parse_math=False)  # fmt: skip
+        axis.grid(alpha=0.25)
 
 
 def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
@@ -136,8 +158,7 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
 
 def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
     """Zeros in the plane, the first ones as rings and the last ones filled."""
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    _circle(axis)
     every = np.concatenate([np.zeros(0), *found])
     near = every[np.abs(every) <= FARTHEST]
     axis.plot(near.real, near.imag, ".", color=SECOND, ms=3, label="on the way")
@@ -156,6 +177,11 @@ def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
                       (0.02, 0.03), xycoords="axes fraction", fontsize=8)  # fmt: skip
     axis.grid(alpha=0.25)
     axis.legend(fontsize=8)
+
+
+def _circle(axis: Axes) -> None:
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
 
 
 def _moduli(axis: Axes, where: np.ndarray, found: Sequence[ComplexArray], label: str) -> None:

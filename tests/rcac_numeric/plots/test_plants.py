@@ -6,6 +6,7 @@ import pytest
 from rcac_numeric import (
     FigureRequest,
     aircraft_transition,
+    load_example,
     no_guaranteed_margins,
     plant_zeros,
     rohrs_plant,
@@ -76,3 +77,14 @@ def test_plant_zeros_are_those_of_the_steps_that_are_asked_for(flight):
     _, moduli = plot_request(flight, request).axes
     assert set(points(moduli)[:, 0]) == set(range(140, 151))
     assert points(moduli)[:, 1].max() == pytest.approx(1.1359, abs=5e-5)
+
+
+def test_plants_that_do_not_change_are_drawn_in_planes_alone():
+    found = verify(load_example("1.3").reduced(1))
+    names = ["h = 0.1, zero known", "h = 0.2"]
+    axes = plot_request(found, FigureRequest("plant zeros", "words", runs=names)).axes
+    assert len(axes) == 2 and "moduli 1.822, 0.1164" in axes[0].get_title()
+    for axis, h in zip(axes, (0.1, 0.2), strict=True):
+        (line,) = [line for line in axis.get_lines() if line.get_label() == "zeros"]
+        expected = plant_zeros(rohrs_plant().sampled(h))
+        assert np.allclose(line.get_xdata() + 1j * line.get_ydata(), expected)
