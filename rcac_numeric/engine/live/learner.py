@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.engine.live.changes import ControllerChange
 from rcac_numeric.identification.online.arx import RecursiveARX
@@ -35,8 +37,9 @@ class TargetLearner:
         self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # its zeros
 
     def take(self, u: Array, z: Array) -> None:
-        """The next steps."""
-        self.model.update(u, z)
+        """The next steps; a model that leaves float64, as the loop is about to, says nothing."""
+        with suppress(DivergedError):
+            self.model.update(u, z)
 
     def next_look(self, k: int) -> int:
         """The first step after k before which the model is looked at."""
@@ -49,6 +52,8 @@ class TargetLearner:
 
     def look(self) -> tuple[ControllerChange, str] | None:
         """The change to make now and its evidence; None where the target stays."""
+        if not np.isfinite(self.model.b).all() or not np.isfinite(self.model.variance):
+            return None
         try:
             found = self.model.estimate(self.settings.level, self.settings.d_zu)
         except InputError:
