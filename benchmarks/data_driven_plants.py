@@ -62,7 +62,7 @@ def target(way, known, seed):
         return fir_target(known)
     if way == "without the zeros":
         return fir_target(ModellingInformation(known.d_zu, known.H))
-    return DataDriven(order=20, seed=seed, covariance="replay" if "replay" in way else "blend")
+    return DataDriven(order=20, seed=seed, covariance="replay" if "replay" in way else "reset")
 
 
 def main(plants=100, steps=20000):

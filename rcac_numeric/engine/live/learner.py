@@ -65,9 +65,8 @@ class TargetLearner:
         numerator = np.r_[np.zeros(found.d_zu), H * np.poly(outside).real]
         if not np.isfinite(numerator).all() or not self._differs(numerator):
             return None
-        first = not self._current.size
+        option = self.settings.covariance if self._current.size else "reset"
         self._current, self._outside = numerator, outside
-        option = "reset" if first else self.settings.covariance
         return ControllerChange(TargetModel(numerator), covariance=option), str(found)
 
     def _chosen(self, found: OnlineZeros) -> ComplexArray:
