@@ -52,7 +52,8 @@ class DataDriven:
     changed : float
         Relative change of the coefficients of G_f from which on it is replaced.
     covariance : {"blend", "keep", "reset", "replay"}
-        What becomes of P, see `Controller.set_target`; "replay" for zeros that cross the circle.
+        What becomes of P, see `Controller.set_target`: a model that was not good enough yet was
+        wrong rather than moved, so "reset"; "replay" for zeros that cross the circle.
     seed : int
         Of the dither.
 
@@ -92,7 +93,7 @@ class DataDriven:
     R_theta: float = 1e-6
     level: float = 1.96
     changed: float = 0.05
-    covariance: str = "blend"
+    covariance: str = "reset"
     seed: int = 0
 
     def __post_init__(self) -> None:

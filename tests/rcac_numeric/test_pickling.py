@@ -25,8 +25,8 @@ DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
 NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
-    rcac.ProgressLine, rcac.RecursiveMarkov, rcac.StoreError, rcac.StudyInterrupted,
-    rcac.TargetLearner,
+    rcac.ProgressLine, rcac.RecursiveARX, rcac.RecursiveMarkov, rcac.StoreError,
+    rcac.StudyInterrupted, rcac.TargetLearner,
 }  # fmt: skip
 
 FRESH = """

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.engine.live.changes import ControllerChange
 from rcac_numeric.identification.online.arx import RecursiveARX
@@ -35,8 +37,9 @@ class TargetLearner:
         self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # its zeros
 
     def take(self, u: Array, z: Array) -> None:
-        """The next steps."""
-        self.model.update(u, z)
+        """The next steps; a model that leaves float64, as the loop is about to, says nothing."""
+        with suppress(DivergedError):
+            self.model.update(u, z)
 
     def next_look(self, k: int) -> int:
         """The first step after k before which the model is looked at."""
@@ -49,6 +52,8 @@ class TargetLearner:
 
     def look(self) -> tuple[ControllerChange, str] | None:
         """The change to make now and its evidence; None where the target stays."""
+        if not np.isfinite(self.model.b).all() or not np.isfinite(self.model.variance):
+            return None
         try:
             found = self.model.estimate(self.settings.level, self.settings.d_zu)
         except InputError:
@@ -60,9 +65,8 @@ class TargetLearner:
         numerator = np.r_[np.zeros(found.d_zu), H * np.poly(outside).real]
         if not np.isfinite(numerator).all() or not self._differs(numerator):
             return None
-        first = not self._current.size
+        option = self.settings.covariance if self._current.size else "reset"
         self._current, self._outside = numerator, outside
-        option = "reset" if first else self.settings.covariance
         return ControllerChange(TargetModel(numerator), covariance=option), str(found)
 
     def _chosen(self, found: OnlineZeros) -> ComplexArray:

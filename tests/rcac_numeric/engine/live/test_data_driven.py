@@ -16,6 +16,7 @@ from rcac_numeric import (
     ModellingInformation,
     PlantChange,
     PlantSchedule,
+    RecursiveARX,
     SignalWeight,
     SimulationCase,
     Step,
@@ -166,3 +167,23 @@ def test_poor_data_change_nothing():
     settings = ControllerSettings(structure=iir(2), target=DataDriven(order=4), update=UD(1.0))
     run = simulate(plant, settings, exogenous([WhiteNoise(1.0)], 900, 0))
     assert run.changes == () and not run.theta_final.any()
+
+
+def test_the_perturbation_as_written_does_not_serve():
+    """u~(k) = u(k) - Phi(k) theta(k+1) fades, and misses the zero; frozen theta does as u does."""
+    plant = standard_plant(ZERO.format(1.5))
+    settings = ControllerSettings(structure=iir(15), target=fir_target(plant), update=UD(0.5))
+    run = simulate(plant, settings, exogenous([WhiteNoise(0.01)], 10000, 3))
+    u, y, z = run.u[:, 0], run.y[:, 0], run.z[:, 0]
+    Phi = np.zeros((run.steps, 30))
+    for lag in range(1, 16):
+        Phi[lag:, lag - 1], Phi[lag:, lag + 14] = u[:-lag], y[:-lag]
+    after = np.vstack([run.theta[1:], run.theta_final])
+    literal, frozen = u - np.sum(Phi * after, axis=1), u - Phi @ run.theta[2000]
+    assert np.linalg.norm(literal[8000:]) < 0.01 * np.linalg.norm(u[8000:])
+    misses = []
+    for signal in (u, literal, frozen):
+        fit = RecursiveARX(20)
+        fit.update(signal[15:2000], z[15:2000])
+        misses.append(np.min(np.abs(fit.estimate().zeros - 1.5)))
+    assert misses[0] < 0.05 and misses[2] < 0.05 and misses[1] > 0.2
