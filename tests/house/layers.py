@@ -24,6 +24,7 @@ LAYERS = {
         "signals",
         "targets",
         "identification",
+        "targets.directions",
         "controllers.updates",
         "controllers",
         "engine.compiled",
