@@ -93,16 +93,18 @@ def directions_from_data(
             f"{len(U)} steps are too few for order = {p}: {p + 4 * size * p} at least."
         )
     rows = np.hstack([lagged(U, p + 1)[:, size:], -lagged(Z, p + 1)[:, size:]])
-    theta, _, found, singular = np.linalg.lstsq(rows, Z[p:], rcond=None)
+    solution, _, found, singular = np.linalg.lstsq(rows, Z[p:], rcond=None)
+    theta: Array = np.asarray(solution, dtype=np.float64)
     if found < rows.shape[1]:
         raise InputError(
             f"the data do not determine the fit of order {p}: rank {found} of {rows.shape[1]}, "
             f"smallest singular value {singular[-1]:.2g}. Perturb u more, or use a lower order."
         )
     error = Z[p:] - rows @ theta
-    noise = error.T @ error / (len(rows) - rows.shape[1])
-    spread = np.linalg.inv(rows.T @ rows)[: p * size, : p * size]
-    B = theta[: p * size].T.reshape(size, p, size).transpose(1, 0, 2)
+    noise: Array = error.T @ error / (len(rows) - rows.shape[1])
+    inverse: Array = np.asarray(np.linalg.inv(rows.T @ rows), dtype=np.float64)
+    spread = inverse[: p * size, : p * size]
+    B = _blocks(theta[: p * size], p, size)
     A = np.concatenate([np.eye(size)[None], _blocks(theta[p * size :], p, size)])
     least = float(np.linalg.svd(B[0], compute_uv=False)[-1])
     deviation = float(np.sqrt(np.linalg.norm(noise, 2) * np.linalg.norm(spread[:size, :size], 2)))
@@ -122,7 +124,7 @@ def directions_from_data(
                 f"the zero {z0:.4g} has the standard error {spread_of:.2g}: the data do not say on "
                 "which side of the unit circle it is, or not where. Record more, or perturb u more."
             )
-        value = np.linalg.solve(_at(A, z0), _at(B, z0) / z0)
+        value = scipy.linalg.solve(_at(A, z0), _at(B, z0) / z0)
         eta = np.linalg.svd(value)[0][:, -1].conj()
         turned = eta * abs(eta[(k := np.argmax(np.abs(eta)))]) / eta[k]
         real = z0.imag == 0
@@ -134,7 +136,7 @@ def directions_from_data(
 
 
 def _blocks(theta: Array, p: int, size: int) -> Array:
-    return theta.T.reshape(size, p, size).transpose(1, 0, 2)
+    return np.asarray(theta.T.reshape(size, p, size).transpose(1, 0, 2), dtype=np.float64)
 
 
 def _at(blocks: Array, z0: complex) -> ComplexArray:
