@@ -23,9 +23,7 @@ def _plant() -> StandardProblem:
     A = zeros(2, 2).row_join(eye(2)).col_join(zeros(2, 4))
     B = eye(2).col_join(-X)
     C = eye(2).row_join(zeros(2, 2))
-    return StandardProblem(
-        A=A, B=B, D_1=B, C=C, E_1=C, D_0=None, D_2=None, E_2=None, E_0=None
-    )
+    return StandardProblem(A=A, B=B, D_1=B, C=C, E_1=C, D_0=None, D_2=None, E_2=None, E_0=None)
 
 
 def delay_matched() -> Facts:

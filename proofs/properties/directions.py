@@ -33,9 +33,12 @@ def plants_with_a_zero(draw: st.DrawFn) -> Case:
         B[2 * i, :], B[2 * i + 1, :], C[i, 2 * i] = H[i, :], rest[i, :], 1
         eta.append(V[0, i] * (z0**2 - a * z0 - b))
         assume(z0**2 - a * z0 - b != 0)
-    return StandardProblem(
-        A=A, B=B, D_1=B, C=C, E_1=C, D_0=None, D_2=None, E_2=None, E_0=None
-    ), z0, eta, H
+    return (
+        StandardProblem(A=A, B=B, D_1=B, C=C, E_1=C, D_0=None, D_2=None, E_2=None, E_0=None),
+        z0,
+        eta,
+        H,
+    )
 
 
 @for_all(case=plants_with_a_zero(), D_0=matrices(2, 2), N_0=matrices(2, 2))

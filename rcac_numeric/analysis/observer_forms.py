@@ -27,12 +27,15 @@ from rcac_numeric.analysis.invariant_subspaces import (
     selections,
     solved,
 )
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import matrix_latex
 
 # Largest relative residual of a form that is handed out.
 RESOLVED = 1e-6
+SHOWN = 6  # forms that a notebook writes out
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +127,23 @@ class NumericObserverForms(Value):
             for mine, theirs in ((self.K, wanted_K), (self.F, wanted_F))
         ]
         return self._least(off[0] + off[1])
+
+    def plot(self) -> figures.Figure:
+        """The closed-loop roots, divided into regulator and observer roots form by form."""
+        from rcac_numeric.plots.observer_forms import plot_observer_forms
+
+        return plot_observer_forms(self)
+
+    def _repr_latex_(self) -> str:
+        forms = []
+        for i in range(min(len(self), SHOWN)):
+            gains = rf"K_{{{i + 1}}} &= {matrix_latex(self.K[i])}"
+            if self.F is not None:
+                gains += rf", & F_{{{i + 1}}} &= {matrix_latex(self.F[i])}"
+            forms.append(gains)
+        more = rf"\text{{{len(self)} forms}}" if len(self) != len(forms) else ""
+        body = r" \\ ".join([*forms, *filter(None, [more])]) or r"\text{no form}"
+        return rf"$\displaystyle \begin{{aligned}}{body}\end{{aligned}}$"
 
     def _least(self, cost: Array) -> int:
         if not len(self):

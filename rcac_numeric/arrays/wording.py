@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 # Control characters but the newline and the tab; a terminal obeys them.
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
@@ -37,3 +38,30 @@ def printable(text: str) -> str:
     a\x1b[31m title
     """
     return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+
+
+def matrix_latex(rows: Iterable[Iterable[float]], digits: int = 4) -> str:
+    r"""A matrix of numbers in LaTeX, each with a few digits.
+
+    Examples
+    --------
+    >>> from rcac_numeric.arrays.wording import matrix_latex
+    >>> print(matrix_latex([[1.0, -2.5e-7]]))
+    \begin{bmatrix}1 & -2.5 \cdot 10^{-7}\end{bmatrix}
+    """
+    lines = (" & ".join(number_latex(value, digits) for value in row) for row in rows)
+    body = r" \\ ".join(lines)
+    return rf"\begin{{bmatrix}}{body}\end{{bmatrix}}"
+
+
+def number_latex(value: float, digits: int = 4) -> str:
+    r"""A number in LaTeX, with a power of ten where that is shorter.
+
+    Examples
+    --------
+    >>> from rcac_numeric.arrays.wording import number_latex
+    >>> print(number_latex(0.25), number_latex(1.5e10))
+    0.25 1.5 \cdot 10^{10}
+    """
+    mantissa, e, exponent = f"{value:.{digits}g}".partition("e")
+    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if e else mantissa

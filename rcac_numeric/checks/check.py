@@ -21,8 +21,10 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
+from rcac_numeric.checks.runs import check_arguments
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.engine.runs import Run
 from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.margins.classical import Margins
@@ -101,7 +103,7 @@ class ControllerCheck(Value):
     def report(self) -> str:
         """The whole check in words and numbers."""
         from rcac_numeric.reports.check import check_sheet
-        from rcac_numeric.reports.terminal import as_text
+        from rcac_numeric.reports.sheets.terminal import as_text
 
         return as_text(check_sheet(self))
 
@@ -113,6 +115,13 @@ class ControllerCheck(Value):
         loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
         return f"ControllerCheck({said}, {loop}, {len(self.unsaid)} unsaid)"
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and its sheet of pictures."""
+        from rcac_numeric.reports.check import check_sheet
+        from rcac_numeric.reports.page.notebook import notebook_html
+
+        return notebook_html(check_sheet(self), self.plot())
+
     def plot(self) -> figures.Figure:
         """One sheet: signals and coefficients, poles, the match and the Nyquist curve."""
         from rcac_numeric.plots.check import plot_check
@@ -121,7 +130,7 @@ class ControllerCheck(Value):
 
 
 def check_controller(
-    u: ArrayLike | ControllerLog,
+    u: ArrayLike | ControllerLog | Run,
     y: ArrayLike | None = None,
     *,
     z: ArrayLike | None = None,
@@ -142,7 +151,8 @@ def check_controller(
     Parameters
     ----------
     u, y : arrays, shape (steps, l_u), (steps, l_y)
-        Or a ControllerLog in place of all the signals and theta.
+        Or a ControllerLog in place of all the signals and theta; or a Run, which knows its
+        structure, plant, target model and k_w too. What is given beside it goes before.
     z, w, r : arrays, optional
         Performance, exogenous input, command. The split of the residual needs z and w.
     theta : array, shape (steps, l_theta) or (l_theta,)
@@ -190,12 +200,22 @@ def check_controller(
     >>> check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2)).unsaid["poles"]
     'the plant is not known'
     """
-    if isinstance(u, ControllerLog):
+    if isinstance(u, Run):
+        own = check_arguments(u)
+        signals: ArrayLike | ControllerLog = own["log"]
+        plant = own.get("plant") if plant is None else plant
+        target = own.get("target") if target is None else target
+        if structure is None and compensator is None:
+            structure, compensator = own.get("structure"), own.get("compensator")
+            k_w = own.get("k_w") if k_w is None else k_w
+    else:
+        signals = u
+    if isinstance(signals, ControllerLog):
         if any(v is not None for v in (y, z, w, r, theta)):
             raise InputError("give a ControllerLog, or arrays, not both.")
-        log = u
+        log = signals
     else:
-        log = ControllerLog(u=u, y=y, z=z, w=w, r=r, theta=theta)
+        log = ControllerLog(u=signals, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
     if sample_time is not None and not number(sample_time, "sample_time") > 0:

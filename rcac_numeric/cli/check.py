@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.checks.check import ControllerCheck, check_controller
+from rcac_numeric.arrays.record_files import is_record
+from rcac_numeric.checks.check import check_controller
 from rcac_numeric.checks.logs import ControllerLog, read_log
 from rcac_numeric.cli.check_inputs import (
     parse_names,
@@ -20,8 +22,10 @@ from rcac_numeric.cli.check_inputs import (
 )
 from rcac_numeric.cli.exits import DONE, NO
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
+from rcac_numeric.engine.runs import Run, load_run
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.signals.data_files import read_variables
+from rcac_numeric.targets.filters import target_model
 
 KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 
@@ -78,14 +82,25 @@ def check(
 ) -> int:
     """Check the controller that a LOG (.csv, .mat, .npz) ended with.
 
-    LOG holds u and y, and where there are any z, w and r, one row for each step; and theta (its
-    rows over time, or the last one), or the polynomials D_c and N_c. Where the logged u is not the
-    output of the logged theta or compensator, the status is 1. An unstable loop or a theta that
-    still moves is reported, and is no error.
+    LOG may be what `rcac verify CASE --save RUN.npz` or Run.save wrote: it knows its plant, its
+    structure, its target and k_w by itself. Otherwise LOG holds u and y, and where there are any
+    z, w and r, one row for each step; and theta (its rows over time, or the last one), or the
+    polynomials D_c and N_c. Where the logged u is not the output of the logged theta or
+    compensator, the status is 1. An unstable loop or a theta that still moves is reported, and is
+    no error.
     """
     with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
-        recorded = read_log(log, parse_names(names), transpose=transpose)
         model, table = read_case(plant, problem)
+        own = _own(log) if plant is None and not names and structure is None else None
+        if own is not None:
+            found = check_controller(
+                own, target=None if target is None else target_model(target),
+                noise=parse_noise(noise), k_w=k_w, sample_time=sample_time, tolerance=tolerance,
+            )  # fmt: skip
+            found = replace(found, log=replace(found.log, source=str(log)))
+            show(check_sheet(found), as_json, picture, found.plot)
+            return DONE if found.is_consistent else NO
+        recorded = read_log(log, parse_names(names), transpose=transpose)
         if model is None and log.suffix.lower() != ".csv":
             model = plant_in(read_variables(log), str(log))
         if k_w is None and isinstance(table.get("controller"), dict):
@@ -94,7 +109,7 @@ def check(
         made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
         if made is None:
             _require_structure(recorded, widths)
-        found: ControllerCheck = check_controller(
+        found = check_controller(
             recorded,
             structure=made,
             plant=model,
@@ -106,6 +121,18 @@ def check(
         )
         show(check_sheet(found), as_json, picture, found.plot)
     return DONE if found.is_consistent else NO
+
+
+def _own(log: Path) -> Run | None:
+    """The run that a file holds; None where it is none, or one made of functions."""
+    if log.suffix.lower() != ".npz" or not is_record(log):
+        return None
+    try:
+        return load_run(log)
+    except InputError as error:
+        if "made of functions" in str(error):
+            return None
+        raise
 
 
 def _require_structure(log: ControllerLog, widths: tuple[int, int]) -> None:

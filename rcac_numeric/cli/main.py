@@ -31,7 +31,10 @@ COMMANDS = {
         "Run one run of a study again, bit for bit.",
     ),
     "schema": ("rcac_numeric.cli.schema:schema", "Print the JSON Schema of experiment files."),
-    "show": ("rcac_numeric.cli.studies.show:show_store", "Show what a study came to."),
+    "show": (
+        "rcac_numeric.cli.studies.show:show_store",
+        "Show an example's file, or what a study came to.",
+    ),
     "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }

@@ -10,10 +10,17 @@ import click
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.cli.cases import (
+    complete_case,
+    complete_key,
+    is_file,
+    read_case_table,
+    with_values,
+)
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.files.builder import load_example, load_experiment
+from rcac_numeric.experiments.files.builder import build, load_example, load_experiment
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.experiments.verdicts import verify as verified
 from rcac_numeric.plots.formats import save
@@ -31,6 +38,15 @@ def _checked_page(context: click.Context, option: click.Parameter, value: Path |
     return value
 
 
+def _checked_run(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+    """The option --save, whose file is refused before anything long is run."""
+    if value is not None and value.suffix.lower() != ".npz":
+        raise InputError(f"--save {value}: the name must end in .npz.")
+    if value is not None and not value.parent.is_dir():
+        raise InputError(f"--save {value}: there is no folder {value.parent}.")
+    return value
+
+
 def _made_folder(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
     """The option --figures, whose folder is made before anything long is run."""
     if value is not None:
@@ -42,7 +58,7 @@ def _made_folder(context: click.Context, option: click.Parameter, value: Path | 
 
 
 @click.command("verify")
-@click.argument("case")
+@click.argument("case", shell_complete=complete_case)
 @picture_option("Draw response, poles and zeros, and the intercalated match into this file.")
 @click.option("--figures", "folder", type=click.Path(file_okay=False, path_type=Path),
               help="Draw the figures that the case asks for into this folder.",
@@ -50,6 +66,13 @@ def _made_folder(context: click.Context, option: click.Parameter, value: Path | 
 @click.option("--page", type=click.Path(dir_okay=False, path_type=Path),
               help="Write a web page of the case into this file, .html; it needs no network.",
               callback=_checked_page)  # fmt: skip
+@click.option("--save", "kept", type=click.Path(dir_okay=False, path_type=Path),
+              help="Keep the main run in this .npz file, for load_run and `rcac check`.",
+              callback=_checked_run)  # fmt: skip
+@click.option(
+    "--set", "values", multiple=True, metavar="KEY=VALUE", shell_complete=complete_key,
+    help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
+)  # fmt: skip
 @budget_option(of_runs=True)
 @as_json_option
 def verify(
@@ -57,6 +80,8 @@ def verify(
     picture: Path | None,
     folder: Path | None,
     page: Path | None,
+    kept: Path | None,
+    values: tuple[str, ...],
     as_json: bool,
     budget: Budget,
 ) -> int:
@@ -65,12 +90,18 @@ def verify(
     CASE is the number of an example (see `rcac list`) or the path of a TOML file.
     """
     with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
-        found = verified(_experiment(case, budget), _progress if sys.stderr.isatty() else _silence)
+        found = verified(
+            _experiment(case, values, budget), _progress if sys.stderr.isatty() else _silence
+        )
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
         show(verification_sheet(found), as_json, picture, found.plot)
         if folder is not None:
             _draw(found, folder, as_json)
+        if kept is not None:
+            found.main.first.run.save(kept)
+            if not as_json:
+                click.echo(f"\nRun: {kept}")
         if page is not None:
             write_page(case_page(case_of(found)), page)
             if not as_json:
@@ -86,9 +117,11 @@ def _draw(found: Verification, folder: Path, as_json: bool) -> None:
         click.echo(f"\nFigures: {len(requests)} in {folder}")
 
 
-def _experiment(case: str, budget: Budget) -> Experiment:
-    is_file = case.endswith(".toml") or "/" in case or Path(case).is_file()
-    return load_experiment(case, budget) if is_file else load_example(case, budget)
+def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:
+    if values:
+        table, file = read_case_table(case)
+        return build(with_values(table, values), file, budget)
+    return load_experiment(case, budget) if is_file(case) else load_example(case, budget)
 
 
 def _progress(name: str) -> None:

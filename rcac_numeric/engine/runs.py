@@ -3,17 +3,46 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.frames import DataFrame, Dataset, imported
+from rcac_numeric.arrays.record_files import read_record, write_record
+from rcac_numeric.arrays.records import Records
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.decentralized import Decentralized
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
+from rcac_numeric.controllers.updates.forgetting import ScheduledForgetting, VariableRateForgetting
+from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
+from rcac_numeric.controllers.updates.recursive import UD, Covariance
+from rcac_numeric.controllers.updates.resets import CovarianceReset
+from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
+from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.live.changes import AppliedChange
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
+from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
+from rcac_numeric.targets.model import TargetModel
+
+# What the file of a run may be made of; nothing else is ever constructed from it.
+RECORDS = Records(
+    Compensator, ControllerSettings, Covariance, CovarianceReset, Decentralized, DerivedSignal,
+    FixedController, Gradient, Instantaneous, Plant, PlantChange, PlantSchedule, Saturation,
+    SavedState, ScheduledForgetting, SignalWeight, SlidingWindow, Structure, Tap, TargetModel, UD,
+    VariableRateForgetting,
+)  # fmt: skip
 
 # How a run may end, in the order of the kernel's numbers.
 OUTCOMES = (
@@ -60,6 +89,8 @@ class Run(Value):
         From which `simulate` continues bit for bit; None where the run failed.
     failure : str
         What a function of the plant or of a weight raised; empty where none did.
+    changes : tuple of AppliedChange
+        What was changed in the controller while it ran, and why.
     """
 
     plant: AnyPlant
@@ -83,6 +114,7 @@ class Run(Value):
     x_0: Array | None = None
     divergence_limit: float = math.inf
     failure: str = ""
+    changes: tuple[AppliedChange, ...] = ()
 
     @property
     def steps(self) -> int:
@@ -104,5 +136,98 @@ class Run(Value):
             )
         return self.settings.compensator_of(self.theta[row])
 
+    @property
+    def k(self) -> Array:
+        """The steps of the signals, first_step, first_step + 1, ...."""
+        return self.first_step + np.arange(self.steps, dtype=np.float64)
+
+    def to_pandas(self) -> DataFrame:
+        """A DataFrame over k: z, u, y, w, u_applied and theta, numbered from 1 where several.
+
+        Where theta was kept with a stride, it is not a number in between.
+
+        Raises
+        ------
+        InputError
+            Where pandas is not installed.
+        """
+        columns = {"k": self.k}
+        for name, values in self._by_name().items():
+            for i, column in enumerate(values.T):
+                columns[name if values.shape[1] == 1 else f"{name}{i + 1}"] = column
+        return imported("pandas").DataFrame(columns).set_index("k")
+
+    def to_xarray(self) -> Dataset:
+        """A Dataset with the dimension k, and a dimension of components for each signal.
+
+        Raises
+        ------
+        InputError
+            Where xarray is not installed.
+        """
+        by_name = self._by_name()
+        variables = {name: (("k", f"{name}_component"), v) for name, v in by_name.items()}
+        attributes = {"outcome": self.outcome, "guard_count": self.guard_count}
+        return imported("xarray").Dataset(variables, {"k": self.k}, attributes)
+
+    def _by_name(self) -> dict[str, Array]:
+        theta = np.full((self.steps, self.theta.shape[1]), np.nan)
+        theta[:: self.stride] = self.theta
+        signals = {name: getattr(self, name) for name in ("z", "u", "y", "w", "u_applied")}
+        return {**signals, "theta": theta}
+
+    def save(self, path: str | Path) -> None:
+        """Write the run to a .npz file that `load_run` and `rcac check` read, bit for bit.
+
+        Raises
+        ------
+        InputError
+            Where the file cannot be written, or the run is of a class derived from this one.
+        """
+        if type(self) is not Run:
+            raise InputError(f"a {type(self).__name__} cannot be saved; a Run can.")
+        write_record(path, "run", {f.name: getattr(self, f.name) for f in fields(self)}, RECORDS)
+
+    def plot(self) -> figures.Figure:
+        """The signals z and u and the coefficients theta over the step k."""
+        from rcac_numeric.plots.figures.runs import plot_runs
+
+        return plot_runs([self])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how it ended, and its pictures."""
+        from rcac_numeric.reports.page.notebook import run_html
+
+        return run_html(self)
+
     def __repr__(self) -> str:
         return f"Run({self.outcome}, steps={self.steps}, {self.plant!r})"
+
+
+def load_run(
+    path: str | Path, *, plant: AnyPlant | None = None, settings: AnyController | None = None
+) -> Run:
+    """Read a run that `Run.save` wrote; it equals the one that was saved.
+
+    Parameters
+    ----------
+    path : path
+    plant, settings : optional
+        Where they are made of Python functions, which a file cannot hold: those of the run.
+
+    Raises
+    ------
+    InputError
+        Where the file cannot be read, holds no run, or is damaged.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from rcac_numeric import load_example, load_run
+    >>> run = load_example("4.7").main_run.execute().first.run
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "run.npz"
+    >>> run.save(file)
+    >>> load_run(file) == run
+    True
+    """
+    return Run(**read_record(path, "run", RECORDS, {"plant": plant, "settings": settings}))

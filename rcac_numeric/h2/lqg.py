@@ -10,9 +10,11 @@ import numpy as np
 
 from compensator_theory.errors import IllConditionedError, ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, one_of
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import matrix_latex, number_latex
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
 from rcac_numeric.h2.conversion import ConversionCertificate, converted
@@ -123,6 +125,19 @@ class LQG(Value):
         """Distance of `cost` and `cost_from_riccati`, over the sizes of the terms of the cost."""
         size = sum(map(abs, self.cost.terms.values()))
         return abs(self.cost.value - self.cost_from_riccati) / size if size else 0.0
+
+    def plot(self) -> figures.Figure:
+        """The closed-loop poles by what made them, and the gain and phase of the controller."""
+        from rcac_numeric.plots.lqg import plot_lqg
+
+        return plot_lqg(self)
+
+    def _repr_latex_(self) -> str:
+        A_c, B_c, C_c, D_c = map(matrix_latex, self.state_space)
+        return (
+            rf"$\displaystyle J = {number_latex(self.cost.value, 6)}, \quad A_c = {A_c}, \quad "
+            rf"B_c = {B_c}, \quad C_c = {C_c}, \quad D_c = {D_c}$"
+        )
 
     def __repr__(self) -> str:
         return (

@@ -109,6 +109,14 @@ class Margins(Value):
         ]
         return "\n".join(lines)
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the table of margins and the Nyquist curve."""
+        from rcac_numeric.reports.margins import margins_section
+        from rcac_numeric.reports.page.notebook import notebook_html
+        from rcac_numeric.reports.sheets.sheet import Sheet
+
+        return notebook_html(Sheet("", sections=(margins_section("u", self),)), self.plot())
+
     def plot(self) -> figures.Figure:
         """The Nyquist curve near -1 with the margins marked."""
         from rcac_numeric.plots.margins import plot_margins

@@ -6,10 +6,12 @@ from typing import Any
 
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.checks.check import ControllerCheck
-from rcac_numeric.reports.loop import health, joined, match_section, split_section, zeros_facts
+from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.reports.health import health_lines, health_record
+from rcac_numeric.reports.loop import joined, match_section, split_section, zeros_facts
 from rcac_numeric.reports.margins import disk_record, margins_section
-from rcac_numeric.reports.numbers import complex_list
-from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.numbers import complex_list
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 
 
 def check_sheet(check: ControllerCheck) -> Sheet:
@@ -21,10 +23,11 @@ def check_sheet(check: ControllerCheck) -> Sheet:
     >>> from rcac_numeric.reports.check import check_sheet
     >>> gain = Compensator(past_u=[[[0.0]]], past_y=[[[0.5]], [[0.0]]])
     >>> sheet = check_sheet(check_controller([0.5, 1.0], [1.0, 2.0], compensator=gain))
-    >>> sheet.record["replay"]["agrees"], sheet.health
-    (True, ())
+    >>> sheet.record["replay"]["agrees"], sheet.health[0].words
+    (True, 'Whether the loop is stable is not known: the plant is not known.')
     """
-    sections = [_log(check), _controller(check)]
+    health = loop_health(check)
+    sections = [Section(record=health_record(health)), _log(check), _controller(check)]
     if check.loop is not None:
         sections += [_loop(check), *(margins_section(n, m) for n, m in check.margins.items())]
         sections += [_disk(check), _costs(check)]
@@ -33,7 +36,7 @@ def check_sheet(check: ControllerCheck) -> Sheet:
     return Sheet(
         title=check.log.source,
         remark=f": {check.log.steps} steps",
-        health=() if check.loop is None else (health(check.loop),),
+        health=health_lines(health),
         sections=(*sections, _unsaid(check)),
     )
 

@@ -1,20 +1,11 @@
-"""What is said of a loop wherever one is reported: its health, its match, the split residual."""
+"""What is said of a loop wherever one is reported: its match, the split residual."""
 
 from __future__ import annotations
 
-from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
-from rcac_numeric.reports.numbers import power_text
-from rcac_numeric.reports.sheet import Fact, Section, Text
-
-
-def health(loop: ClosedLoop) -> Text:
-    """Whether the loop is stable: the first sentence of a report."""
-    radius = loop.spectral_radius
-    if loop.is_stable:
-        return Text(f"The closed loop is stable, spectral radius {radius:.9g}.", "good")
-    return Text(f"The closed loop is UNSTABLE, spectral radius {radius:.9g}.", "bad")
+from rcac_numeric.reports.sheets.numbers import power_text
+from rcac_numeric.reports.sheets.sheet import Fact, Section, Text
 
 
 def match_section(match: IntercalatedMatch | None, reason: str) -> Section:

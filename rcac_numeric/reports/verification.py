@@ -9,9 +9,13 @@ from rcac_numeric.experiments.claims import CORRECTED, NOT_REPRODUCED, REPRODUCE
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
+from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.reports.comparison import comparison_section, poles_section
-from rcac_numeric.reports.loop import health, joined, match_section, split_section
-from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.estimation import estimation_health, estimation_section
+from rcac_numeric.reports.health import health_lines, health_record
+from rcac_numeric.reports.loop import joined, match_section, split_section
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", CORRECTED: "warning", NOT_REPRODUCED: "bad"}
 
@@ -28,11 +32,12 @@ def verification_sheet(verification: Verification) -> Sheet:
     ('4.7  Pole placement, y = z and w matched with u', 'reproduced')
     """
     experiment = verification.experiment
+    health = loop_health(verification) if verification.results else None
     return Sheet(
         title=f"{experiment.id}  {experiment.title}",
-        health=_health(verification),
+        health=_health(verification, health),
         sections=(
-            _problem(verification),
+            _problem(verification, health),
             _claims(verification),
             *_of_runs(verification),
         ),
@@ -40,8 +45,10 @@ def verification_sheet(verification: Verification) -> Sheet:
     )
 
 
-def _health(verification: Verification) -> tuple[Text, ...]:
-    if not verification.results:
+def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text, ...]:
+    if verification.estimates:
+        return estimation_health(verification)
+    if health is None:
         return _health_of_exact(verification)
     main = verification.main
     said = []
@@ -55,18 +62,21 @@ def _health(verification: Verification) -> tuple[Text, ...]:
                 "bad",
             )
         )
-    said.append(health(main.first.loop))
+    first, *rest = health_lines(health)
+    said.append(first)
     if changed := sum(verdict.has_changed for verdict in verification.verdicts):
         said.append(Text(f"{changed} of the verdicts of record changed.", "bad"))
     said += [
         Text(f"Run {name!r} did not end as it is known to.", "bad")
         for name in verification.surprising
     ]
-    return tuple(said)
+    return (*said, *rest)
 
 
 def _of_runs(verification: Verification) -> tuple[Section, ...]:
     """What only an example that runs has."""
+    if verification.estimates:
+        return (estimation_section(verification),)
     if not verification.results:
         return ()
     return _runs(verification), _controller(verification.main)
@@ -78,11 +88,13 @@ def _health_of_exact(verification: Verification) -> tuple[Text, ...]:
     return (Text("Decided exactly: no run, no tolerance."),)
 
 
-def _problem(verification: Verification) -> Section:
+def _problem(verification: Verification, health: LoopHealth | None) -> Section:
     experiment = verification.experiment
     blocks: list[Block] = [Text(experiment.source, "quiet")] if experiment.source else []
     blocks += [Fact(name, words) for name, words in experiment.description.items() if words]
-    return Section(blocks=tuple(blocks), record={"id": experiment.id, "title": experiment.title})
+    record = {"id": experiment.id, "title": experiment.title}
+    of_health = {"health": None, "warnings": []} if health is None else health_record(health)
+    return Section("The problem", tuple(blocks), {**record, **of_health})
 
 
 def _claims(verification: Verification) -> Section:

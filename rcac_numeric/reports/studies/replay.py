@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from rcac_numeric.analysis.loop_analysis import attempted
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.reports.loop import health
-from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.reports.health import health_lines, health_record
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.sweeps.results.replay import ReplayedRun
 
 
@@ -36,9 +36,8 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
             Text(f"{name} was {then} and is {now}.", "warning")
             for name, (then, now) in replayed.differing_versions.items()
         ]
-    loop, _ = attempted(lambda: replayed.analysed.loop)
-    if loop is not None:
-        said.append(health(loop))
+    health = loop_health(replayed.analysed)
+    said += health_lines(health)
     facts: list[Block] = [
         *(Fact(name, shortened(str(v), 80)) for name, v in replayed.coordinates.items()),
         Fact("repetition", str(replayed.repetition)),
@@ -63,6 +62,7 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
         "stored": replayed.stored,
         "found": replayed.found,
         "theta_final": run.theta_final,
+        **health_record(health),
     }
     return Sheet(
         f"Run {replayed.number}",

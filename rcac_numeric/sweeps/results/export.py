@@ -11,7 +11,7 @@ from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.files import replacing
-from rcac_numeric.sweeps.results.frames import imported
+from rcac_numeric.arrays.frames import imported
 from rcac_numeric.sweeps.results.table import Columns
 from rcac_numeric.sweeps.store.reading import cell_columns, stored_runs
 from rcac_numeric.sweeps.store.store import Store

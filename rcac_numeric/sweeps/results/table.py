@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import frames
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.sweeps.results import frames
 from rcac_numeric.sweeps.store.reading import cell_columns, column, stored_runs
 from rcac_numeric.sweeps.store.store import Store
 

@@ -77,9 +77,9 @@ class Sheet:
 
     Examples
     --------
-    >>> from rcac_numeric.reports.sheet import Section, Sheet, Text
-    >>> from rcac_numeric.reports.json_record import as_json
-    >>> from rcac_numeric.reports.terminal import as_text
+    >>> from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
+    >>> from rcac_numeric.reports.sheets.json_record import as_json
+    >>> from rcac_numeric.reports.sheets.terminal import as_text
     >>> loop = Section("The loop", (Text("radius 0.5"),), {"loop": {"radius": 0.5}})
     >>> sheet = Sheet("A case", sections=(loop,))
     >>> print(as_text(sheet))

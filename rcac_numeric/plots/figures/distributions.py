@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.measures import MEASURES
@@ -23,9 +24,23 @@ def draw_distribution(
     figure: Figure, results: Mapping[str, RunResult], request: FigureRequest
 ) -> None:
     """A row for each run; what has no value is counted at its end."""
-    axis = figure.subplots()
-    figure.set_figheight(max(2.2, 0.45 * len(results) + 1.2))
     found = {name: _values(result, request) for name, result in results.items()}
+    draw_values(figure, found, request.measure)
+
+
+def draw_study_distribution(
+    figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
+) -> None:
+    """The same of the studies of an estimation example, measured from the step `first` on."""
+    arguments = {"start": request.first} if request.first else {}
+    values = {name: np.array(r.values(request.measure, arguments)) for name, r in results.items()}
+    draw_values(figure, values, request.measure)
+
+
+def draw_values(figure: Figure, found: Mapping[str, Array], measure: str) -> None:
+    """The values of a measure, a row for each run."""
+    axis = figure.subplots()
+    figure.set_figheight(max(2.2, 0.45 * len(found) + 1.2))
     finite = np.concatenate([v[np.isfinite(v)] for v in found.values()] or [np.zeros(0)])
     if len(finite) and finite.min() > 0 and finite.max() > DECADES * finite.min():
         axis.set_xscale("log")
@@ -42,7 +57,7 @@ def draw_distribution(
         labels.append(shortened(name, 40) + (f"\n{lost} of {len(values)} lost" if lost else ""))
     axis.set_yticks(range(len(labels)), labels, fontsize=8)
     axis.invert_yaxis()
-    axis.set_xlabel(request.measure.replace("_", " ") + " (bar: median)")
+    axis.set_xlabel(measure.replace("_", " ") + " (bar: median)")
     axis.grid(alpha=0.25, axis="x")
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rcac_numeric.reports.sheet import Sheet
+from rcac_numeric.reports.sheets.sheet import Sheet
 
 
 def as_dict(sheet: Sheet) -> dict[str, Any]:
@@ -20,8 +20,8 @@ def as_dict(sheet: Sheet) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from rcac_numeric.reports.json_record import as_dict
-    >>> from rcac_numeric.reports.sheet import Section, Sheet
+    >>> from rcac_numeric.reports.sheets.json_record import as_dict
+    >>> from rcac_numeric.reports.sheets.sheet import Section, Sheet
     >>> as_dict(Sheet("", sections=(Section(record={"poles": [0.5 + 1j], "cost": float("inf")}),)))
     {'poles': [[0.5, 1.0]], 'cost': None}
     """

@@ -11,7 +11,7 @@ from rich.padding import Padding
 from rich.text import Text as Styled
 
 from rcac_numeric.arrays.wording import printable
-from rcac_numeric.reports.sheet import Fact, Level, Section, Sheet, Table, Text
+from rcac_numeric.reports.sheets.sheet import Fact, Level, Section, Sheet, Table, Text
 
 STYLES: dict[Level, str] = {
     "plain": "",

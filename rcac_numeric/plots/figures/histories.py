@@ -1,4 +1,4 @@
-"""Several runs over the step k: a signal in one pair of axes, the coefficients in one for each."""
+"""Several runs over the step k: signals and estimates in one pair of axes, coefficients apart."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plots.style import INK, line_style
 
@@ -60,18 +62,31 @@ def draw_coefficients(figure: Figure, runs: Mapping[str, Run], request: FigureRe
     axes[-1].set_xlabel("step $k$")
 
 
-def _draw(
-    axis: Axes, values: np.ndarray, run: Run, request: FigureRequest, index: int, name: str
+def draw_estimates(
+    figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
 ) -> None:
-    last = len(values) if request.last is None else min(request.last + 1, len(values))
-    k, shown = _thinned(np.arange(request.first, last), values[request.first : last])
-    label = name if run.outcome == "completed" else f"{name}: {run.outcome}, step {run.steps - 1}"
-    with np.errstate(all="ignore"):
-        drawn = np.where(shown == 0, np.nan, np.abs(shown)) if request.magnitude else shown
-    axis.step(k + run.first_step, drawn, where="post", linewidth=1.2,
-                        label=shortened(label, 60), **line_style(index))  # fmt: skip
-    if run.outcome != "completed" and len(k):
-        axis.plot(k[-1] + run.first_step, drawn[-1], "x", color=INK, ms=7)
+    """The estimate of the first seed of each run and the truth; or the error's magnitude."""
+    axis = figure.subplots()
+    for index, (name, result) in enumerate(results.items()):
+        run = result.repetitions[0]
+        values = np.abs(run.estimate - run.truth) if request.magnitude else run.estimate
+        _line(axis, values, request, name, **line_style(index))
+    if not request.magnitude:
+        longest = max((r.repetitions[0].truth for r in results.values()), key=len)
+        _line(axis, longest, request, "truth", color=INK, linestyle=":", linewidth=1.6)
+    _finish(axis, request, "error of the estimate" if request.magnitude else "estimate")
+
+
+def draw_outputs(
+    figure: Figure, results: Mapping[str, StudyResult], request: FigureRequest
+) -> None:
+    """Z of the first seed of each run, the largest component of each step."""
+    axis = figure.subplots()
+    for index, (name, result) in enumerate(results.items()):
+        z = result.repetitions[0].z
+        values = np.abs(z).max(axis=1) if request.magnitude else z[:, 0]
+        _line(axis, values, request, name, **line_style(index))
+    _finish(axis, request, "magnitude of $z$" if request.magnitude else "$z$")
 
 
 def _thinned(k: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -89,3 +104,33 @@ def _thinned(k: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]
         np.concatenate([steps[rows, places].ravel(), k[rest]]),
         np.concatenate([blocks[rows, places].ravel(), values[rest]]),
     )
+
+
+def _draw(
+    axis: Axes, values: np.ndarray, run: Run, request: FigureRequest, index: int, name: str
+) -> None:
+    last = len(values) if request.last is None else min(request.last + 1, len(values))
+    k, shown = _thinned(np.arange(request.first, last), values[request.first : last])
+    label = name if run.outcome == "completed" else f"{name}: {run.outcome}, step {run.steps - 1}"
+    with np.errstate(all="ignore"):
+        drawn = np.where(shown == 0, np.nan, np.abs(shown)) if request.magnitude else shown
+    axis.step(k + run.first_step, drawn, where="post", linewidth=1.2,
+                        label=shortened(label, 60), **line_style(index))  # fmt: skip
+    if run.outcome != "completed" and len(k):
+        axis.plot(k[-1] + run.first_step, drawn[-1], "x", color=INK, ms=7)
+
+
+def _line(axis: Axes, values: Array, request: FigureRequest, name: str, **style: object) -> None:
+    last = len(values) if request.last is None else min(request.last + 1, len(values))
+    k, shown = _thinned(np.arange(request.first, last), values[request.first : last])
+    drawn = np.where(shown == 0, np.nan, shown) if request.magnitude else shown
+    axis.plot(k, drawn, label=shortened(name, 40), **{"linewidth": 1.1, **style})  # type: ignore[arg-type]
+
+
+def _finish(axis: Axes, request: FigureRequest, label: str) -> None:
+    if request.magnitude:
+        axis.set_yscale("log")
+    axis.set(xlabel="step $k$", ylabel=label)
+    axis.locator_params(axis="x", nbins=6)
+    axis.grid(alpha=0.25)
+    axis.legend(fontsize=8, loc="best")

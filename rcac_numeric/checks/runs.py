@@ -1,0 +1,49 @@
+"""A run of our own as what a check needs: its log, its controller, its plant."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from compensator_theory.errors import InputError
+from rcac_numeric.checks.logs import ControllerLog
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import command_position, controllers_of
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.plants.frozen import plant_at
+from rcac_numeric.plants.functions import FunctionPlant
+
+
+def check_arguments(run: Run, source: str = "run") -> dict[str, Any]:
+    """The arguments of `check_controller` that a run knows by itself.
+
+    Behind a saturation, and for several controllers or a fixed one, the controller is handed over
+    as a compensator: no single theta makes the logged u.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.checks.runs import check_arguments
+    >>> arguments = check_arguments(load_example("4.7").main_run.execute().first.run)
+    >>> sorted(arguments)
+    ['k_w', 'log', 'plant', 'structure', 'target']
+    """
+    if not run.steps:
+        raise InputError("the run has no step that could be checked.")
+    known: dict[str, Any] = {}
+    last = run.first_step + run.steps - 1
+    if not isinstance(run.plant, FunctionPlant):
+        known["plant"] = plant_at(run.plant, last)
+    settings = run.settings
+    signals: dict[str, Any] = {"u": run.u_applied, "y": run.y, "z": run.z, "w": run.w}
+    if l_r := max(one.l_r for one in controllers_of(settings)):
+        start = command_position(run.plant, l_r)
+        signals["r"] = run.w[:, start : start + l_r]
+    if isinstance(settings, ControllerSettings):
+        changes = [model for k, model in sorted(settings.target_changes.items()) if k <= last]
+        known["target"] = [settings.target, *changes][-1]
+        if run.saturation is None and not run.first_step:
+            known |= {"structure": settings.structure, "k_w": settings.k_w}
+            signals["theta"] = run.theta if run.stride == 1 else run.theta_final
+    if "structure" not in known:
+        known["compensator"] = run.compensator
+    return {**known, "log": ControllerLog(**signals, source=source)}

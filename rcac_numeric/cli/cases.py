@@ -1,0 +1,129 @@
+"""The cases that a shell can name, with other values, and what completes their names and keys."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+from click.shell_completion import CompletionItem
+
+from compensator_theory.errors import InputError
+from rcac_numeric.experiments.files.documents import (
+    Raw,
+    example_ids,
+    example_titles,
+    read_example,
+    read_file,
+)
+from rcac_numeric.experiments.files.schema import json_schema
+from rcac_numeric.sweeps.study.paths import with_value
+
+
+def is_file(case: str) -> bool:
+    """Whether a case is named by the path of its file, and not by the number of an example.
+
+    Examples
+    --------
+    >>> from rcac_numeric.cli.cases import is_file
+    >>> is_file("4.7"), is_file("boost.toml")
+    (False, True)
+    """
+    return case.endswith(".toml") or "/" in case or Path(case).is_file()
+
+
+def read_case_table(case: str) -> tuple[Raw, str]:
+    """The tables of a case and the name of its file."""
+    return read_file(case) if is_file(case) else read_example(case)
+
+
+def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
+    """The tables with other values; verdicts of record, which belong to the old ones, are left out.
+
+    Parameters
+    ----------
+    table : mapping
+    values : sequence of str
+        Each KEY=VALUE, the key with dots, the value as TOML writes it.
+
+    Raises
+    ------
+    InputError
+        Where one is not of that form, is no TOML, or its key leads nowhere.
+
+    Examples
+    --------
+    >>> from rcac_numeric.cli.cases import with_values
+    >>> with_values({"controller": {"R_theta": 1, "n_c": 2}}, ["controller.R_theta=1e-6"])
+    {'controller': {'R_theta': 1e-06, 'n_c': 2}}
+    """
+    changed = dict(table)
+    for text in values:
+        key, equals, value = text.partition("=")
+        if not equals or not key.strip():
+            raise InputError(f"--set {text}: write KEY=VALUE, such as controller.R_theta=1e-6.")
+        changed = with_value(changed, key.strip(), _typed(text, value.strip()))
+    if "claims" in changed and isinstance(changed["claims"], list):
+        changed["claims"] = [
+            {k: v for k, v in claim.items() if k != "verdict"} if isinstance(claim, dict) else claim
+            for claim in changed["claims"]
+        ]
+    return changed
+
+
+def _typed(text: str, value: str) -> Any:
+    try:
+        read = tomllib.loads(f"value = {value}")
+    except (ValueError, RecursionError) as error:
+        quoted = f" Words need quotes: --set '{text.partition('=')[0]}=\"{value}\"'."
+        hint = quoted if re.fullmatch(r"[\w .,+*/()^-]+", value) else ""
+        raise InputError(f"--set {text}: {value!r} is no value of TOML ({error}).{hint}") from None
+    if list(read) != ["value"]:
+        raise InputError(f"--set {text}: give one value.")
+    return read["value"]
+
+
+def complete_case(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """The numbers of the examples with their titles, and the shell's own files."""
+    found = [
+        CompletionItem(number, help=title)
+        for number, title in example_titles()
+        if number.startswith(incomplete)
+    ]
+    return found or [CompletionItem(incomplete, type="file")]
+
+
+def complete_key(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """The keys that an experiment file can have, each with what it means."""
+    return [
+        CompletionItem(f"{key}=", help=words)
+        for key, words in known_keys()
+        if key.startswith(incomplete)
+    ]
+
+
+def known_keys() -> Iterator[tuple[str, str]]:
+    """The keys of the tables of an experiment file, with dots, and what each means.
+
+    Examples
+    --------
+    >>> from rcac_numeric.cli.cases import known_keys
+    >>> "controller.R_theta" in dict(known_keys())
+    True
+    """
+    for name, table in json_schema()["properties"].items():
+        for key, entry in table.get("properties", {}).items():
+            yield f"{name}.{key}", str(entry.get("description", "")).partition(".")[0]
+
+
+def is_example(name: str) -> bool:
+    """Whether this is the number of an example, and no file of that name lies here."""
+    looks_like = re.fullmatch(r"(\d|[A-Z])\.\d{1,2}", name)
+    return not Path(name).exists() and (name in example_ids() or bool(looks_like))

@@ -1,0 +1,115 @@
+"""The health of a run, of a verification's main run, or of a logged controller."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.checks.analyses import channel_margins
+from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.verdicts import Verification
+from rcac_numeric.health.excitation import excitation_of
+from rcac_numeric.health.health import LoopHealth
+from rcac_numeric.health.rules import warnings_of_check, warnings_of_run
+from rcac_numeric.health.signals import SignalSize, signal_health, without_control
+
+
+def loop_health(of: Run | AnalysedRun | Verification | ControllerCheck) -> LoopHealth:
+    """The health of a loop: stability, sizes of signals, margins, arithmetic, excitation.
+
+    Parameters
+    ----------
+    of : Run, Verification or ControllerCheck
+        Of a verification, its main run.
+
+    Raises
+    ------
+    InputError
+        Where it is none of these, or an exact example, which runs nothing.
+
+    Examples
+    --------
+    >>> from rcac_numeric import FixedController, Step, exogenous, lqg, loop_health, simulate
+    >>> from rcac_numeric import standard_plant
+    >>> plant = standard_plant("1/(q - 1.2)")
+    >>> controller = FixedController(lqg(plant).compensator)
+    >>> loop_health(simulate(plant, controller, exogenous([Step()], steps=100))).is_stable
+    True
+    """
+    match of:
+        case ControllerCheck():
+            return _of_check(of)
+        case Verification():
+            return _of_run(of.main.first)
+        case AnalysedRun():
+            return _of_run(of)
+        case Run():
+            return _of_run(AnalysedRun(of))
+    raise InputError(
+        f"loop_health of {type(of).__name__}: give a Run, a Verification or a ControllerCheck."
+    )
+
+
+def _of_run(found: AnalysedRun) -> LoopHealth:
+    run = found.run
+    k_w = min(one.k_w for one in controllers_of(run.settings))
+    start = max(k_w - run.first_step, 0)
+    free = without_control(run)
+    health = LoopHealth(
+        outcome=run.outcome,
+        steps=run.steps,
+        k_w=k_w,
+        signals={"z": signal_health(run.z, start), "u": signal_health(run.u, start)},
+        free=None if free is None else SignalSize.of(free[-max(len(free) // 10, 1) :]),
+        guard_count=run.guard_count,
+        guard_first_step=run.guard_first_step,
+        excitation=excitation_of(run),
+        **_of_loop(lambda: found.loop),
+    )
+    return replace(health, warnings=warnings_of_run(health, found))
+
+
+def _of_check(check: ControllerCheck) -> LoopHealth:
+    log = check.log
+    moving = np.flatnonzero(log.u.any(axis=1))
+    start = int(moving[0]) if len(moving) else 0
+    signals = {"u": signal_health(log.u, start)}
+    if log.z is not None:
+        signals = {"z": signal_health(log.z, start), **signals}
+    elif log.y is not None:
+        signals = {"y": signal_health(log.y, start), **signals}
+    loop = check.loop
+    health = LoopHealth(
+        is_stable=None if loop is None else loop.is_stable,
+        spectral_radius=None if loop is None else loop.spectral_radius,
+        outcome="",
+        steps=log.steps,
+        k_w=start,
+        signals=signals,
+        margins=check.margins,
+        obstacle="" if loop is not None else "the plant is not known",
+    )
+    return replace(health, warnings=warnings_of_check(health, check))
+
+
+def _of_loop(ask: Callable[[], ClosedLoop]) -> dict[str, Any]:
+    """Stability and margins of a frozen loop, or why there are none."""
+    nothing: dict[str, Any] = {"is_stable": None, "spectral_radius": None}
+    try:
+        with np.errstate(all="ignore"):
+            loop = ask()
+            radius = loop.spectral_radius
+            if not np.isfinite(radius):
+                return {**nothing, "obstacle": "the controller left the range of float64"}
+            known = {"is_stable": loop.is_stable, "spectral_radius": radius}
+            return {**known, "margins": channel_margins(loop, None, {})[0]}
+    except (CompensatorError, np.linalg.LinAlgError) as error:
+        return {**nothing, "obstacle": str(error).rstrip(".")}

@@ -1,0 +1,89 @@
+"""The health of a loop as data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.health.excitation import Excitation
+from rcac_numeric.health.signals import SignalHealth, SignalSize
+from rcac_numeric.health.warning import HealthWarning
+from rcac_numeric.margins.classical import Margins
+
+
+@dataclass(frozen=True, eq=False)
+class LoopHealth(Value):
+    """Whether a loop is healthy, and the evidence.
+
+    Attributes
+    ----------
+    is_stable : bool or None
+        Of the final controller, frozen, with the plant of the last step; None where no linear
+        plant is known.
+    spectral_radius : float or None
+    outcome : str
+        How the run ended; empty for a log.
+    steps, k_w : int
+        Number of steps, and the first one with control.
+    signals : mapping from "z" and "u" to SignalHealth
+    free : SignalSize or None
+        z of the same run with u = 0, where that is bounded.
+    margins : mapping from components of u to Margins
+    guard_count, guard_first_step : int
+        Updates decided by rounding, and the first of them (-1: none).
+    excitation : Excitation or None
+    warnings : tuple of HealthWarning
+        The grave ones first.
+    obstacle : str
+        Why there is no verdict on stability.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example, loop_health, verify
+    >>> health = loop_health(verify(load_example("4.7")))
+    >>> health.is_stable, round(health.margins["u"].gain_up.value, 3)
+    (True, 1.041)
+    >>> [warning.code for warning in health.warnings]
+    ['small margins']
+    """
+
+    is_stable: bool | None
+    spectral_radius: float | None
+    outcome: str
+    steps: int
+    k_w: int
+    signals: Mapping[str, SignalHealth]
+    free: SignalSize | None = None
+    margins: Mapping[str, Margins] = field(default_factory=dict)
+    guard_count: int = 0
+    guard_first_step: int = -1
+    excitation: Excitation | None = None
+    warnings: tuple[HealthWarning, ...] = ()
+    obstacle: str = ""
+
+    @property
+    def is_healthy(self) -> bool:
+        """Whether there is no warning."""
+        return not self.warnings
+
+    def report(self) -> str:
+        """The health in words and numbers, a line for each."""
+        from rcac_numeric.reports.health import health_lines
+
+        return "\n".join(line.words for line in health_lines(self))
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the lines of the report, the warnings in colour."""
+        from rcac_numeric.reports.health import health_lines
+        from rcac_numeric.reports.page.notebook import notebook_html
+        from rcac_numeric.reports.sheets.sheet import Sheet
+
+        return notebook_html(Sheet("Health of the loop", health=health_lines(self)))
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        codes = ", ".join(warning.code for warning in self.warnings) or "no warning"
+        return f"LoopHealth(is_stable={self.is_stable}, steps={self.steps}, {codes})"

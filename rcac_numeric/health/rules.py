@@ -1,0 +1,248 @@
+"""When a loop is not healthy: the rules, their thresholds, and the mend of each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from compensator_theory.errors import CompensatorError
+from rcac_numeric.analysis.internal_models import drift_of
+from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.health.health import LoopHealth
+from rcac_numeric.health.margin_words import small_margins
+from rcac_numeric.health.target_errors import TargetError, target_errors
+from rcac_numeric.health.warning import HealthWarning
+from rcac_numeric.plants.linear import Plant
+
+TRANSIENT = 30.0  # |z| under control over the largest |w|, |z| before control and |z| at the end
+LARGE_U = 100.0  # |u| over the largest of |w| and |z|, and the u that moves z by it in one step
+WORSE = 2.0  # rms of z at the end over that without control
+SATURATED = 0.1  # share of the last tenth of the steps
+UNSETTLED = 0.1  # change of theta in the last tenth, relative
+SLOW = 0.5  # time constant of the slowest mode over the length of the run
+
+SOFTER = "a larger R_theta (100 times), or a later k_w"
+OUTCOMES = {
+    "overflow": "lambda = 1, or a reset: P grows in directions without excitation",
+    "unsupported R_theta": "a larger R_theta: the data cannot support this one",
+    "plant not finite": "smaller commands, or a saturation of u: the plant left float64",
+    "interrupted": "run it again",
+}
+
+
+def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarning, ...]:
+    """Every warning of a run, the grave ones first."""
+    run = found.run
+    errors = _target_errors(found)
+    mends = [error.next_step for error in errors]
+    rules = (
+        _ended_badly(run, mends),
+        _unstable(health, mends),
+        _transients(health, run, mends),
+        _control(health, run, found, mends),
+        _worse(health, run),
+        _arithmetic(run),
+        _margins(health),
+        _saturated(run),
+        _learning(health, run),
+        _slow(health),
+    )
+    warnings = [warning for rule in rules for warning in rule]
+    if warnings:  # a loop that does well with another G_f than the plant's needs no mend
+        warnings += [HealthWarning(e.code, _capital(e.sentence), e.next_step) for e in errors]
+    return tuple(sorted(warnings, key=lambda warning: not warning.is_grave))
+
+
+def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[HealthWarning, ...]:
+    """Every warning of a logged controller, the grave ones first."""
+    found = [*_unstable(health, []), *_margins(health), *_slow(health)]
+    if not check.is_consistent:
+        found.append(HealthWarning(
+            "inconsistent log", "The logged u is not the output of the logged controller.",
+            "the structure, k_w, --k-c and the columns of the log", is_grave=True,
+        ))  # fmt: skip
+    if check.drift is not None and check.drift.relative > UNSETTLED:
+        found.append(_unsettled(check.drift.relative))
+    return tuple(sorted(found, key=lambda warning: not warning.is_grave))
+
+
+def _ended_badly(run: Run, mends: list[str]) -> Iterator[HealthWarning]:
+    if run.outcome == "completed":
+        return
+    sentence = f"The run ended at step {run.first_step + run.steps}: {run.outcome}."
+    if run.failure:
+        sentence = f"{sentence[:-1]} ({run.failure.rstrip('.')})."
+    if run.outcome in ("plant failed", "weight failed"):
+        step = "mend the function that failed"
+    else:
+        step = OUTCOMES.get(run.outcome) or _or(mends, SOFTER, "the sign of H and d_zu")
+    yield HealthWarning("diverged", sentence, step, is_grave=run.outcome != "interrupted")
+
+
+def _unstable(health: LoopHealth, mends: list[str]) -> Iterator[HealthWarning]:
+    if health.is_stable is False:
+        yield HealthWarning(
+            "unstable",
+            "With the final controller held fixed the loop is unstable, spectral radius "
+            f"{health.spectral_radius:.6g}.",
+            _or(mends, SOFTER, "the sign of H and d_zu", "a larger n_c", "more steps"),
+            is_grave=True,
+        )
+
+
+def _transients(health: LoopHealth, run: Run, mends: list[str]) -> Iterator[HealthWarning]:
+    z = health.signals["z"]
+    if z.after is None or z.late is None:
+        return
+    from_outside = max(_peak(run.w), _peak(run.x_0), z.before.peak if z.before else 0.0)
+    scale = max(from_outside, z.late.peak, health.free.peak if health.free else 0.0)
+    if scale and z.after.peak > TRANSIENT * scale:
+        yield HealthWarning(
+            "large transient",
+            f"While theta adapted |z| reached {z.after.peak:.3g}, {z.after.peak / scale:.2g} times "
+            "all that acts on the loop or is left at its end.",
+            _or(mends, SOFTER, "a saturation of u, handed over as u_applied"),
+            is_grave=True,
+        )
+
+
+def _control(
+    health: LoopHealth, run: Run, found: AnalysedRun, mends: list[str]
+) -> Iterator[HealthWarning]:
+    u = health.signals["u"].after
+    first = _first_gain(found)
+    if u is None or run.saturation is not None or not first:
+        return
+    z = health.signals["z"]
+    seen = [size.peak for size in (z.before, z.late, health.free) if size is not None]
+    scale = max(_peak(run.w), _peak(run.x_0), *seen) * max(1.0, 1 / first)
+    if scale and u.peak > LARGE_U * scale:
+        yield HealthWarning(
+            "large control",
+            f"|u| reached {u.peak:.3g}; {scale:.2g} moves z in one step by as much as w and z ask "
+            "for.",
+            _or(mends, SOFTER, "a saturation of u, handed over as u_applied", "a weight R_u"),
+            is_grave=True,
+        )
+
+
+def _worse(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
+    late, free = health.signals["z"].late, health.free
+    if late is None or free is None or run.outcome != "completed" or not free.rms:
+        return
+    if late.rms > WORSE * free.rms:
+        yield HealthWarning(
+            "worse than without control",
+            f"At the end rms z is {late.rms:.3g}, and {free.rms:.3g} with u = 0.",
+            "the sign of H and d_zu, a larger n_c, a larger R_theta",
+        )
+
+
+def _arithmetic(run: Run) -> Iterator[HealthWarning]:
+    if run.guard_count:
+        yield HealthWarning(
+            "rounding",
+            f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided "
+            "by rounding: the data cannot support this R_theta.",
+            "a larger R_theta",
+        )
+
+
+def _margins(health: LoopHealth) -> Iterator[HealthWarning]:
+    for name, margins in health.margins.items():
+        if words := small_margins(margins):
+            at = "" if len(health.margins) == 1 else f" at {name}"
+            yield HealthWarning(
+                "small margins",
+                f"The margins{at} are small: {', '.join(words)}.",
+                "a larger R_theta or a weight R_u, a slower target, a larger n_c",
+            )
+
+
+def _saturated(run: Run) -> Iterator[HealthWarning]:
+    if run.saturation is None or not run.steps:
+        return
+    last = slice(-max(run.steps // 10, 1), None)
+    share = float(np.mean((run.u[last] != run.u_applied[last]).any(axis=1)))
+    if share > SATURATED:
+        yield HealthWarning(
+            "saturated",
+            f"In {share:.0%} of the last tenth of the steps the actuator did not apply u.",
+            "smaller commands or a stronger actuator, a larger R_theta",
+        )
+
+
+def _learning(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
+    excitation = health.excitation
+    if excitation is not None and not excitation.outweighed and run.steps > health.k_w:
+        yield HealthWarning(
+            "no excitation",
+            "The data never outweighed R_theta: theta hardly left theta(0).",
+            "a smaller R_theta, more steps, a command or disturbance that moves the loop",
+        )
+    adapts = [one for one in controllers_of(run.settings) if one.l_theta]
+    if adapts and run.stride == 1 and run.outcome == "completed" and len(run.theta) > 1:
+        moved = drift_of(run.theta).relative
+        if moved > UNSETTLED:
+            yield _unsettled(moved)
+
+
+def _unsettled(moved: float) -> HealthWarning:
+    return HealthWarning(
+        "unsettled",
+        f"theta still moved by {moved:.2g} of its size in the last tenth of the steps; what is "
+        "said of the final controller is said of one moment.",
+        "more steps, a larger R_theta, or lambda = 1",
+    )
+
+
+def _slow(health: LoopHealth) -> Iterator[HealthWarning]:
+    radius = health.spectral_radius
+    if health.is_stable and radius is not None and radius > 0 and health.steps > 1:
+        steps = -1 / np.log(radius) if radius < 1 else np.inf
+        if steps > SLOW * health.steps:
+            yield HealthWarning(
+                "slow",
+                f"The slowest mode decays within {steps:.3g} steps by e, and the record has "
+                f"{health.steps}.",
+                "more steps, a target with faster poles, a smaller R_theta",
+            )
+
+
+def _target_errors(found: AnalysedRun) -> tuple[TargetError, ...]:
+    try:
+        return target_errors(found.plant, found.compared_with)
+    except CompensatorError:
+        return ()
+
+
+def _first_gain(found: AnalysedRun) -> float:
+    """The largest entry of the first Markov parameter of G_zu that is not zero; 0 if unknown."""
+    if type(found.run.plant) is not Plant:
+        return 0.0
+    plant = found.run.plant
+    state, parameter = plant.B, plant.E_2
+    for _ in range(plant.n + 1):
+        if size := _peak(parameter):
+            return size
+        parameter, state = plant.E_1 @ state, plant.A @ state
+    return 0.0
+
+
+def _peak(values: np.ndarray | None) -> float:
+    return 0.0 if values is None else float(np.abs(values).max(initial=0.0))
+
+
+def _or(*steps: list[str] | str) -> str:
+    """The mends that the evidence names, and otherwise the usual ones in their order."""
+    named = [step for group in steps if isinstance(group, list) for step in group]
+    usual = [step for step in steps if isinstance(step, str)]
+    return "; then ".join([*named, *usual][:3])
+
+
+def _capital(sentence: str) -> str:
+    return sentence[:1].upper() + sentence[1:]

@@ -1,0 +1,54 @@
+"""A picture of an LQG controller: whose poles the loop has, and the controller's response."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rcac_numeric.h2.lqg import LQG
+from rcac_numeric.plots.style import INK, line_style
+
+
+def plot_lqg(found: LQG) -> Figure:
+    """Left the poles of regulator and estimator, right gain and phase of the controller.
+
+    Examples
+    --------
+    >>> from rcac_numeric import lqg, standard_plant
+    >>> len(lqg(standard_plant("1/(q - 1.2)")).plot().axes)
+    3
+    """
+    figure = Figure(figsize=(10, 4.6), layout="constrained")
+    grid = figure.add_gridspec(2, 2, width_ratios=[1, 1.25])
+    poles, gain = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])
+    phase = figure.add_subplot(grid[1, 1], sharex=gain)
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+    poles.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    for i, (name, marker, part) in enumerate(
+        (("regulator", "x", found.regulator), ("estimator", "+", found.estimator))
+    ):
+        values = part.poles
+        poles.plot(values.real, values.imag, marker, color=line_style(i)["color"], ms=9, mew=1.8,
+                   label=f"{name}, radius {np.abs(values).max(initial=0.0):.3g}")  # fmt: skip
+    poles.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), xlabel="real", ylabel="imaginary")
+    poles.set_aspect("equal")
+    poles.set_title("closed-loop poles", fontsize=10)
+    poles.legend(fontsize=8, loc="upper left")
+    A, B, C, D = found.state_space
+    omega = np.linspace(1e-3, np.pi, 1500)
+    pencils = np.exp(1j * omega)[:, None, None] * np.eye(len(A)) - A
+    with np.errstate(all="ignore"):
+        response = C @ np.linalg.solve(pencils, np.broadcast_to(B, (len(omega), *B.shape))) + D
+        for index, (i, j) in enumerate(np.ndindex(response.shape[1:])):
+            entry, style = response[:, i, j], line_style(index)
+            label = f"$y_{j + 1}$ to $u_{i + 1}$" if response[0].size > 1 else None
+            gain.semilogy(omega, np.abs(entry), linewidth=1.3, label=label, **style)
+            phase.plot(omega, np.degrees(np.unwrap(np.angle(entry))), linewidth=1.3, **style)
+    if response[0].size > 1:
+        gain.legend(fontsize=8)
+    gain.set_ylabel("gain of $G_c$")
+    gain.set_title(f"controller, $J$ = {found.cost.value:.6g}", fontsize=10)
+    phase.set(ylabel="phase, degrees", xlabel=r"frequency $\omega$, rad/sample")
+    for axis in figure.axes:
+        axis.grid(alpha=0.25)
+    return figure

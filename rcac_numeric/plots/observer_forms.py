@@ -1,0 +1,50 @@
+"""A picture of observer-based forms: how each divides the closed-loop roots."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rcac_numeric.analysis.observer_forms import NumericObserverForms
+from rcac_numeric.plots.style import INK, line_style
+
+MANY = 40  # forms that have a row each
+
+
+def plot_observer_forms(forms: NumericObserverForms) -> Figure:
+    """Left the closed-loop roots, right the condition number of T of each form.
+
+    Examples
+    --------
+    >>> from rcac_numeric import numeric_observer_forms
+    >>> forms = numeric_observer_forms("1/s**2", "-(6*s + 1)/(s**2 + 4*s + 6)")
+    >>> len(forms.plot().axes)
+    2
+    """
+    figure = Figure(figsize=(10, 4.4), layout="constrained")
+    roots, worth = figure.subplots(1, 2)
+    everything = np.unique(np.round(np.concatenate(
+        [forms.regulator_roots.ravel(), forms.observer_roots.ravel()]), 9))  # fmt: skip
+    if forms.plant.variable.name in ("z", "q"):
+        circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+        roots.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+        roots.set_aspect("equal")
+    else:
+        roots.axvline(0, color=INK, linewidth=0.7)
+    roots.plot(everything.real, everything.imag, "x", color=line_style(0)["color"], ms=9, mew=1.8)
+    roots.set(xlabel="real", ylabel="imaginary")
+    roots.set_title("closed-loop roots", fontsize=10)
+    worth.set(xlabel="form", ylabel="condition number of $T$")
+    worth.set_title(f"{len(forms)} observer-based forms", fontsize=10)
+    if len(forms):
+        number = np.arange(1, len(forms) + 1)
+        worth.semilogy(number, forms.condition, "o" if len(forms) <= MANY else ".",
+                       color=line_style(1)["color"])  # fmt: skip
+        best = forms.best_conditioned()
+        words = ", ".join(f"{root:.3g}" for root in forms.regulator_roots[best])
+        worth.annotate(f"regulator roots {words}", (best + 1, forms.condition[best]),
+                       textcoords="offset points", xytext=(6, 6), fontsize=8)  # fmt: skip
+        worth.locator_params(axis="x", integer=True)
+    for axis in (roots, worth):
+        axis.grid(alpha=0.25)
+    return figure

@@ -1,0 +1,50 @@
+"""What a notebook shows of a result: its report and its picture, on paper of any colour."""
+
+from __future__ import annotations
+
+from html import escape
+from itertools import count
+
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.wording import printable
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.reports.health import health_lines
+from rcac_numeric.reports.page.html import sheet_html
+from rcac_numeric.reports.page.svg import svg_of
+from rcac_numeric.reports.sheets.sheet import Sheet
+
+# The notebook's own ink, and colours that stand out from white and from black by 3 to 1.
+STYLE = """.rcac { --ink: currentColor; --quiet: #808790; --line: #80879066; --good: #2b8a3e;
+--warning: #b26a00; --bad: #d6455d; --c1: #2f7fc1; --c2: #d6553f; --c3: #2a9080; --c4: #bf7215;
+--c5: #9068c9; --c6: #a0705f; --c7: #c2559f; --c8: #858600; --c9: #1f8d9c; }
+.rcac svg { max-width: 46rem; width: 100%; height: auto; } .rcac svg text { fill: currentColor; }
+.rcac .good { color: var(--good); } .rcac .warning { color: var(--warning); }
+.rcac .bad { color: var(--bad); } .rcac .quiet, .rcac dt { color: var(--quiet); }"""
+_numbers = count()
+
+
+def notebook_html(sheet: Sheet, figure: figures.Figure | None = None) -> str:
+    """A report in the ink of the notebook that it stands in, and a picture below it.
+
+    Examples
+    --------
+    >>> from rcac_numeric.reports.page.notebook import notebook_html
+    >>> from rcac_numeric.reports.sheets.sheet import Sheet
+    >>> "<h3>A case</h3>" in notebook_html(Sheet("A case"))
+    True
+    """
+    title = escape(printable(sheet.title + sheet.remark))
+    parts = [f'<div class="rcac"><style>{STYLE}</style>']
+    parts += [f"<h3>{title}</h3>"] if title else []
+    parts.append(sheet_html(sheet, level=4))
+    if figure is not None:
+        parts.append(svg_of(figure, f"rcac{next(_numbers)}", sheet.title))
+    return "\n".join([*parts, "</div>"])
+
+
+def run_html(run: Run) -> str:
+    """A run: how it ended, the health of its loop, and its signals."""
+    remark = f": {run.outcome} after {run.steps} steps"
+    health = health_lines(loop_health(run))
+    return notebook_html(Sheet("Run", remark, health), run.plot() if run.steps else None)

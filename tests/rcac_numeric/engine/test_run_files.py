@@ -1,0 +1,131 @@
+"""A run as an object: saved and loaded bit for bit, handed to pandas and xarray."""
+
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from compensator_theory.errors import InputError
+from rcac_numeric import FunctionPlant, load_example, load_run, simulate, simulate_reference
+from tests.rcac_numeric import samples
+
+SPECIFICATIONS = {
+    (number, name): spec
+    for number in ("2.4", "2.6", "2.7", "4.7", "5.2", "5.6")
+    for name, spec in load_example(number).reduced(1).runs.items()
+    if not spec.reference
+}
+
+
+@pytest.mark.parametrize("of", SPECIFICATIONS, ids=str)
+def test_every_kind_of_run_comes_back_bit_for_bit(of, tmp_path):
+    """Schedules, saturations, several controllers, fixed ones, divergences."""
+    with np.errstate(all="ignore"):
+        run = SPECIFICATIONS[of].execute().first.run
+    run.save(tmp_path / "run.npz")
+    again = load_run(tmp_path / "run.npz")
+    assert again == run
+    for name in ("u", "y", "z", "w", "theta", "theta_final", "u_applied"):
+        assert getattr(again, name).tobytes() == getattr(run, name).tobytes()
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 1000))
+def test_a_loaded_run_goes_on_as_the_saved_one_would(tmp_path_factory, seed):
+    run = samples.run(seed)
+    file = tmp_path_factory.mktemp("runs") / "run.npz"
+    run.save(file)
+    again = load_run(file)
+    more = np.random.default_rng(seed).standard_normal((7, run.plant.l_w))
+    first, second = (
+        simulate(r.plant, r.settings, more, start=r.state, saturation=r.saturation)
+        for r in (run, again)
+    )
+    assert first == second and np.array_equal(first.theta, second.theta)
+
+
+def test_no_damaged_file_is_read(tmp_path):
+    """Every byte of the arrays and of the tree is under the checksum or the archive's own."""
+    run, file = samples.run(3), tmp_path / "run.npz"
+    run.save(file)
+    whole = file.read_bytes()
+    rng, refused = np.random.default_rng(0), 0
+    for at in rng.integers(0, len(whole), 300):
+        damaged = bytearray(whole)
+        damaged[at] ^= int(rng.integers(1, 256))
+        file.write_bytes(damaged)
+        try:
+            assert load_run(file) == run  # a byte that nothing reads, such as a date
+        except InputError as error:
+            assert str(file) in str(error)
+            refused += 1
+    assert refused > 200
+    for rest in (0, 10, len(whole) // 2):
+        file.write_bytes(whole[:rest])
+        with pytest.raises(InputError, match=r"run\.npz"):
+            load_run(file)
+
+
+def test_what_is_no_saved_run_is_refused_by_name(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        load_run(tmp_path / "none.npz")
+    np.savez(tmp_path / "other.npz", u=np.zeros(3))
+    with pytest.raises(InputError, match="holds no saved run"):
+        load_run(tmp_path / "other.npz")
+    with pytest.raises(InputError, match=r"must end in \.npz"):
+        samples.run(0).save(tmp_path / "run.mat")
+    with pytest.raises(InputError, match="cannot be written"):
+        samples.run(0).save(tmp_path / "nowhere" / "run.npz")
+    done = samples.run(0, steps=3)
+    reference = simulate_reference(done.plant, done.settings, done.w)
+    with pytest.raises(InputError, match="ReferenceRun cannot be saved"):
+        reference.save(tmp_path / "run.npz")
+
+
+def advance(k, x, u, w):
+    return 0.5 * x + u + w
+
+
+def seen(k, x, w):
+    return x, x
+
+
+def seen_2(k, x, w):
+    return x, x + w
+
+
+def test_a_plant_made_of_functions_is_asked_for(tmp_path):
+    plant, other = (
+        FunctionPlant(advance=advance, output=output, n=1, l_u=1, l_w=1, l_y=1, l_z=1)
+        for output in (seen, seen_2)
+    )
+    run = simulate(plant, samples.adaptive(1), np.ones((9, 1)))
+    file = tmp_path / "run.npz"
+    run.save(file)
+    with pytest.raises(InputError, match=r"plant is made of functions.*plant="):
+        load_run(file)
+    assert load_run(file, plant=plant) == run
+    with pytest.raises(InputError, match="another plant"):
+        load_run(file, plant=other)
+
+
+def test_tables_hold_the_arrays():
+    run = load_example("6.4").main_run.execute().first.run
+    frame, data = run.to_pandas(), run.to_xarray()
+    assert list(frame.index) == list(run.k) and frame.index.name == "k"
+    for name in ("z", "u", "w", "y"):
+        values = getattr(run, name)
+        columns = [c for c in frame if c.rstrip("0123456789") == name]
+        assert np.array_equal(frame[columns].to_numpy(), values)
+        assert np.array_equal(data[name].values, values)
+    kept = data["theta"].dropna("k").values
+    assert np.array_equal(kept, run.theta)
+
+
+@pytest.mark.parametrize("library", ["pandas", "xarray"])
+def test_a_library_that_is_missing_is_named_with_its_extra(library, monkeypatch):
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(InputError, match=rf"{library} is not installed.*\[pandas\]"):
+        getattr(samples.run(0), f"to_{library}")()

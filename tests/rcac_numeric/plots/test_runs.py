@@ -1,0 +1,90 @@
+"""Pictures of runs and of other results: what is drawn are the numbers, and they are named."""
+
+import numpy as np
+import pytest
+
+from compensator_theory import place_poles
+from compensator_theory.errors import InputError
+from rcac_numeric import (
+    check_controller,
+    load_example,
+    load_run,
+    loop_health,
+    lqg,
+    numeric_observer_forms,
+    plot_runs,
+    stability_margins,
+    standard_plant,
+    verify,
+)
+from rcac_numeric.plots.figures.coefficients import coefficient_names
+from tests.rcac_numeric import samples
+
+
+@pytest.fixture(scope="module")
+def compared():
+    experiment = load_example("2.1")
+    return {name: spec.execute().first.run for name, spec in experiment.runs.items()}
+
+
+def test_several_runs_share_their_axes(compared):
+    figure = plot_runs(list(compared.values()), labels=list(compared))
+    z, u, *thetas = figure.axes
+    for axis, signal in ((z, "z"), (u, "u")):
+        assert [line.get_label() for line in axis.lines] == list(compared)
+        for line, run in zip(axis.lines, compared.values(), strict=True):
+            assert np.array_equal(line.get_ydata(), getattr(run, signal)[:, 0])
+        looks = {(line.get_color(), line.get_linestyle()) for line in axis.lines}
+        assert len({colour for colour, _ in looks}) == len({dash for _, dash in looks}) == 2
+    for axis, run in zip(thetas, compared.values(), strict=True):
+        assert [t.get_text() for t in axis.get_legend().get_texts()] == [
+            f"${name}$" for name in coefficient_names(run)
+        ]
+        assert np.array_equal(axis.lines[0].get_ydata(), run.theta[:, 0])
+    assert z.get_yscale() == "symlog" and u.get_yscale() == "linear"
+
+
+def test_names_of_coefficients_are_what_they_multiply():
+    """u(k) made again from the named signals."""
+    run = samples.run(5)
+    names, k = coefficient_names(run), 9
+    u = sum(
+        run.theta[k, i] * getattr(run, name[0])[k - int(name[4:-1]), 0]
+        for i, name in enumerate(names)
+    )
+    assert np.isclose(u, run.u[k, 0])
+
+
+def test_bad_comparisons_are_refused(compared):
+    with pytest.raises(InputError, match="no run"):
+        plot_runs([])
+    with pytest.raises(InputError, match="2 runs have 1 labels"):
+        plot_runs(list(compared.values()), labels=["one"])
+    with pytest.raises(InputError, match="a run"):
+        plot_runs([3])
+
+
+def test_notebooks_show_results_in_their_own_ink(tmp_path):
+    verification = verify(load_example("4.7"))
+    run = verification.main.first.run
+    run.save(tmp_path / "run.npz")
+    check = check_controller(load_run(tmp_path / "run.npz"))
+    margins = stability_margins(verification.main.first.loop)
+    for shown in (run, verification, check, margins, loop_health(run)):
+        text = shown._repr_html_()
+        assert text.startswith('<div class="rcac">') and text.rstrip().endswith("</div>")
+        assert "#000000" not in text and "currentColor" in text
+    assert "Warning (small margins)" in run._repr_html_()
+
+
+def test_results_in_numbers_are_latex_and_pictures():
+    design = lqg(standard_plant("(q - 0.5)/((q - 1.2)*(q - 0.3))"))
+    text = design._repr_latex_()
+    for part in design.state_space:
+        assert all(f"{entry:.4g}" in text for entry in part.ravel())
+    drawn = [line.get_xdata() for line in design.plot().axes[0].lines[1:]]
+    assert np.allclose(np.sort(np.concatenate(drawn)), np.sort(design.poles.real))
+    compensator = place_poles("1/((s+1)*(s+2))", [-3, -4, -5, -6], feedback=1).compensator
+    forms = numeric_observer_forms("1/((s+1)*(s+2))", compensator)
+    assert forms._repr_latex_().count("K_{") == min(len(forms), 6)
+    assert np.array_equal(forms.plot().axes[1].lines[0].get_ydata(), forms.condition)
