@@ -211,6 +211,13 @@ from .sweeps.study.study import Study as Study
 from .targets.data_driven import DataDriven as DataDriven
 from .targets.direction_checks import DirectionCheck as DirectionCheck
 from .targets.direction_checks import check_directions as check_directions
+from .targets.directions.checks import DirectionCheck as DirectionCheck
+from .targets.directions.checks import check_directions as check_directions
+from .targets.directions.from_data import DirectionsFromData as DirectionsFromData
+from .targets.directions.from_data import directions_from_data as directions_from_data
+from .targets.directions.zero_directions import DirectionInformation as DirectionInformation
+from .targets.directions.zero_directions import direction_information as direction_information
+from .targets.directions.zero_directions import zero_direction_target as zero_direction_target
 from .targets.filters import target_model as target_model
 from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters
@@ -223,6 +230,3 @@ from .targets.output_subspaces import output_subspace_target as output_subspace_
 from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .targets.pole_placement import fir_target as fir_target
 from .targets.pole_placement import pole_placement_target as pole_placement_target
-from .targets.zero_directions import DirectionInformation as DirectionInformation
-from .targets.zero_directions import direction_information as direction_information
-from .targets.zero_directions import zero_direction_target as zero_direction_target

@@ -27,7 +27,7 @@ from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
-from rcac_numeric.engine.live.learner import LearningLoop, TargetLearner
+from rcac_numeric.engine.live.learner import LearningLoop, DataDrivenLearner
 from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -125,7 +125,7 @@ class PreparedRun:
         self._pause()
         return True
 
-    def _learn(self, learner: TargetLearner) -> None:
+    def _learn(self, learner: DataDrivenLearner) -> None:
         new, self._learnt = slice(self._learnt, self.job.done), self.job.done
         learner.take(self.u_applied[new], self.z[new])
 
@@ -244,13 +244,13 @@ class PreparedRun:
         )
 
 
-def _learner(controllers: tuple[OneController, ...]) -> TargetLearner | None:
+def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None:
     """What learns the target model of the one controller, if it is to be learnt."""
     adaptive = [one for one in controllers if isinstance(one, ControllerSettings)]
     learning = [one.learning for one in adaptive if one.learning is not None]
     if learning and len(controllers) > 1:
         raise InputError("DataDriven learns u -> z for one controller; several would act on z.")
-    return TargetLearner(learning[0]) if learning else None
+    return DataDrivenLearner(learning[0]) if learning else None
 
 
 def divergence_limit_of(given: float | None, *from_outside: Array | None) -> float:

@@ -29,6 +29,7 @@ LAYERS = {
         "signals",
         "targets",
         "identification",
+        "targets.directions",
         "controllers.updates",
         "controllers",
         "engine.compiled",

@@ -246,6 +246,9 @@ SAMPLES = {
         rcac.TargetModel(random(seed, 2, 2, 2)),
         rcac.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
     ),
+    rcac.DirectionsFromData: lambda seed: rcac.directions_from_data(
+        random(seed, 40, 1), np.vstack([np.zeros((1, 1)), random(seed, 40, 1)[:-1]]), order=1
+    ),
     rcac.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
     rcac.EigensystemRealisation: lambda seed: rcac.eigensystem_realisation(
         [0, *(float(fraction(seed)) ** i for i in range(5))]

@@ -9,6 +9,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.forgetting import VariableRateForgetting
+from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
@@ -51,6 +52,11 @@ def apply_change(
         Where a replay left the range of float64; nothing has changed then.
     """
     require_kind(change, "the change", (ControllerChange,))
+    if isinstance(settings.update, JointUD):
+        raise InputError(
+            f"{settings.update!r} fits D_f to the target model and weights that it was given; it "
+            "cannot change while it runs. Start a new controller."
+        )
     l_z = settings.target.l_z
     weights = [
         _kernel_weight(getattr(change, name), name, l_z, definite=name == "R_z")

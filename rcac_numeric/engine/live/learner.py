@@ -20,7 +20,7 @@ from rcac_numeric.targets.model import TargetModel
 SMALLEST_ZERO, LARGEST_ZERO = 1.02, 10.0
 
 
-class TargetLearner:
+class DataDrivenLearner:
     """Takes in u and z, and says before a step whether G_f is to change, and why.
 
     Parameters
@@ -116,10 +116,10 @@ class LearningLoop:
     Parameters
     ----------
     compiled : compiled loop or controller
-    learner : TargetLearner
+    learner : DataDrivenLearner
     """
 
-    def __init__(self, compiled: object, learner: TargetLearner) -> None:
+    def __init__(self, compiled: object, learner: DataDrivenLearner) -> None:
         self._compiled, self._learner = compiled, learner
 
     def save(self) -> Array:

@@ -12,6 +12,10 @@ from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
 from rcac_numeric.experiments.format.values import Exact, Integer, Numbers
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.data_driven import DataDriven
+from rcac_numeric.targets.directions.zero_directions import (
+    DirectionInformation,
+    zero_direction_target,
+)
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.high_authority import high_authority_target_model
 from rcac_numeric.targets.markov import markov_target
@@ -19,7 +23,6 @@ from rcac_numeric.targets.model import TargetModel
 from rcac_numeric.targets.modelling import ModellingInformation, modelling_information
 from rcac_numeric.targets.output_subspaces import output_subspace_target
 from rcac_numeric.targets.pole_placement import fir_target, pole_placement_target
-from rcac_numeric.targets.zero_directions import DirectionInformation, zero_direction_target
 
 
 def _fir(

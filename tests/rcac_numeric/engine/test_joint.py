@@ -7,6 +7,7 @@ import scipy.signal
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     UD,
+    Controller,
     ControllerSettings,
     JointUD,
     TargetModel,
@@ -147,3 +148,17 @@ def test_the_null_space_on_random_data(n_c, n_d, N_f):
 def test_refusals(make, said):
     with pytest.raises(InputError, match=said):
         make()
+
+
+def test_a_running_joint_fit_is_not_changed():
+    controller = Controller(settings(JointUD(0.1, n_d=2, rho=2.0), n_c=3))
+    controller.step(0.1, 0.1)
+    before = controller.state
+    for change in (
+        lambda: controller.set_weights(R_u=1.0),
+        lambda: controller.set_target(TargetModel([0, 1.0], [1, -0.5])),
+        lambda: controller.set_lambda(0.9),
+    ):
+        with pytest.raises(InputError, match="cannot change while it runs"):
+            change()
+    assert controller.state == before

@@ -184,7 +184,7 @@ def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZ
     --------
     >>> from sympy import Matrix
     >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.targets.zero_directions import directed_zeros
+    >>> from rcac_numeric.targets.directions.zero_directions import directed_zeros
     >>> directed_zeros(standard_plant("(q - 2)/(q*(q - 0.5))"), Matrix([1]), Matrix([1]))
     (((2+0j), ((1+0j),)),)
     """

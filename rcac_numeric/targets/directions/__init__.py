@@ -1,0 +1,1 @@
+"""Target models for several inputs and outputs, whose zeros have directions."""
