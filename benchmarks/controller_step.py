@@ -26,7 +26,7 @@ R_THETA = 1e6  # theta stays small: what is fed back here is no loop
 
 
 class Tidy:
-    """RCAC for scalar signals with G_f = 1/q: arrays that are allocated once, no Kronecker product."""
+    """RCAC for scalar signals with G_f = 1/q: arrays allocated once, no Kronecker product."""
 
     def __init__(self, n_c: int) -> None:
         self.n_c, self.k = n_c, 0
