@@ -1,5 +1,17 @@
 __version__: str
 from . import strategies as strategies
+from .bezout.bezout_matrices import bezout_matrix as bezout_matrix
+from .bezout.bezout_matrices import cauchy_index as cauchy_index
+from .bezout.null_spaces import NullSpaceGCD as NullSpaceGCD
+from .bezout.null_spaces import gcd_from_null_space as gcd_from_null_space
+from .bezout.subresultants import Subresultants as Subresultants
+from .bezout.subresultants import subresultants as subresultants
+from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDiophantineSolution
+from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
+from .diophantine.minimal_bases import MinimalBasis as MinimalBasis
+from .diophantine.minimal_bases import minimal_basis as minimal_basis
+from .diophantine.polynomial_equations import DiophantineSolution as DiophantineSolution
+from .diophantine.polynomial_equations import solve_diophantine as solve_diophantine
 from .errors import BudgetError as BudgetError
 from .errors import CompensatorError as CompensatorError
 from .errors import DivergedError as DivergedError
@@ -32,6 +44,9 @@ from .loops.reachable_targets import (
 )
 from .loops.sensitivity import compensator_from_sensitivity as compensator_from_sensitivity
 from .loops.sensitivity import sensitivity_function as sensitivity_function
+from .loops.zero_directions import ZeroDirectionTarget as ZeroDirectionTarget
+from .loops.zero_directions import direction_residual as direction_residual
+from .loops.zero_directions import zero_direction_target as zero_direction_target
 from .lqg.high_authority import HighAuthorityLQG as HighAuthorityLQG
 from .lqg.high_authority import high_authority_lqg as high_authority_lqg
 from .lqg.poles import LQGPoles as LQGPoles
@@ -115,6 +130,15 @@ from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRe
 from .stabilisation.strong_stabilisability import (
     decide_strong_stabilisability as decide_strong_stabilisability,
 )
+from .state_feedback.brunovsky import BrunovskyForm as BrunovskyForm
+from .state_feedback.brunovsky import brunovsky_form as brunovsky_form
+from .state_feedback.eigenstructure import Eigenstructure as Eigenstructure
+from .state_feedback.eigenstructure import assign_eigenstructure as assign_eigenstructure
+from .state_feedback.eigenstructure import reachable_eigenvectors as reachable_eigenvectors
+from .state_feedback.gain_families import ObserverGainFamily as ObserverGainFamily
+from .state_feedback.gain_families import StateFeedbackFamily as StateFeedbackFamily
+from .state_feedback.gain_families import observer_gain_family as observer_gain_family
+from .state_feedback.gain_families import state_feedback_family as state_feedback_family
 from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
 from .structure.coprime_fractions import coprime_fractions as coprime_fractions
 from .structure.kalman import KalmanDecomposition as KalmanDecomposition
@@ -159,3 +183,12 @@ from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
 from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
 from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix
+from .youla_kucera.doubly_coprime import DoublyCoprimeFractions as DoublyCoprimeFractions
+from .youla_kucera.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
+from .youla_kucera.stabilising_compensators import AffineMap as AffineMap
+from .youla_kucera.stabilising_compensators import (
+    StabilisingCompensators as StabilisingCompensators,
+)
+from .youla_kucera.stabilising_compensators import (
+    stabilising_compensators as stabilising_compensators,
+)

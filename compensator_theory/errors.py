@@ -1,5 +1,9 @@
 """The one tree of errors of both packages: what was wrong with the input, and what to do next."""
 
+import re
+
+_LONG_NUMBER = re.compile(r"\d{80,}")
+
 
 class CompensatorError(ValueError):
     """Base of every error that this project raises on purpose.
@@ -16,6 +20,11 @@ class CompensatorError(ValueError):
     ...     print(type(error).__name__)
     NotCoprimeError
     """
+
+    def __str__(self) -> str:
+        """Return the message; long numbers in it, and what is longer than a page, are shortened."""
+        text = _LONG_NUMBER.sub(lambda m: f"{m[0][:20]}...", super().__str__())
+        return text if len(text) <= 1600 else f"{text[:1000]} ... {text[-500:]}"
 
 
 class InputError(CompensatorError):

@@ -32,6 +32,7 @@ from .controllers.structure import Tap as Tap
 from .controllers.structure import difference as difference
 from .controllers.structure import integral as integral
 from .controllers.updates.forgetting import ScheduledForgetting as ScheduledForgetting
+from .controllers.updates.forgetting import SubspaceForgetting as SubspaceForgetting
 from .controllers.updates.forgetting import VariableRateForgetting as VariableRateForgetting
 from .controllers.updates.memoryless import Gradient as Gradient
 from .controllers.updates.memoryless import Instantaneous as Instantaneous
@@ -44,6 +45,8 @@ from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
 from .engine.interruption import RunInterrupted as RunInterrupted
+from .engine.live.changes import AppliedChange as AppliedChange
+from .engine.live.changes import ControllerChange as ControllerChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
@@ -84,6 +87,7 @@ from .estimation.refinement.subsystems import repeated_parameters as repeated_pa
 from .estimation.riccati.forward import ForwardEstimator as ForwardEstimator
 from .estimation.riccati.forward import ForwardRegulator as ForwardRegulator
 from .estimation.riccati.indirect import IndirectController as IndirectController
+from .estimation.riccati.indirect import IndirectSettings as IndirectSettings
 from .estimation.settings import EKF as EKF
 from .estimation.settings import UKF as UKF
 from .experiments.budgets import Budget as Budget
@@ -161,9 +165,9 @@ from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
-from .plots.requested import plot_request as plot_request
+from .plots.figures.requested import plot_request as plot_request
+from .plots.figures.runs import plot_runs as plot_runs
 from .plots.run import plot_sheet as plot_sheet
-from .plots.runs import plot_runs as plot_runs
 from .reproduction.reproduce import Reproduction as Reproduction
 from .reproduction.reproduce import reproduce as reproduce
 from .signals.recordings import Recorded as Recorded
@@ -198,6 +202,8 @@ from .sweeps.study.axes import RandomAxis as RandomAxis
 from .sweeps.study.files import load_study as load_study
 from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
+from .targets.direction_checks import DirectionCheck as DirectionCheck
+from .targets.direction_checks import check_directions as check_directions
 from .targets.filters import target_model as target_model
 from .targets.high_authority import high_authority_target_model as high_authority_target_model
 from .targets.markov import markov_parameters as markov_parameters
@@ -210,3 +216,6 @@ from .targets.output_subspaces import output_subspace_target as output_subspace_
 from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .targets.pole_placement import fir_target as fir_target
 from .targets.pole_placement import pole_placement_target as pole_placement_target
+from .targets.zero_directions import DirectionInformation as DirectionInformation
+from .targets.zero_directions import direction_information as direction_information
+from .targets.zero_directions import zero_direction_target as zero_direction_target

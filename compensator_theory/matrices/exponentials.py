@@ -12,7 +12,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, quoted
 
 IDENTITY = "dE/dt = M E and E = I at t = 0, for E = exp(M t)"
 
@@ -113,7 +113,7 @@ def _poles(poly: Poly) -> dict[Expr, int]:
     for factor, multiplicity in poly.factor_list()[1]:
         if factor.degree() > 1:
             raise InputError(
-                f"the roots of {factor.as_expr()} are no rational poles; write the plant with "
+                f"the roots of {quoted(factor)} are no rational poles; write the plant with "
                 "symbols for its poles, or approximate them by rational numbers"
             )
         leading, constant = factor.all_coeffs()

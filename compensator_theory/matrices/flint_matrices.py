@@ -1,7 +1,9 @@
 """Rational matrices of SymPy as those of python-flint, and back."""
 
 import flint
-from sympy import ImmutableMatrix, Matrix, Rational
+from sympy import QQ, ImmutableMatrix, Matrix, Rational
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.polyerrors import CoercionFailed
 
 
 def is_rational_matrix(matrix: Matrix) -> bool:
@@ -14,7 +16,11 @@ def is_rational_matrix(matrix: Matrix) -> bool:
     >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
     (True, False)
     """
-    return all(entry.is_Rational for entry in matrix)
+    try:
+        matrix.to_DM(domain=QQ)  # entry by entry would take longer than what follows
+    except CoercionFailed:
+        return False
+    return True
 
 
 def to_flint(matrix: Matrix) -> flint.fmpq_mat:
@@ -27,7 +33,9 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
     -2
     """
-    entries = [flint.fmpq(int(entry.p), int(entry.q)) for entry in matrix]
+    entries = matrix.to_DM(domain=QQ).to_list_flat()
+    if QQ.dtype is not flint.fmpq:  # SymPy's ground types are python-flint's where it found it
+        entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in entries]
     return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
 
 
@@ -41,8 +49,11 @@ def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
     >>> from_flint(flint.fmpq_mat(1, 2, [flint.fmpq(1, 2), flint.fmpq(3)]))
     Matrix([[1/2, 3]])
     """
-    entries = [rational(entry) for entry in matrix.entries()]
-    return ImmutableMatrix(matrix.nrows(), matrix.ncols(), entries)
+    shape = matrix.nrows(), matrix.ncols()
+    rows = matrix.tolist() if 0 not in shape else [[] for _ in range(shape[0])]
+    if QQ.dtype is not flint.fmpq:
+        rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
+    return ImmutableMatrix(DomainMatrix(rows, shape, QQ).to_Matrix())
 
 
 def rational(value: flint.fmpq) -> Rational:

@@ -1,11 +1,11 @@
 """Common roots of two polynomials: how many, and whether there are any."""
 
-import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.flint_matrices import rational
+from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.matrices.sylvester import (
     formal_coefficients,
@@ -56,7 +56,7 @@ def number_of_common_roots(
     first, second = with_formal_degrees(a, b, variable)
     _require_leading(*first)
     if is_rational(first[0]) and is_rational(second[0]):
-        return int(_in_flint(first[0]).gcd(_in_flint(second[0])).degree())
+        return int(to_flint_polynomial(first[0]).gcd(to_flint_polynomial(second[0])).degree())
     return 0 if _determinant(first, second).is_nonzero else None
 
 
@@ -93,7 +93,7 @@ def resultant(
     if not (is_rational(first[0]) and is_rational(second[0])):
         return _determinant(first, second)
     lacking = second[1] - (0 if second[0].is_zero else int(second[0].degree()))
-    p, q = _in_flint(first[0]), _in_flint(second[0])
+    p, q = to_flint_polynomial(first[0]), to_flint_polynomial(second[0])
     return rational(p.coeffs()[-1] ** lacking * p.resultant(q))
 
 
@@ -102,12 +102,6 @@ def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:
         return sympy.Integer(1)
     both = (formal_coefficients(*pair) for pair in (first, second))
     return determinant(matrix_of_coefficients(*both))
-
-
-def _in_flint(poly: Poly) -> flint.fmpq_poly:
-    """Return a rational polynomial in python-flint, without a detour through SymPy's numbers."""
-    ascending = reversed(poly.rep.to_list())
-    return flint.fmpq_poly([flint.fmpq(int(c.numerator), int(c.denominator)) for c in ascending])
 
 
 def _require_leading(poly: Poly, degree: int) -> None:

@@ -17,6 +17,7 @@ from compensator_theory.matrices.invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -166,7 +167,7 @@ def youla_forms(
     for component in components:
         if component.is_derogatory:
             raise InputError(
-                f"the closed loop has several Jordan blocks for {component.factor.as_expr()}: its "
+                f"the closed loop has several Jordan blocks for {quoted(component.factor)}: its "
                 "Youla forms make up a continuum. Remove the hidden mode of the compensator"
             )
     found = []

@@ -9,8 +9,9 @@ from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
 from compensator_theory.loops.siso import require_sign
+from compensator_theory.matrices.coprime_equations import solve_coprime_equation
 from compensator_theory.matrices.linear_algebra import AffineSolution, solve_affine
-from compensator_theory.matrices.sylvester import sylvester_m
+from compensator_theory.matrices.sylvester import formal_coefficients, sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (
@@ -206,7 +207,14 @@ def _check_fixed_poles(G: TransferFunction, goal: Poly) -> None:
 
 
 def _solve(G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int) -> AffineSolution:
-    M = sylvester_m(G.denominator, scaled(G.numerator, -feedback), n_c + 1, m_hat)
+    D, N = G.denominator, scaled(G.numerator, -feedback)
+    rational = D.domain.is_QQ and N.domain.is_QQ and goal.domain.is_QQ and not N.is_zero
+    if rational and 0 < G.order == m_hat + 1 <= n_c + 1:
+        pair = solve_coprime_equation(D, N, goal)
+        if pair is not None:
+            d, c = (formal_coefficients(p, k) for p, k in zip(pair, (n_c, m_hat), strict=True))
+            return AffineSolution(ImmutableMatrix([*d, *c[::-1]]), ())
+    M = sylvester_m(D, N, n_c + 1, m_hat)
     high_degrees_last = [*range(n_c + 1), *reversed(range(n_c + 1, M.cols))]  # so these are free
     M = M.extract(list(range(M.rows)), high_degrees_last)
     try:

@@ -6,6 +6,7 @@ from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
@@ -101,7 +102,8 @@ def rounding_effect(
     exact, moved = (closed_loop_of_pair(plant, G_c, feedback) for G_c in (compensator, rounded))
     roots = certified_roots(exact), certified_roots(moved)
     displacement, share = _largest_move(*roots, plant.variable)
-    return RoundingEffect(exact, moved, displacement, share, is_stable(exact), is_stable(moved))
+    stable = (_known_stable(found, poly) for found, poly in zip(roots, (exact, moved), strict=True))
+    return RoundingEffect(exact, moved, displacement, share, *stable)
 
 
 def rounded_polynomial(poly: Poly) -> Poly:
@@ -120,11 +122,11 @@ def rounded_polynomial(poly: Poly) -> Poly:
     True
     """
     if not is_rational(poly):
-        raise InputError(f"{poly.as_expr()} has symbols in it; substitute numbers before rounding")
+        raise InputError(f"{quoted(poly)} has symbols in it; substitute numbers before rounding")
     try:
         coefficients = [int(c.p) / int(c.q) for c in poly.all_coeffs()]
     except OverflowError as error:
-        raise InputError(f"a coefficient of {poly.as_expr()} overflows float64") from error
+        raise InputError(f"a coefficient of {quoted(poly)} overflows float64") from error
     return canonical(Poly([exact_number(c, binary=True) for c in coefficients], poly.gen))
 
 
@@ -146,6 +148,18 @@ def is_stable(poly: Poly) -> bool:
     discrete = is_discrete(poly.gen, "stability")
     locate = locate_unit_disk_roots if discrete else locate_half_plane_roots
     return bool(locate(poly).stable == poly.degree())
+
+
+def _known_stable(roots: tuple[Root, ...], poly: Poly) -> bool:
+    """Read stability off the certified disks; ask anew only where one touches the boundary."""
+    discrete = is_discrete(poly.gen, "stability")
+    for root in roots:
+        margin = 1 - abs(root.value) if discrete else -root.value.real
+        if abs(margin) <= root.radius + 1e-15 * abs(root.value):
+            return is_stable(poly)
+        if margin < 0:
+            return False
+    return True
 
 
 def _largest_move(

@@ -3,9 +3,11 @@
 import math
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
+
+from sympy import Poly
 
 from compensator_theory.errors import BudgetError, InputError
 
@@ -90,7 +92,8 @@ def budget(**limits: int) -> Iterator[Budget]:
     changed = replace(_current.get(), **limits)
     token = _current.set(changed)
     try:
-        yield changed
+        with long_integers() if changed.digits > _USUAL.digits else nullcontext():
+            yield changed
     finally:
         _current.reset(token)
 
@@ -107,14 +110,15 @@ def unlimited() -> Iterator[None]:
     """
     token = _current.set(Budget(*[sys.maxsize] * len(fields(Budget))))
     try:
-        yield
+        with long_integers():
+            yield
     finally:
         _current.reset(token)
 
 
 @contextmanager
 def long_integers() -> Iterator[None]:
-    """Let Python print integers of any length, as exact results have them.
+    """Let Python read and print integers of any length, as exact results have them.
 
     Examples
     --------
@@ -129,6 +133,20 @@ def long_integers() -> Iterator[None]:
         yield
     finally:
         sys.set_int_max_str_digits(usual)
+
+
+def quoted(obj: object) -> str:
+    """Write what an error speaks of, whatever the length of its numbers, on at most two lines.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import quoted
+    >>> len(quoted(10**5000))
+    200
+    """
+    with long_integers():
+        text = str(obj.as_expr() if isinstance(obj, Poly) else obj)
+    return text if len(text) <= 200 else f"{text[:157]}...{text[-40:]}"
 
 
 def limit_of(name: str) -> int:

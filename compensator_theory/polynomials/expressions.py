@@ -118,7 +118,11 @@ def read_text(text: str) -> Quotient:
     ask("characters", len(text), "the expression")
     if not text.strip():
         raise InputError("the expression is empty; write for instance 's**2 + 0.1*s + 1/3'")
-    return multiplied_out(_Reader(text, _tokens(text)).whole())
+    quotient = multiplied_out(_Reader(text, _tokens(text)).whole())
+    if any(g.free_symbols and not g.is_Symbol for g in quotient.generators):  # sqrt(a)**1000
+        top, bottom = quotient.sides()
+        return multiplied_out(Product((tree_of(top),), (tree_of(bottom),)))
+    return quotient
 
 
 class _Token(NamedTuple):

@@ -12,7 +12,7 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
-from compensator_theory.polynomials.budget import ask, limit_of
+from compensator_theory.polynomials.budget import ask, limit_of, quoted
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import (
     PolynomialLike,
@@ -98,14 +98,14 @@ def polynomial_from_roots(roots: Iterable[NumberLike], variable: str | Symbol) -
     irrational: list[Algebraic] = []
     for root in read_roots(roots):
         if symbol in root.free_symbols:
-            raise InputError(f"the root {root} contains the variable {symbol} itself")
+            raise InputError(f"the root {quoted(root)} contains the variable {symbol} itself")
         number = None if _is_plain(root) else algebraic(root)
         if number is not None:
             irrational.append(number)
         elif _is_plain(root) or root.is_real or root.free_symbols:
             plain.append(root)
         else:
-            raise InputError(f"the root {root} is neither algebraic nor known to be real")
+            raise InputError(f"the root {quoted(root)} is neither algebraic nor known to be real")
     factors = [*_rational_or_symbolic(plain, symbol), *_irrational(irrational, symbol)]
     return canonical(_product([Poly(1, symbol, domain=QQ), *factors]))
 
@@ -133,7 +133,8 @@ def _rational_or_symbolic(roots: Sequence[Expr], s: Symbol) -> list[Poly]:
             factors.append(from_expression(quadratic, s))
         else:
             raise InputError(
-                f"the root {root} lacks its conjugate {partner}; list both, equally often"
+                f"the root {quoted(root)} lacks its conjugate {quoted(partner)}; list both, "
+                "equally often"
             )
     return factors
 

@@ -4,16 +4,18 @@ from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import TypeAlias
 
 import sympy
-from sympy import QQ, Expr, Poly, Symbol
+from sympy import EX, QQ, Expr, Poly, Symbol
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import unlimited
+from compensator_theory.polynomials.budget import quoted, unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
-from compensator_theory.polynomials.quotients import Quotient, by_powers, multiplied_out
+from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
+    by_powers,
     require_small_field,
+    settled,
     tree_of,
 )
 from compensator_theory.polynomials.variables import (
@@ -129,16 +131,18 @@ def canonical(poly: Poly) -> Poly:
     Poly(q, q, domain='QQ')
     """
     if len(poly.gens) > 1:
-        raise InputError(f"{poly} has several generators; say which is the variable")
+        raise InputError(f"{quoted(poly)} has several generators; say which is the variable")
     if poly.domain.is_QQ:
         return poly
     if poly.domain.is_FiniteField:
-        raise InputError(f"{poly} has coefficients in a finite field; rational ones are needed")
+        raise InputError(
+            f"{quoted(poly)} has coefficients in a finite field; rational ones are needed"
+        )
     if not poly.domain.is_Exact or poly.domain.is_EX or poly.domain.is_EXRAW:
         return from_expression(exact_number(poly.as_expr()), poly.gen)
     if any(value.has(sympy.I) for value in poly.all_coeffs()):
         raise InputError(
-            f"{poly.as_expr()} has complex coefficients; complex roots must come in conjugate pairs"
+            f"{quoted(poly)} has complex coefficients; complex roots must come in conjugate pairs"
         )
     require_one_symbol_a_name(poly.free_symbols | {poly.gen})
     small = poly.retract() if poly.domain.is_Composite else poly
@@ -209,7 +213,7 @@ def require_poly(poly: Poly) -> Poly:
     if not isinstance(poly, Poly):
         raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
     if not poly.domain.is_Exact:
-        raise InputError(f"{poly} is not exact; read it with polynomial(...) first")
+        raise InputError(f"{quoted(poly)} is not exact; read it with polynomial(...) first")
     return canonical(poly)
 
 
@@ -237,7 +241,7 @@ def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
     if variable is None or poly.gen == (symbol := as_symbol(variable)):
         return poly
     if poly.degree() > 0:
-        raise InputError(f"{poly.as_expr()} is a polynomial in {poly.gen}, not in {variable}")
+        raise InputError(f"{quoted(poly)} is a polynomial in {poly.gen}, not in {variable}")
     return from_expression(poly.as_expr(), symbol)
 
 
@@ -257,7 +261,7 @@ def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
         return sides
     top, bottom = (by_powers(side, variable) for side in quotient.sides())
     if top is None or bottom is None:
-        raise InputError(f"{_short(quotient.value())} is no quotient of polynomials in {variable}")
+        raise InputError(f"{quoted(quotient.value())} is no quotient of polynomials in {variable}")
     return _from_powers(top, variable), _from_powers(bottom, variable)
 
 
@@ -271,7 +275,7 @@ def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
     powers = by_powers(numerator, variable)
     if powers is None or variable in denominator.free_symbols:
         raise InputError(
-            f"{_short(numerator / denominator)} is not a polynomial in {variable}; give numerator "
+            f"{quoted(numerator / denominator)} is not a polynomial in {variable}; give numerator "
             "and denominator of a rational function separately"
         )
     return _from_powers({k: c / denominator for k, c in powers.items()}, variable)
@@ -288,12 +292,8 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
     except (PolynomialError, GeneratorsError, CoercionFailed) as error:
         whole = sum(c * variable**k for k, c in powers.items())
         raise InputError(
-            f"the coefficients of {_short(whole)} span no field that is known here; write symbols "
+            f"the coefficients of {quoted(whole)} span no field that is known here; write symbols "
             "in their place"
         ) from error
-    return result if result.domain.is_EX else canonical(result)  # sqrt(2)*s + a: no smaller one
-
-
-def _short(expression: Expr) -> str:
-    text = str(expression)
-    return text if len(text) <= 100 else text[:97] + "..."
+    settled_powers = {(k,): settled(c) for k, c in powers.items()} if result.domain.is_EX else {}
+    return Poly(settled_powers, variable, domain=EX) if settled_powers else canonical(result)

@@ -10,6 +10,7 @@ from typing import TypeAlias
 import flint
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
+from sympy.functions.elementary.trigonometric import TrigonometricFunction
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, decimal_digits
@@ -72,13 +73,14 @@ class Quotient:
         """Return both as SymPy expressions; a constant denominator divides the numerator."""
         if self.denominator.is_constant():
             return self._expression(self.numerator / self.denominator), sympy.Integer(1)
-        return self._expression(self.numerator), self._expression(self.denominator)
+        top, bottom = self._expression(self.numerator), self._expression(self.denominator)
+        if bottom.is_number:
+            return sympy.expand(sympy.expand(top) * _inverse_of_number(bottom)), sympy.Integer(1)
+        return top, bottom
 
     def value(self) -> Expr:
         """Return the quotient in lowest terms as one SymPy expression."""
         top, bottom = self.reduced().sides()
-        if bottom.is_number and bottom != 1:
-            return sympy.expand(sympy.expand(top) * _inverse_of_number(bottom))
         return top / bottom
 
     def reduced(self) -> Quotient:
@@ -92,9 +94,9 @@ class Quotient:
 
     def polynomials(self, variable: Symbol) -> tuple[Poly, Poly] | None:
         """Return both sides as polynomials; None unless the coefficients are rational numbers."""
-        return None if set(self.generators) - {variable} else (
-            self._poly(self.numerator, variable), self._poly(self.denominator, variable)
-        )  # fmt: skip
+        if set(self.generators) - {variable}:
+            return None
+        return self._poly(self.numerator, variable), self._poly(self.denominator, variable)
 
     def _poly(self, side: flint.fmpq_mpoly, variable: Symbol) -> Poly:
         terms = side.to_dict().items() if self.generators else [((0,), _constant(side))]
@@ -135,31 +137,13 @@ def multiplied_out(tree: Tree, *, least_denominators: bool = False) -> Quotient:
     _collect(tree, found)
     generators = tuple(sorted(found, key=sympy.default_sort_key))
     names = [f"x{i}" for i in range(len(generators))]
-    return _Ring(generators, flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)).evaluated(
-        tree, least_denominators
-    )
-
-
-def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
-    """Collect an expanded expression by powers; None if it is no polynomial in the variable.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, s
-    >>> from compensator_theory.polynomials.quotients import by_powers
-    >>> by_powers(a * s**2 + s**2 + 1, s) == {2: a + 1, 0: 1}
-    True
-    """
-    if expression == 0:
-        return {}  # SymPy takes 0 for a power of the variable
-    found: dict[int, list[Expr]] = {}
-    for term in sympy.Add.make_args(expression):
-        rest, power = term.as_independent(variable, as_Add=False)
-        base, exponent = power.as_base_exp()
-        if power != 1 and not (base == variable and exponent.is_Integer and exponent > 0):
-            return None
-        found.setdefault(0 if power == 1 else int(exponent), []).append(rest)
-    return {k: sympy.Add(*terms) for k, terms in found.items()}
+    ring = _Ring(generators, flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex))
+    quotient = ring.evaluated(tree, least_denominators)
+    if len(generators) > 1 or not all(g.is_Symbol for g in generators):  # slow in SymPy
+        for side in filter(len, (quotient.numerator, quotient.denominator)):
+            size = len(side) * (1 + decimal_digits(_bits(side)) // 100)
+            ask("terms", size, "the expression, a hundred digits counted as one,")
+    return quotient
 
 
 _Side: TypeAlias = flint.fmpq_mpoly
@@ -267,7 +251,7 @@ def _power(base: _Side, exponent: int) -> _Side:
         terms = comb(len(base) + exponent - 1, min(exponent, len(base) - 1))
         ask("terms", min(terms, comb(degree + kinds, kinds)), "the expression may")
     bits = exponent * (_bits(base) + len(base).bit_length() - 1)
-    if bits > exponent:  # the powers of 1 and -1 are short
+    if bits > exponent:  # powers of 1 and -1 are short
         ask("digits", decimal_digits(bits), "a coefficient")
     return base ** (exponent % 2 if bits <= exponent and degree == 0 else exponent)
 
@@ -285,8 +269,15 @@ def _rational(value: flint.fmpq) -> Rational:
 
 
 def _inverse_of_number(number: Expr) -> Expr:
-    """Return 1/number; of a + jb as (a - jb)/(a**2 + b**2)."""
+    """Return 1/number, square roots in the numerator; of a + jb (a - jb)/(a**2 + b**2)."""
     if number.atoms(sympy.I):
         real, imaginary = sympy.expand(number).as_real_imag()
+        if real.has(TrigonometricFunction) or imaginary.has(TrigonometricFunction):
+            return 1 / number  # of a root of a complex number, which SymPy writes by its angle
         return (real - sympy.I * imaginary) / sympy.expand(real**2 + imaginary**2)
-    return 1 / number
+    top, bottom = sympy.Integer(1), sympy.expand(number)
+    for root in sorted(bottom.atoms(sympy.Pow), key=sympy.default_sort_key):
+        conjugate = bottom.xreplace({root: -root})
+        if root.base.is_Rational and root.exp.q == 2 and conjugate != 0:
+            top, bottom = sympy.expand(top * conjugate), sympy.expand(bottom * conjugate)
+    return top / bottom

@@ -5,7 +5,14 @@ from sympy import Expr, Float, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask
-from compensator_theory.polynomials.quotients import Leaf, Power, Product, Sum, Tree
+from compensator_theory.polynomials.quotients import (
+    Leaf,
+    Power,
+    Product,
+    Sum,
+    Tree,
+    multiplied_out,
+)
 
 _IRRATIONAL = (
     sympy.NumberSymbol, sympy.core.numbers.ImaginaryUnit, sympy.polys.rootoftools.ComplexRootOf,
@@ -177,6 +184,47 @@ def indexed_root(polynomial: Expr, index: Expr) -> Expr:
     if not (poly.domain.is_ZZ or poly.domain.is_QQ) or not 0 <= index < poly.degree():
         raise InputError(f"{polynomial} is no rational polynomial with a root of number {index}")
     return sympy.CRootOf(poly.as_expr().xreplace({poly.gen: _X}), int(index))
+
+
+def settled(expression: Expr) -> Expr:
+    """Return the form of an expression that reads back to itself; SymPy has several for one value.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from sympy.abc import x
+    >>> from compensator_theory.polynomials.sympy_trees import settled
+    >>> settled(sqrt(2) * (sqrt(2) * x**2 - 2) / (2 * x))
+    (x**2 - sqrt(2))/x
+    """
+    for _ in range(5):
+        again = multiplied_out(tree_of(expression), least_denominators=True).value()
+        if again == expression:
+            break
+        expression = again
+    return expression
+
+
+def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
+    """Collect an expanded expression by powers; None if it is no polynomial in the variable.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, s
+    >>> from compensator_theory.polynomials.sympy_trees import by_powers
+    >>> by_powers(a * s**2 + s**2 + 1, s) == {2: a + 1, 0: 1}
+    True
+    """
+    if expression == 0:
+        return {}  # SymPy takes 0 for a power of the variable
+    found: dict[int, list[Expr]] = {}
+    for term in sympy.Add.make_args(expression):
+        rest, power = term.as_independent(variable, as_Add=False)
+        base, exponent = power.as_base_exp()
+        if power != 1 and not (base == variable and exponent.is_Integer and exponent > 0):
+            return None
+        found.setdefault(0 if power == 1 else int(exponent), []).append(rest)
+    return {k: sympy.Add(*terms) for k, terms in found.items()}
 
 
 def require_small_field(numbers: list[Expr]) -> None:

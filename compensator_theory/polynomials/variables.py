@@ -6,6 +6,7 @@ from typing import TypeAlias
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.expressions import parse_expression
 
 CONTINUOUS, DISCRETE = ("s",), ("z", "q")
@@ -182,7 +183,7 @@ def require_no_other_operator(poly: Poly) -> None:
     others = {symbol for symbol in poly.free_symbols_in_domain if is_operator(symbol)}
     if is_operator(poly.gen) and others - {poly.gen}:
         raise InputError(
-            f"{poly.as_expr()} is to be read in the variable {poly.gen} and contains "
+            f"{quoted(poly)} is to be read in the variable {poly.gen} and contains "
             f"{', '.join(sorted(map(str, others)))}; use one variable"
         )
 

@@ -9,10 +9,14 @@ import flint
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
 
 Decision = TypeVar("Decision")
+
+EASY = 20
+"""Degree from which rational roots are split off first: close ones cost flint seconds together."""
 
 
 @dataclass(frozen=True)
@@ -104,9 +108,15 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
     >>> len(root_balls(polynomial("q**3 - 2")))
     3
     """
-    integers = _integer_polynomial(poly)
+    rest = _integer_polynomial(poly)
+    rational = []
+    if rest.degree() > EASY:
+        for root, multiplicity in flint.fmpq_poly(rest).roots():
+            rational.append((root, int(multiplicity)))
+            rest //= flint.fmpz_poly([-root.p, root.q]) ** int(multiplicity)
     with flint.ctx.workprec(precision):
-        return [(ball, int(multiplicity)) for ball, multiplicity in integers.complex_roots()]
+        found = [(flint.acb(flint.arb(root)), multiplicity) for root, multiplicity in rational]
+        return found + [(ball, int(multiplicity)) for ball, multiplicity in rest.complex_roots()]
 
 
 def decided_balls(
@@ -151,7 +161,7 @@ def decided_balls(
 def _integer_polynomial(poly: Poly) -> flint.fmpz_poly:
     if not is_rational(poly):
         raise InputError(
-            f"the roots of {poly.as_expr()} cannot be certified: its coefficients are not all "
+            f"the roots of {quoted(poly)} cannot be certified: its coefficients are not all "
             "rational numbers; substitute numbers for the symbols"
         )
     if poly.is_zero:

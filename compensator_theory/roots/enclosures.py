@@ -8,6 +8,7 @@ import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.values import ExactValue
 
@@ -50,7 +51,9 @@ class Enclosure(ExactValue):
     def __contains__(self, number: object) -> bool:
         value = exact_number(number)
         if not value.is_Rational:
-            raise InputError(f"{value} is not a rational number, so it cannot be compared exactly")
+            raise InputError(
+                f"{quoted(value)} is not a rational number, so it cannot be compared exactly"
+            )
         return bool(abs(value - self.centre) <= self.radius)
 
     def __float__(self) -> float:

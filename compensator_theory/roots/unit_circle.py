@@ -4,6 +4,7 @@ import flint
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.poly import canonical, is_rational, monic, require_poly
 from compensator_theory.roots.certified import decided_balls
 
@@ -51,7 +52,7 @@ def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
     """
     if not is_rational(poly):
         raise InputError(
-            f"{poly.as_expr()} has coefficients that are not rational numbers, so its roots cannot "
+            f"{quoted(poly)} has coefficients that are not rational numbers, so its roots cannot "
             "be located; substitute numbers for the symbols"
         )
     if poly.is_zero:
@@ -161,7 +162,7 @@ def require_none_on_circle(poly: Poly) -> None:
     for factor, _ in require_poly(poly).factor_list()[1]:
         if _is_self_reciprocal(factor) and _has_root_on_circle(factor):
             raise UnitCircleError(
-                f"the factor {monic(factor).as_expr()} has a root exactly on the unit circle; it "
+                f"the factor {quoted(monic(factor))} has a root exactly on the unit circle; it "
                 "belongs neither to the inside nor to the outside: move that root or treat it "
                 "separately"
             )

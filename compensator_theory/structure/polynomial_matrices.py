@@ -10,7 +10,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, from_expression, polynomial
 from compensator_theory.polynomials.values import ExactValue
@@ -162,7 +162,7 @@ def polynomial_matrix(
     read = transfer_matrix(rows, variable)
     if read.denominator.degree() > 0:
         raise InputError(
-            f"this is no polynomial matrix: it has the denominator {read.denominator.as_expr()}"
+            f"this is no polynomial matrix: it has the denominator {quoted(read.denominator)}"
         )
     return PolynomialMatrix(read.numerators)
 

@@ -6,13 +6,14 @@ from collections.abc import Callable
 from typing import Self, TypeAlias, cast
 
 import sympy
-from sympy import Expr, MatrixBase, Poly
+from sympy import Expr, Matrix, MatrixBase, Poly
+from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike
-from compensator_theory.polynomials.poly import canonical, polynomial
+from compensator_theory.polynomials.poly import canonical, from_expression, polynomial
 from compensator_theory.transfer_functions.arithmetic import (
     QuotientArithmetic,
     constant_one,
@@ -96,6 +97,32 @@ class MatrixArithmetic:
         """The transpose."""
         return type(self)(tuple(zip(*self.numerators, strict=True)), self.denominator)
 
+    def reduced(self) -> Self:
+        """Return the same matrix without the factor that all entries share with the denominator."""
+        common = self.denominator
+        for entry in (entry for row in self.numerators for entry in row):
+            common = common.gcd(entry)
+        if common.degree() < 1:
+            return self
+        rows = tuple(tuple(_quotient(e, common) for e in row) for row in self.numerators)
+        return type(self)(rows, _quotient(self.denominator, common))
+
+    def inverse(self) -> Self:
+        """Return the inverse of a square matrix, reduced; InputError if it is singular."""
+        rows, columns = len(self.numerators), len(self.numerators[0])
+        if rows != columns:
+            raise InputError(f"a {rows} x {columns} transfer matrix is not square")
+        s = self.denominator.gen
+        entries = [[entry.as_expr() for entry in row] for row in self.numerators]
+        adjugate, determinant = DomainMatrix.from_Matrix(Matrix(entries)).adj_det()
+        domain = adjugate.domain
+        below = from_expression(domain.to_sympy(determinant), s)
+        if below.is_zero:
+            raise InputError("the transfer matrix is singular; it has no inverse")
+        top = [[from_expression(domain.to_sympy(e), s) for e in r] for r in adjugate.to_list()]
+        found = tuple(tuple(product(entry, self.denominator) for entry in row) for row in top)
+        return type(self)(found, below).reduced()
+
     def _scaled(self, factor: Scalar) -> Self:
         sides = sides_of(factor, self.denominator.gen)
         if sides is None:
@@ -175,6 +202,12 @@ def _multiplied(a: MatrixSides, b: MatrixSides) -> MatrixSides:
         for row in a[0]
     )
     return rows, product(a[1], b[1])
+
+
+def _quotient(poly: Poly, divisor: Poly) -> Poly:
+    top, bottom = poly.unify(divisor)
+    field = top.domain.get_field()
+    return canonical(top.set_domain(field).quo(bottom.set_domain(field)))
 
 
 def _zero(like: Poly) -> Poly:

@@ -9,6 +9,7 @@ from sympy.printing.pretty.stringpict import prettyForm
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
@@ -77,7 +78,7 @@ class TransferFunction(Substitution, ExactValue):
                 f"{denominator.gen}; they need the same variable"
             )
         if denominator.is_zero:
-            raise InputError(f"the denominator of {numerator.as_expr()} over 0 is zero")
+            raise InputError(f"the denominator of {quoted(numerator)} over 0 is zero")
         leading = denominator.LC()
         if leading != 1:
             numerator, denominator = scaled(numerator, 1 / leading), monic(denominator)
@@ -236,8 +237,12 @@ def require_proper(G: TransferFunction, name: str) -> None:
 def _to_float(value: Expr) -> float:
     number = sympy.sympify(value)
     if not isinstance(number, Rational):
-        raise InputError(f"the coefficient {number} is not a rational number; substitute numbers")
+        raise InputError(
+            f"the coefficient {quoted(number)} is not a rational number; substitute numbers"
+        )
     try:
         return int(number.p) / int(number.q)
     except OverflowError as error:
-        raise InputError(f"the coefficient {number} exceeds the range of float64") from error
+        raise InputError(
+            f"the coefficient {quoted(number)} exceeds the range of float64"
+        ) from error

@@ -7,12 +7,14 @@
 #include "bindings/quick_read.hpp"
 #include "updates/covariance.hpp"
 #include "updates/memoryless.hpp"
+#include "updates/subspace.hpp"
 #include "updates/window.hpp"
 
 namespace rcac {
 namespace {
 
 using Forgetting = std::tuple<std::size_t, std::size_t, double, double>;
+using Perturbation = std::tuple<std::uint64_t, double, double, std::int64_t>;
 using Reset = std::tuple<std::int64_t, double, double, std::size_t, std::size_t>;
 
 void require_window(std::size_t steps, const char* name) {
@@ -24,6 +26,7 @@ std::unique_ptr<Update> update_of(const std::string& name, const std::vector<dou
                                   std::size_t window, double step_size) {
     const std::size_t l_theta = theta.size();
     if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta);
+    if (name == "ud, subspace") return std::make_unique<SubspaceUpdate>(P.data(), l_theta);
     if (name == "covariance") return std::make_unique<CovarianceUpdate>(P.data(), l_theta);
     if (name == "sliding window") {
         require_range<std::size_t>(window, 1, most_numbers, "window");
@@ -41,7 +44,8 @@ std::unique_ptr<OwnedController> make_controller(
     nb::object R_z, nb::object R_u, double lambda, std::int64_t k_w, std::int64_t k_update,
     std::int64_t k_filter, bool filter_form, bool reflect_poles, const nb::list& events,
     const Forgetting& forgetting, const Reset& reset, const Array& noise, const std::string& update,
-    const Array& P_0, const Array& theta_0, std::size_t window, double step_size) {
+    const Array& P_0, const Array& theta_0, std::size_t window, double step_size,
+    const Perturbation& dither) {
     ControllerPlan plan;
     require_width(l_z, 1, "l_z");
     plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
@@ -67,6 +71,8 @@ std::unique_ptr<OwnedController> make_controller(
     for (std::size_t steps : {plan.forgetting.short_window, plan.forgetting.long_window,
                               plan.reset.short_window, plan.reset.long_window})
         require_window(steps, "the window of a rule");
+    plan.dither = {std::get<0>(dither), std::get<1>(dither), std::get<2>(dither),
+                   std::get<3>(dither)};
     const std::size_t l_theta = regressor.size() * l_u, P_size = length_of({l_theta, l_theta}, "P_0");
     plan.noise = copied(noise, noise.size() / l_theta * l_theta, "noise");
 
@@ -102,6 +108,44 @@ nb::object step(OwnedController& owned, nb::handle y_k, nb::handle z_k, nb::hand
     return nb::make_tuple(to_numpy(std::move(u), {size}), in_range);
 }
 
+// How far the filtered signals moved. The controller stays as it was where that is refused.
+double set_target(OwnedController& owned, const Array& numerator, const Array& denominator,
+                  const std::string& past) {
+    Controller& controller = owned.controller;
+    const TargetModel model = target_of(numerator, denominator, controller.l_z(),
+                                        controller.l_u(), controller.longest_order());
+    const Past option = past_of(past);
+    const Hold hold(owned.use);
+    Archive before;
+    if (option == Past::replay) owned.visit(before);
+    if (!controller.set_target(model, option)) {
+        Archive back(before.values());
+        owned.visit(back);
+        throw std::overflow_error("the replay left the range of float64");
+    }
+    return controller.target().rho();
+}
+
+// None leaves a weight as it is.
+void set_weights(OwnedController& owned, nb::object R_z, nb::object R_u) {
+    Controller& controller = owned.controller;
+    const auto read_weight = [&](const nb::object& value, const char* name) {
+        refuse_unless(!PyCallable_Check(value.ptr()), std::string(name) + " is a function");
+        return weight_of(value, controller.structure(), controller.l_z(), name);
+    };
+    const Weight z = R_z.is_none() ? Weight() : read_weight(R_z, "R_z");
+    const Weight u = R_u.is_none() ? Weight() : read_weight(R_u, "R_u");
+    const Hold hold(owned.use);
+    if (!R_z.is_none()) controller.set_R_z(z);
+    if (!R_u.is_none()) controller.set_R_u(u);
+}
+
+void set_lambda(OwnedController& owned, double lambda) {
+    require_forgetting(lambda, "lambda");
+    const Hold hold(owned.use);
+    owned.controller.set_lambda(lambda);
+}
+
 }  // namespace
 
 void bind_controller(nb::module_& m) {
@@ -121,6 +165,10 @@ void bind_controller(nb::module_& m) {
                  const Hold hold(self.use);
                  self.controller.reset_covariance();
              })
+        .def("set_target", &set_target, nb::arg("numerator"), nb::arg("denominator"),
+             nb::arg("past"))
+        .def("set_weights", &set_weights, nb::arg("R_z").none(), nb::arg("R_u").none())
+        .def("set_lambda", &set_lambda, nb::arg("lambda_"))
         .def("save",
              [](OwnedController& self) {
                  const Hold hold(self.use);
@@ -144,6 +192,15 @@ void bind_controller(nb::module_& m) {
                          return to_numpy(std::move(P), {n, n});
                      }),
                      nb::rv_policy::automatic)
+        .def_prop_ro("target", [](const OwnedController& self) {
+                         const TargetModel& m = self.controller.target().model();
+                         const std::size_t length = m.order + 1;
+                         return nb::make_tuple(
+                             to_numpy(std::vector<double>(m.numerator), {length, m.l_z, m.l_u}),
+                             to_numpy(std::vector<double>(m.denominator), {length, m.l_z, m.l_z}));
+                     })
+        .def_prop_ro("longest_order",
+                     number([](const Controller& c) { return c.longest_order(); }))
         .def_prop_ro("k", number([](const Controller& c) { return c.step(); }))
         .def_prop_ro("forgetting_factor", number([](const Controller& c) { return c.lambda(); }))
         .def_prop_ro("reflections", number([](const Controller& c) { return c.reflections(); }))
@@ -158,7 +215,8 @@ void bind_controller(nb::module_& m) {
           nb::arg("R_u"), nb::arg("forgetting_factor"), nb::arg("k_w"), nb::arg("k_update"),
           nb::arg("k_filter"), nb::arg("filter_form"), nb::arg("reflect_poles"), nb::arg("events"),
           nb::arg("forgetting"), nb::arg("reset"), nb::arg("noise"), nb::arg("update"),
-          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("window"), nb::arg("step_size"));
+          nb::arg("P_0"), nb::arg("theta_0"), nb::arg("window"), nb::arg("step_size"),
+          nb::arg("dither") = Perturbation{0, 0.0, 0.0, 0});
 }
 
 }  // namespace rcac

@@ -50,6 +50,7 @@ public:
     }
 
     Loop& loop() { return loop_; }
+    InUse& front() { return owned_.front()->use; }
     Plant& plant() { return *owned_plant_.plant; }
 
     void visit(Archive& archive) {
@@ -104,11 +105,13 @@ public:
         require(theta.size(), (steps + per_row - 1) / per_row * owner->loop().l_theta(), "theta");
         const Record record{u.data(), u_applied ? u_applied->data() : nullptr, y.data(), z.data(),
                             theta.data(), stride};
-        job = {&owner->loop(), w.data(), size.l_w, record, static_cast<std::int64_t>(steps)};
+        rows = static_cast<std::int64_t>(steps);
+        job = {&owner->loop(), w.data(), size.l_w, record, rows};
     }
 
     Job job;
     OwnedLoop* owner = nullptr;
+    std::int64_t rows = 0;  // of its arrays
 
 private:
     nb::object loop_object_;
@@ -178,6 +181,12 @@ void bind_loop(nb::module_& m) {
                       std::int64_t>(),
              nb::arg("loop"), nb::arg("w"), nb::arg("u"), nb::arg("u_applied").none(), nb::arg("y"),
              nb::arg("z"), nb::arg("theta"), nb::arg("stride"))
+        .def("pause_at",
+             [](OwnedJob& self, std::int64_t step) {
+                 const Hold hold(self.owner->front());
+                 require_range<std::int64_t>(step, self.job.done, self.rows, "the step");
+                 self.job.steps = step;
+             })
         .def_prop_ro("done", [](const OwnedJob& self) { return self.job.done; })
         .def_prop_ro("outcome",
                      [](const OwnedJob& self) { return static_cast<int>(self.job.outcome); });

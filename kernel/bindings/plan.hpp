@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "bindings/numpy_arrays.hpp"
-#include "controller/plan.hpp"
+#include "controller/stored_signals.hpp"
 
 namespace rcac {
 
@@ -52,7 +52,7 @@ inline Structure structure_of(std::size_t l_u, std::size_t l_y, std::size_t l_r,
                       "channel " + std::to_string(i) + " is not that entry of u(k)");
     const std::size_t delay =
         std::max(longest_delay(result.regressor), longest_delay(result.channels));
-    length_of({result.signals(), 2 * delay + 64}, "the history of the signals");
+    length_of({result.signals(), 2 * (delay + remembered_steps) + 64}, "the history of the signals");
     return result;
 }
 
@@ -73,9 +73,30 @@ inline std::vector<TargetModel> targets_of(const nb::list& list, const Structure
     }
     refuse_unless(!result.empty(), "a controller has no target model");
     const std::size_t delay = std::max(result[0].order, longest_delay(structure.filtered));
-    length_of({structure.channels.size(), block, 2 * delay + 64}, "the filtered signals");
+    length_of({structure.channels.size(), block, 2 * (delay + remembered_steps) + 64},
+              "the filtered signals");
+    length_of({structure.signals(), 2 * (delay + remembered_steps) + 64}, "the stored signals");
     length_of({structure.regressor.size(), l_u, l_z}, "the filtered regressor");
     return result;
+}
+
+// A target model of any order that is set while the controller runs.
+inline TargetModel target_of(const Array& numerator, const Array& denominator, std::size_t l_z,
+                             std::size_t l_u, std::size_t longest_order) {
+    const std::size_t block = length_of({l_z, l_u}, "a target model");
+    refuse_unless(numerator.size() >= block && numerator.size() % block == 0,
+                  "numerator: no whole number of l_z x l_u coefficients");
+    const std::size_t order = numerator.size() / block - 1;
+    require_range<std::size_t>(order, 0, longest_order, "the order of the target model");
+    return {l_z, l_u, order, copied(numerator, numerator.size(), "numerator"),
+            copied(denominator, length_of({order + 1, l_z, l_z}, "denominator"), "denominator")};
+}
+
+inline Past past_of(const std::string& name) {
+    static const std::vector<std::string> names{"keep", "reset", "blend", "replay"};
+    const auto found = std::find(names.begin(), names.end(), name);
+    refuse_unless(found != names.end(), "P cannot " + name.substr(0, 200));
+    return static_cast<Past>(found - names.begin());
 }
 
 // A matrix, or (base, z_squared), or a function R(k, y, z, u) that returns None where it failed;

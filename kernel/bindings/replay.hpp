@@ -7,7 +7,7 @@
 
 #include "updates/covariance.hpp"
 #include "lanes/ud_lanes.hpp"
-#include "updates/ud.hpp"
+#include "updates/subspace.hpp"
 
 namespace rcac {
 
@@ -15,6 +15,7 @@ inline std::unique_ptr<Update> make_update(const std::string& name, const double
                                            std::size_t l_theta,
                                            const InstructionSet& instructions) {
     if (name == "ud") return std::make_unique<UdUpdate>(P0, l_theta, instructions);
+    if (name == "ud, subspace") return std::make_unique<SubspaceUpdate>(P0, l_theta);
     if (name == "covariance") return std::make_unique<CovarianceUpdate>(P0, l_theta);
     throw std::invalid_argument("no update named " + name);
 }

@@ -5,6 +5,7 @@
 
 #include "controller/pole_reflection.hpp"
 #include "controller/regressor.hpp"
+#include "controller/stored_signals.hpp"
 #include "updates/update.hpp"
 
 namespace rcac {
@@ -18,24 +19,20 @@ public:
           update_(std::move(update)),
           theta_(std::move(theta)),
           lambda_(plan_.lambda),
-          regressor_(structure()),
-          filter_(plan_.targets.at(0), structure().channels.size(),
-                  longest_delay(structure().filtered)),
+          remembered_(plan_.k_update < Archive::longest ? remembered_steps : 0),
+          regressor_(structure(), remembered_ > 0 ? remembered_ + plan_.targets.at(0).order : 0),
+          filter_(plan_.targets.at(0), structure().channels.size(), longest_delay(structure().filtered)),
+          model_(plan_.targets, sources_of(structure()), regressor_.signals().depth()),
+          performance_(l_z(), remembered_),
           rules_(plan_.forgetting, plan_.reset, *update_),
           Phi_f_(l_z() * theta_.size()),
           target_(l_z()),
           u_(l_u()),
-          R_z_(plan_.R_z.base),
-          R_u_(plan_.R_u.base) {
-        std::vector<std::size_t> filtered;
-        for (std::size_t row = 0; row < l_z(); ++row)
-            for (const Tap& tap : structure().filtered)
-                for (std::size_t i = 0; i < l_u(); ++i)
-                    filtered.push_back(
-                        filter_.outputs().offset(filter_.index(tap.source, row, i), tap.delay));
-        if (regressor_.size() * l_u() != theta_.size() || filtered.size() != Phi_f_.size())
+          R_z_(plan_.R_z),
+          R_u_(plan_.R_u) {
+        place_taps();
+        if (regressor_.size() * l_u() != theta_.size() || filtered_.size() != Phi_f_.size())
             throw std::invalid_argument("l_theta does not fit");
-        filtered_ = TapReader(std::move(filtered));
     }
     // The regressor refers to the plan.
     Controller(const Controller&) = delete;
@@ -45,6 +42,7 @@ public:
         while (next_event_ < events() && event().step <= step_) act(plan_.events[as_size(next_event_++)]);
         signals().advance();
         filter_.advance();
+        performance_.advance();
         adapted_ = false;
     }
 
@@ -54,6 +52,8 @@ public:
     const double* control() {
         for (double& u : u_) u = 0.0;
         if (step_ >= plan_.k_w) regressor_.control(theta_, u_);
+        if (plan_.dither.is_on())
+            for (std::size_t i = 0; i < l_u(); ++i) u_[i] += plan_.dither(step_, i);
         apply(u_.data());
         return u_.data();
     }
@@ -82,6 +82,7 @@ public:
             for (std::size_t c = 0; c < structure().channels.size(); ++c)
                 filter_.input(c) = signals()(structure().channels[c]);
         filter_.run();
+        for (std::size_t i = 0; i < l_z(); ++i) performance_.now(i) = z[i];
         rules_.see(z, l_z());
         if (step_ < plan_.k_update || frozen_) return false;
 
@@ -91,12 +92,7 @@ public:
             for (std::size_t i = 0; i < l_u(); ++i)
                 target_[r] -= filter_.outputs()(filter_.index(i, r, i), 0);
         }
-        if (!plan_.R_z.is_constant() || !plan_.R_u.is_constant()) {
-            for (std::size_t i = 0; i < l_u(); ++i) u_[i] = signals()(i, plan_.filter_form ? 1 : 0);
-            const double* y = measured(z);
-            plan_.R_z.evaluate(step_, y, z, u_.data(), l_z(), R_z_.data());
-            plan_.R_u.evaluate(step_, y, z, u_.data(), l_z(), R_u_.data());
-        }
+        weigh(z, 0);
         if (rules_.forgets()) lambda_ = rules_.forgetting_factor();
         if (rules_.reset_is_due(step_, plan_.k_update, last_reset_, *update_)) {
             last_reset_ = step_;
@@ -106,7 +102,7 @@ public:
     }
 
     Data data() const {
-        return {l_z(), theta_.size(), Phi_f_.data(), target_.data(), R_z_.data(), R_u_.data(), lambda_};
+        return {l_z(), theta_.size(), Phi_f_.data(), target_.data(), R_z_.value(), R_u_.value(), lambda_};
     }
 
     // What follows an update: process noise and pole reflection.
@@ -133,6 +129,29 @@ public:
         ++step_;
     }
 
+    // Between two steps: G_f from the next step on, and as if it had filtered what is remembered.
+    // theta stays. Nothing is allocated where the order is not above that of the models before.
+    // False where a replay left the range of float64.
+    bool set_target(const TargetModel& model, Past past) {
+        if (model.order > filter_.order()) resize_filter(model.order);
+        const bool replays = past == Past::replay;
+        model_.take(model, signals(), replays ? signals().depth()
+                                              : filter_.outputs().depth() + regressor_.reach());
+        filter_.replace(model);
+        refill_outputs(filter_, model_.past(), structure());
+        if (past == Past::reset || replays) reset_covariance();
+        if (past == Past::blend) update_->doubt_past(model_.rho());
+        return !replays || replay();
+    }
+    const CurrentTarget& target() const { return model_; }
+    std::size_t longest_order() const { return signals().depth() - 1 - regressor_.reach(); }
+
+    void set_lambda(double lambda) { lambda_ = lambda; }
+    void set_R_z(const Weight& weight) { R_z_.set(weight); }
+    void set_R_u(const Weight& weight) { R_u_.set(weight); }
+    // Whether the plan no longer says what this controller does.
+    bool has_left_its_plan() const { return model_.is_own() || R_z_.is_own() || R_u_.is_own(); }
+
     void set_frozen(bool frozen) { frozen_ = frozen; }
     void reset_covariance() {
         update_->reset();
@@ -156,6 +175,9 @@ public:
     bool frozen() const { return frozen_; }
     // For whoever makes its steps elsewhere (lanes/state.hpp).
     History& signals() { return regressor_.signals(); }
+    const History& signals() const { return regressor_.signals(); }
+    std::size_t reach() const { return regressor_.reach(); }
+    History& performance() { return performance_; }
     TargetFilter& filter() { return filter_; }
     void has_stepped(std::int64_t steps) { step_ += steps; }
     bool measures_first() const {
@@ -173,10 +195,16 @@ public:
         archive(reflections_, 0, Archive::longest);
         archive(resets_, 0, Archive::longest);
         archive(last_reset_, -1, Archive::longest);
-        archive(target_number_, 0, static_cast<std::int64_t>(plan_.targets.size()) - 1);
         archive(frozen_);
-        if (archive.reading()) filter_.replace(plan_.targets.at(as_size(target_number_)));
+        auto order = static_cast<std::int64_t>(filter_.order());
+        archive(order, 0, static_cast<std::int64_t>(longest_order()));
+        if (archive.reading() && as_size(order) != filter_.order()) resize_filter(as_size(order));
+        model_.visit(archive, filter_.order());
+        if (archive.reading()) filter_.replace(model_.model());
+        R_z_.visit(archive);
+        R_u_.visit(archive);
         signals().visit(archive);
+        performance_.visit(archive);
         filter_.visit(archive);
         rules_.visit(archive);
         update_->visit(archive);
@@ -194,31 +222,76 @@ private:
             case Event::reset: reset_covariance(); break;
             case Event::forgetting: lambda_ = event.value; break;
             case Event::target:
-                target_number_ = static_cast<std::int64_t>(event.index);
-                filter_.replace(plan_.targets.at(event.index));
+                filter_.replace(model_.take_planned(event.index));
                 break;
         }
     }
 
-    // y(k) in one piece, for weights that are functions of it.
-    const double* measured(const double* otherwise) {
+    // R_z and R_u of `age` steps ago, where they are not constant.
+    void weigh(const double* z, std::size_t age) {
+        if (R_z_.is_constant() && R_u_.is_constant()) return;
+        for (std::size_t i = 0; i < l_u(); ++i)
+            u_[i] = signals()(i, age + (plan_.filter_form ? 1 : 0));
         y_.resize(structure().l_y);
-        for (std::size_t i = 0; i < y_.size(); ++i) y_[i] = signals()(l_u() + i, 0);
-        return y_.empty() ? otherwise : y_.data();
+        for (std::size_t i = 0; i < y_.size(); ++i) y_[i] = signals()(l_u() + i, age);
+        const double* y = y_.empty() ? z : y_.data();
+        const std::int64_t k = step_ - static_cast<std::int64_t>(age);
+        R_z_.evaluate(k, y, z, u_.data(), l_z());
+        R_u_.evaluate(k, y, z, u_.data(), l_z());
+    }
+
+    void place_taps() {
+        std::vector<std::size_t> filtered;
+        for (std::size_t row = 0; row < l_z(); ++row)
+            for (const Tap& tap : structure().filtered)
+                for (std::size_t i = 0; i < l_u(); ++i)
+                    filtered.push_back(
+                        filter_.outputs().offset(filter_.index(tap.source, row, i), tap.delay));
+        filtered_ = TapReader(std::move(filtered));
+    }
+
+    void resize_filter(std::size_t order) {
+        TargetModel room{l_z(), l_u(), order, std::vector<double>((order + 1) * l_z() * l_u()),
+                         std::vector<double>((order + 1) * l_z() * l_z())};
+        filter_ = TargetFilter(room, structure().channels.size(),
+                               longest_delay(structure().filtered));
+        refill_inputs(filter_, signals(), structure());
+        place_taps();
+    }
+
+    // The remembered steps at which an update was due, once more.
+    bool replay() {
+        const std::int64_t known = std::min(step_ - plan_.k_update,
+                                            static_cast<std::int64_t>(remembered_));
+        std::vector<double> z(l_z());
+        --step_;  // the last step, as weights that are functions know it
+        bool fine = true;
+        for (std::int64_t age = known; fine && age-- > 0;) {
+            for (std::size_t i = 0; i < z.size(); ++i) z[i] = performance_(i, as_size(age));
+            data_of_age(model_.past(), structure(), as_size(age), z.data(), Phi_f_.data(), target_.data());
+            weigh(z.data(), as_size(age));
+            fine = (*update_)(data(), step_ - age, theta_.data());
+            if (fine) conclude();
+        }
+        ++step_;
+        return fine;
     }
 
     ControllerPlan plan_;
     std::unique_ptr<Update> update_;
     std::vector<double> theta_;
     double lambda_;
+    std::size_t remembered_;
     Regressor regressor_;
     TargetFilter filter_;
+    CurrentTarget model_;
+    History performance_;  // z
     PerformanceRules rules_;
     bool frozen_ = false, adapted_ = false;
     TapReader filtered_;
-    std::vector<double> Phi_f_, target_, u_, R_z_, R_u_, y_, polynomial_;
-    std::int64_t step_ = 0, next_event_ = 0, reflections_ = 0, resets_ = 0, last_reset_ = -1,
-                 target_number_ = 0;
+    std::vector<double> Phi_f_, target_, u_, y_, polynomial_;
+    CurrentWeight R_z_, R_u_;
+    std::int64_t step_ = 0, next_event_ = 0, reflections_ = 0, resets_ = 0, last_reset_ = -1;
 };
 
 }  // namespace rcac

@@ -38,6 +38,7 @@ struct ControllerPlan {
     std::vector<Event> events;  // by step
     ForgettingRule forgetting;
     ResetRule reset;
+    Dither dither;
     std::vector<double> noise;  // rows a with Q = sum a a', (2.46)
 };
 

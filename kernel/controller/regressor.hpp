@@ -8,10 +8,12 @@ namespace rcac {
 // The past of u, y, r and the derived signals, and phi(k) as taps on it. Refers to `structure`.
 class Regressor {
 public:
-    explicit Regressor(const Structure& structure)
+    // Holds the signals for so many steps more than the regressor and the filter read them.
+    explicit Regressor(const Structure& structure, std::size_t more_steps = 0)
         : structure_(structure),
-          signals_(structure.signals(), std::max<std::size_t>({longest_delay(structure.regressor),
-                                                               longest_delay(structure.channels), 1})) {
+          reach_(std::max<std::size_t>({longest_delay(structure.regressor),
+                                        longest_delay(structure.channels), 1})),
+          signals_(structure.signals(), reach_ + more_steps) {
         std::vector<std::size_t> places;
         for (const Tap& tap : structure.regressor)
             places.push_back(signals_.offset(tap.source, tap.delay));
@@ -44,6 +46,7 @@ public:
     }
 
     std::size_t size() const { return taps_.size(); }
+    std::size_t reach() const { return reach_; }  // the longest delay that is read
     History& signals() { return signals_; }
     const History& signals() const { return signals_; }
 
@@ -64,6 +67,7 @@ private:
     }
 
     const Structure& structure_;
+    std::size_t reach_;
     History signals_;
     TapReader taps_;
     std::vector<double> phi_;

@@ -26,15 +26,16 @@ public:
         replace(model);
     }
 
-    // Another model of the same order; past inputs and outputs stay.
+    // Another model of this order at most; past inputs and outputs stay.
     void replace(const TargetModel& model) {
         const std::size_t block = l_z_ * l_u_, length = order_ + 1;
         numerator_.assign(block * length, 0.0);
-        for (std::size_t i = 0; i < length; ++i)
+        for (std::size_t i = 0; i <= model.order; ++i)
             for (std::size_t b = 0; b < block; ++b)
                 numerator_[b * length + i] = model.numerator[i * block + b];
         recursive_ = false;
-        denominator_ = model.denominator;
+        denominator_.assign(l_z_ * l_z_ * length, 0.0);
+        std::copy(model.denominator.begin(), model.denominator.end(), denominator_.begin());
         for (std::size_t i = l_z_ * l_z_; i < denominator_.size(); ++i)
             if (denominator_[i] != 0.0) recursive_ = true;
         scalar_ = block == 1;
@@ -67,6 +68,7 @@ public:
     History& outputs() { return outputs_; }
     History& inputs() { return inputs_; }
     std::size_t l_z() const { return l_z_; }
+    std::size_t order() const { return order_; }
 
     void visit(Archive& archive) {
         inputs_.visit(archive);

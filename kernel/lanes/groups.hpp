@@ -24,7 +24,7 @@ inline bool fits_lanes(Loop& loop) {
     Controller& c = *loop.controllers().front();
     const ControllerPlan& plan = c.plan();
     if (!dynamic_cast<UdUpdate*>(&c.update()) || plan.filter_form || plan.reflect_poles ||
-        c.frozen() || !plan.events.empty() || !plan.noise.empty() ||
+        c.frozen() || plan.dither.is_on() || c.has_left_its_plan() || !plan.events.empty() || !plan.noise.empty() ||
         !plan.structure.derived.empty() || plan.forgetting.long_window > 0 ||
         plan.reset.every > 0 || plan.reset.trace_below > 0.0 || plan.reset.growth > 0.0 ||
         plan.k_filter > 0 || plan.targets.size() > 1)

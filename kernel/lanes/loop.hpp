@@ -119,7 +119,7 @@ private:
 
     void leave_intact(std::size_t lane) {
         Job& job = *jobs_[lane];
-        state_.store(lane, *job.loop, job.done - first_[lane]);
+        state_.store(lane, job, job.done - first_[lane]);
         leave(lane);
     }
     void leave(std::size_t lane) {

@@ -26,9 +26,10 @@ public:
         a.weight_moves = !c.plan().R_z.is_constant() || !c.plan().R_u.is_constant();
         a.until_control = steps_until(c.plan().k_w, c);
         a.until_update = steps_until(c.plan().k_update, c);
-        a.signals = history(c.signals(), signals_);
-        a.inputs = history(c.filter().inputs(), inputs_);
-        a.outputs = history(c.filter().outputs(), outputs_);
+        // What is remembered beyond the reach of a step is in the record: see `remember`.
+        a.signals = history(c.signals(), c.reach() + 1, signals_);
+        a.inputs = history(c.filter().inputs(), c.filter().inputs().depth(), inputs_);
+        a.outputs = history(c.filter().outputs(), c.filter().outputs().depth(), outputs_);
         regressor_ = offsets(s.regressor), channel_ = offsets(s.channels);
         for (std::size_t row = 0; row < a.l_z; ++row)
             for (const Tap& tap : s.filtered)
@@ -80,8 +81,10 @@ public:
     }
 
     // After `steps` steps.
-    void store(std::size_t lane, Loop& loop, std::int64_t steps) {
+    void store(std::size_t lane, const Job& job, std::int64_t steps) {
+        Loop& loop = *job.loop;
         Controller& c = *loop.controllers().front();
+        remember(c, job, steps);
         each(c.signals(), a.signals, lane, [](double& own, double& here) { own = here; });
         each(c.filter().inputs(), a.inputs, lane, [](double& own, double& here) { own = here; });
         each(c.filter().outputs(), a.outputs, lane, [](double& own, double& here) { own = here; });
@@ -122,8 +125,8 @@ private:
     static void put(const std::vector<double>& values, std::size_t lane, double* to) {
         for (std::size_t i = 0; i < values.size(); ++i) to[i * lanes + lane] = values[i];
     }
-    static LaneHistory history(const History& own, AlignedVector& values) {
-        const std::size_t depth = own.depth(), stretch = depth + std::max<std::size_t>(depth, 16);
+    static LaneHistory history(const History& own, std::size_t depth, AlignedVector& values) {
+        const std::size_t stretch = depth + std::max<std::size_t>(depth, 16);
         return {zeros(values, own.signals() * stretch), own.signals(), depth, stretch, stretch - depth};
     }
     std::vector<std::size_t> offsets(const std::vector<Tap>& taps) const {
@@ -137,6 +140,24 @@ private:
         for (std::size_t s = 0; s < here.signals; ++s)
             for (std::size_t d = 0; d < here.depth; ++d)
                 move(own.at(s, d), here.values[(s * here.stretch + here.now + d) * lanes + lane]);
+    }
+
+    // The signals of the last steps, from the record into the controller's own histories.
+    void remember(Controller& c, const Job& job, std::int64_t steps) const {
+        const auto known = static_cast<std::size_t>(
+            std::min(steps, static_cast<std::int64_t>(c.signals().depth())));
+        for (std::size_t ago = known; ago-- > 0;) {
+            const auto row = static_cast<std::size_t>(job.done) - 1 - ago;
+            c.signals().advance();
+            c.performance().advance();
+            for (std::size_t i = 0; i < a.l_u; ++i) c.signals().now(i) = job.record.u[row * a.l_u + i];
+            for (std::size_t i = 0; i < a.l_y; ++i)
+                c.signals().now(a.l_u + i) = job.record.y[row * a.l_y + i];
+            for (std::size_t i = 0; i < a.l_r; ++i)
+                c.signals().now(a.l_u + a.l_y + i) = job.w[row * a.l_w + a.r_in_w + i];
+            for (std::size_t i = 0; i < a.l_z; ++i)
+                c.performance().now(i) = job.record.z[row * a.l_z + i];
+        }
     }
 
     void load_weights(std::size_t lane, const Controller& c) {

@@ -18,7 +18,7 @@ struct Job {
     const double* w;
     std::size_t l_w;
     Record record;
-    std::int64_t steps;
+    std::int64_t steps;  // it goes up to there
     std::int64_t done = 0;
     Outcome outcome = Outcome::completed;
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "simd/dispatch.hpp"
-#include "updates/update.hpp"
+#include "updates/ud.hpp"
 
 namespace rcac {
 
@@ -81,6 +81,19 @@ public:
     void covariance(double* P) const override { std::copy(P_.begin(), P_.end(), P); }
 
     void reset() override { P_ = P_0_; }
+
+    // As UdUpdate does on the factors; where rounding left P none, it starts anew.
+    void doubt_past(double rho) override {
+        if (!(rho > 0.0)) return;
+        try {
+            UdUpdate factors(P_0_.data(), n_);
+            factors.factorise(P_.data());
+            factors.doubt_past(rho);
+            factors.covariance(P_.data());
+        } catch (const std::domain_error&) {
+            reset();
+        }
+    }
 
     void inflate(const double* noise, std::size_t count) override {
         for (std::size_t a = 0; a < count; ++a, noise += n_)

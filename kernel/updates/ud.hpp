@@ -1,6 +1,7 @@
 // The retrospective cost update with P = U D U' factorised (Bierman 1977, Thornton 1976).
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "memory/aligned.hpp"
@@ -19,13 +20,14 @@ public:
              const InstructionSet& instructions = rcac::instruction_set())
         : n_(l_theta),
           instructions_(&instructions),
-          P_0_(P0, P0 + l_theta * l_theta),
           U_(tiles_size(n_), 0.0),
           D_(padded_to_tiles(n_), 0.0),
           gain_(padded_to_tiles(n_), 0.0),
           row_(padded_to_tiles(n_), 0.0) {
         for (std::size_t j = 0; j < padded_to_tiles(n_); ++j) U_[place_in_tiles(j, j)] = 1.0;
-        reset();
+        factorise(P0);
+        U_0_ = U_;
+        D_0_ = D_;
     }
 
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
@@ -40,16 +42,33 @@ public:
         if (!rows_.take(data)) return false;
         for (std::size_t r = 0; r < data.l_z; ++r) {
             bool lost = false;
-            const bool finite = instructions_->ud_measure(
-                {n_, U_.data(), D_.data()}, rows_.phi(data, r), rows_.scale(), rows_.rhs(r),
-                data.lambda, row_.data(), gain_.data(), theta, lost);
+            const bool finite = measure_row(rows_.phi(data, r), rows_.scale(), rows_.rhs(r),
+                                            data.lambda, theta, lost);
             if (lost) guard_.raise(step);
             if (!finite) return false;
         }
         return true;
     }
 
-    void reset() override { factorise(P_0_.data()); }
+    // The measurement  scale phi theta + rhs = 0  of this variance.
+    bool measure_row(const double* phi, double scale, double rhs, double variance, double* theta,
+                     bool& lost) {
+        return instructions_->ud_measure({n_, U_.data(), D_.data()}, phi, scale, rhs, variance,
+                                         row_.data(), gain_.data(), theta, lost);
+    }
+
+    void reset() override {
+        std::copy(U_0_.begin(), U_0_.end(), U_.begin());
+        std::copy(D_0_.begin(), D_0_.end(), D_.begin());
+    }
+
+    // Every direction of U becomes as uncertain as the share of its information that is lost says,
+    // up to what it was at the beginning; U stays.
+    void doubt_past(double rho) override {
+        if (!(rho < no_past_left)) return reset();
+        for (std::size_t j = 0; j < n_; ++j)
+            D_[j] = std::max(D_[j], std::min(D_[j] / (1.0 - rho), D_0_[j]));
+    }
 
     // One rank-one update for each row of `noise` (Agee and Turner 1972). Only sums of positive
     // terms and ratios below one occur, so P stays positive definite here too.
@@ -118,8 +137,7 @@ public:
 private:
     std::size_t n_;
     const InstructionSet* instructions_;
-    std::vector<double> P_0_;
-    AlignedVector U_, D_, gain_, row_;
+    AlignedVector U_, D_, U_0_, D_0_, gain_, row_;
     WhitenedRows rows_;
 };
 

@@ -30,6 +30,9 @@ struct Guard {
     }
 };
 
+// From this rho on nothing of P is kept.
+constexpr double no_past_left = 0.999;
+
 class Update {
 public:
     virtual ~Update() = default;
@@ -40,6 +43,11 @@ public:
     virtual void covariance(double* P) const = 0;
     // P <- P(0).
     virtual void reset() {}
+    // The data that come are no longer those that P was made of: rho is how far the filtered signals
+    // moved, |new - old|^2 / |new|^2.
+    virtual void doubt_past(double rho) {
+        if (!(rho < no_past_left)) reset();
+    }
     // P <- P + sum of a a' over the `count` rows a of `noise` (2.46).
     virtual void inflate(const double* /*noise*/, std::size_t /*count*/) {}
     // trace P, for rules that watch it.

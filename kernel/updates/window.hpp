@@ -46,6 +46,9 @@ public:
         return true;
     }
 
+    // An empty window.
+    void reset() override { count_ = 0; }
+
     void covariance(double* P) const override { arithmetic_.covariance(P); }
 
     void visit(Archive& archive) override {

@@ -12,6 +12,7 @@ _CHAPTERS = {
     "4": "Chapter 4: the intercalated transfer function",
     "7": "Chapter 7: which compensators are observer-based",
     "8": "Chapter 8: Riccati equations and least squares",
+    "9": "Chapter 9: target models with directions",
     "A": "Appendix A: LQG and high-authority LQG",
     "B": "Appendix B: Sylvester resultants",
 }

@@ -105,7 +105,7 @@ class ControllerCheck(Value):
     def report(self) -> str:
         """The whole check in words and numbers."""
         from rcac_numeric.reports.check import check_sheet
-        from rcac_numeric.reports.terminal import as_text
+        from rcac_numeric.reports.sheets.terminal import as_text
 
         return as_text(check_sheet(self))
 

@@ -7,11 +7,12 @@ from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.plants.any_plant import AnyPlant, block_start
 
 # One controller, and what `simulate` takes.
 OneController = ControllerSettings | FixedController
-AnyController = OneController | Decentralized
+AnyController = OneController | Decentralized | StepwiseController
 
 
 def controllers_of(controller: AnyController) -> tuple[OneController, ...]:
@@ -20,9 +21,14 @@ def controllers_of(controller: AnyController) -> tuple[OneController, ...]:
     Raises
     ------
     InputError
-        Where it is no controller.
+        Where it is no controller, or none that is compiled.
     """
     instance_of(controller, "settings", AnyController)
+    if isinstance(controller, StepwiseController):
+        raise InputError(
+            f"the steps of a {type(controller).__name__} are Python, which only `simulate` runs: "
+            "no batch, no sweep, no reference arithmetic does. Call `simulate` for each case."
+        )
     if isinstance(controller, Decentralized):
         return tuple(controller.controllers)
     return (controller,)
@@ -49,6 +55,16 @@ def require_fit(plant: AnyPlant, controller: AnyController) -> None:
         else:
             _require_fixed_fits(plant, one)
         command_position(plant, one.l_r)
+
+
+def require_stepwise_fits(plant: AnyPlant, controller: StepwiseController) -> None:
+    """Raise where a plant and a stepwise controller do not fit together."""
+    _require_sizes(plant, l_u=controller.l_u, l_y=controller.l_y)
+    if plant.y_needs_u:
+        raise ImproperError(
+            f"a {type(controller).__name__} computes u(k) from y(k), but D_0 is not zero, so that "
+            "they depend on each other. Delay the control in the plant by a step."
+        )
 
 
 def _require_settings_fit(plant: AnyPlant, controller: ControllerSettings) -> None:

@@ -18,7 +18,11 @@ from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
+from rcac_numeric.engine.live.control import apply_change
+from rcac_numeric.engine.live.methods import LiveMethods
 from rcac_numeric.engine.states import SavedState, saved_state
+from rcac_numeric.targets.model import TargetModel
 
 
 def _rebuilt(settings: ControllerSettings, state: SavedState) -> Controller:
@@ -27,7 +31,7 @@ def _rebuilt(settings: ControllerSettings, state: SavedState) -> Controller:
     return controller
 
 
-class Controller:
+class Controller(LiveMethods):
     """An adaptive controller for any simulator or device.
 
     One call of `step` is one step of RCAC in the order measure, control, filter, update. It takes
@@ -57,7 +61,7 @@ class Controller:
         self.settings = settings
         self._failures = Failures()
         self._kernel = compiled_controller(settings, settings.target.l_z, self._failures)
-        self._is_strict = all(t.relative_degree > 0 for t in settings.targets)
+        self._see_targets()
         self._broken = ""
         self._at_work = Lock()
 
@@ -181,6 +185,36 @@ class Controller:
         with self._alone():
             self._kernel.reset_covariance()
 
+    def change(self, change: ControllerChange, evidence: str = "") -> AppliedChange:
+        """Make several changes at once, or none of them; see `set_target` for what a target does.
+
+        Parameters
+        ----------
+        change : ControllerChange
+        evidence : str
+            Kept with what is returned.
+
+        Raises
+        ------
+        InputError, ImproperError, DivergedError
+            Where a part does not fit; the controller is as it was.
+        """
+        with self._alone():
+            if self._broken:
+                raise DivergedError(self._broken)
+            applied = apply_change(self._kernel, self.settings, change, evidence)
+            self._see_targets()
+        return applied
+
+    def _see_targets(self) -> None:
+        leading = [model.numerator[0] for model in self.settings.targets]
+        self._is_strict = not any(one.any() for one in (*leading, self._kernel.target[0][0]))
+
+    @property
+    def target(self) -> TargetModel:
+        """The target model that the filter runs."""
+        return TargetModel(*self._kernel.target)
+
     @property
     def state(self) -> SavedState:
         """Everything that later steps depend on, beside the settings.
@@ -209,6 +243,7 @@ class Controller:
                 self._kernel, "controller", fingerprint(self.settings), lambda: self._kernel.k
             )
             self._broken, self._failures.error = "", None
+            self._see_targets()
 
     @property
     def k(self) -> int:

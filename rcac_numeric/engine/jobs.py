@@ -24,6 +24,8 @@ from rcac_numeric.engine.compatibility import (
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.compiled.plants import compiled_plant
+from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
+from rcac_numeric.engine.live.control import apply_change
 from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -51,6 +53,7 @@ class PreparedRun:
         # A copy: a frozen twin starts from it, whatever becomes of the caller's array.
         self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
         self._failures = Failures()
+        self.changes: list[AppliedChange] = []
         body = compiled_plant(plant, self.x_0, self._failures)
         self._controllers = controllers_of(settings)
         if saturation is not None:
@@ -59,7 +62,7 @@ class PreparedRun:
         self.w = signal_array(w, "w", plant.l_w)
         require_fit(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
-        self.divergence_limit = _limit(divergence_limit, self.w, self.x_0)
+        self.divergence_limit = divergence_limit_of(divergence_limit, self.w, self.x_0)
         self._kernels = [
             compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
         ]
@@ -96,6 +99,13 @@ class PreparedRun:
     def has_ended(self) -> bool:
         """Whether every step is done, or one failed."""
         return self.job.outcome != 0 or self.job.done == len(self.w)
+
+    def change(self, change: ControllerChange, evidence: str = "") -> AppliedChange:
+        """Change the one controller between two steps."""
+        (settings,), (kernel,) = self._controllers, self._kernels
+        settings = instance_of(settings, "settings", ControllerSettings)
+        self.changes.append(apply_change(kernel, settings, change, evidence))
+        return self.changes[-1]
 
     def result(self, interrupted: bool = False, with_state: bool = True) -> Run:
         """What the job has done so far, as a run; with the state that it can go on from.
@@ -139,6 +149,7 @@ class PreparedRun:
             x_0=self.x_0,
             divergence_limit=self.divergence_limit,
             failure=self._failures.words,
+            changes=tuple(self.changes),
         )
 
     def require_no_failure(self, run: Run) -> None:
@@ -192,7 +203,7 @@ class PreparedRun:
         )
 
 
-def _limit(given: float | None, *from_outside: Array | None) -> float:
+def divergence_limit_of(given: float | None, *from_outside: Array | None) -> float:
     """The size at which a loop counts as diverged."""
     if given is None:
         peaks = [np.abs(values).max(initial=0.0) for values in from_outside if values is not None]

@@ -21,13 +21,17 @@ from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
-from rcac_numeric.controllers.updates.forgetting import ScheduledForgetting, VariableRateForgetting
+from rcac_numeric.controllers.updates.forgetting import (
+    ScheduledForgetting,
+    VariableRateForgetting,
+)
 from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
 from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.linear import Plant
@@ -37,7 +41,8 @@ from rcac_numeric.targets.model import TargetModel
 
 # What the file of a run may be made of; nothing else is ever constructed from it.
 RECORDS = Records(
-    Compensator, ControllerSettings, Covariance, CovarianceReset, Decentralized, DerivedSignal,
+    AppliedChange, Compensator, ControllerChange, ControllerSettings, Covariance, CovarianceReset,
+    Decentralized, DerivedSignal,
     FixedController, Gradient, Instantaneous, Plant, PlantChange, PlantSchedule, Saturation,
     SavedState, ScheduledForgetting, SignalWeight, SlidingWindow, Structure, Tap, TargetModel, UD,
     VariableRateForgetting,
@@ -88,6 +93,8 @@ class Run(Value):
         From which `simulate` continues bit for bit; None where the run failed.
     failure : str
         What a function of the plant or of a weight raised; empty where none did.
+    changes : tuple of AppliedChange
+        What was changed in the controller while it ran, and why.
     """
 
     plant: AnyPlant
@@ -111,6 +118,7 @@ class Run(Value):
     x_0: Array | None = None
     divergence_limit: float = math.inf
     failure: str = ""
+    changes: tuple[AppliedChange, ...] = ()
 
     @property
     def steps(self) -> int:
@@ -186,7 +194,7 @@ class Run(Value):
 
     def plot(self) -> figures.Figure:
         """The signals z and u and the coefficients theta over the step k."""
-        from rcac_numeric.plots.runs import plot_runs
+        from rcac_numeric.plots.figures.runs import plot_runs
 
         return plot_runs([self])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -11,11 +12,14 @@ from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.hooks import Hook, require_hook, run_with_hook
 from rcac_numeric.engine.interruption import run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState
+from rcac_numeric.engine.stepwise import StepwiseLoop
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.saturation import Saturation
@@ -31,6 +35,8 @@ def simulate(
     divergence_limit: float | None = None,
     saturation: Saturation | None = None,
     start: SavedState | None = None,
+    on_step: Hook | None = None,
+    every: int = 1,
 ) -> Run:
     """Run a controller on a plant.
 
@@ -38,7 +44,7 @@ def simulate(
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
         Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`.
-    settings : ControllerSettings, Decentralized or FixedController
+    settings : ControllerSettings, Decentralized, FixedController or IndirectSettings
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
         command, that is the block "r" of w.
@@ -53,7 +59,12 @@ def simulate(
     saturation : Saturation, optional
     start : SavedState, optional
         The state of an earlier run with the same plant, settings and saturation; this run goes on
-        from there, bit for bit as if it had not been cut.
+        from there, bit for bit as if it had not been cut, changes of the controller included.
+    on_step : function, optional
+        Called with the run so far (its steps and signals, without a `state`) before every step
+        k = every, 2 every, ...; returns a `ControllerChange` to make, or None. `Run.changes` says
+        what was made.
+    every : int
 
     Raises
     ------
@@ -62,8 +73,8 @@ def simulate(
     ImproperError
         Where u(k) and y(k) depend on each other.
     FunctionFailedError
-        Where a function of the plant or of a weight raised or returned the wrong shape; the
-        attribute `run` of the error holds what came before.
+        Where a function of the plant, of a weight or on_step raised or returned what does not fit;
+        the attribute `run` of the error holds what came before.
     RunInterrupted
         On Ctrl-C, within about 0.1 s; its attribute `run` holds the run so far, whose `state`
         goes on from there.
@@ -88,17 +99,27 @@ def simulate(
     """
     if is_foreign(plant):
         plant = plant_of(plant)
-    prepared = PreparedRun(
-        plant,
-        settings,
-        w,
-        x_0=x_0,
-        stride=stride,
-        divergence_limit=divergence_limit,
-        saturation=saturation,
-        start=start,
-    )
-    run_to_end([prepared])
+    options: dict[str, Any] = {
+        "x_0": x_0,
+        "stride": stride,
+        "divergence_limit": divergence_limit,
+        "saturation": saturation,
+        "start": start,
+    }
+    if isinstance(settings, StepwiseController):
+        if on_step is not None:
+            raise InputError(
+                f"on_step changes an RCAC controller; a {type(settings).__name__} has its own step."
+            )
+        loop = StepwiseLoop(plant, settings, w, **options)
+        run = loop.run()
+        loop.require_no_failure(run)
+        return run
+    prepared = PreparedRun(plant, settings, w, **options)
+    if on_step is None:
+        run_to_end([prepared])
+    else:
+        run_with_hook(prepared, on_step, require_hook(on_step, every, settings))
     run = prepared.result()
     prepared.require_no_failure(run)
     return run
@@ -123,6 +144,12 @@ def frozen_twin(run: Run, k: int) -> Run:
     """
     if instance_of(run, "run", Run).first_step != 0:
         raise InputError("the run is the continuation of another; freeze the whole run instead.")
+    if run.changes:
+        raise InputError("the controller was changed while it ran; its twin would not be.")
+    if isinstance(run.settings, StepwiseController):
+        raise InputError(
+            f"a {type(run.settings).__name__} has no freeze: set k_update of its model instead."
+        )
     from_k = ((integer(k, "k"), None),)
     settings = run.settings
     if isinstance(settings, Decentralized):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -12,10 +13,18 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.values import Value, fingerprint
-from rcac_numeric.engine import _kernel
 
 Counter = Callable[[], int]
-Compiled = _kernel.Controller | _kernel.Loop | _kernel.Filter | _kernel.Refinement
+
+
+class Restorable(Protocol):
+    """What hands out its state as numbers, and takes them back."""
+
+    def save(self) -> Array:
+        """Every number of the state, in one dimension."""
+
+    def restore(self, state: Array, /) -> None:
+        """Take them back; ValueError or IndexError where they are something else."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +33,7 @@ class SavedState(Value):
 
     Attributes
     ----------
-    kind : {"controller", "loop", "filter", "refinement"}
+    kind : {"controller", "loop", "filter", "refinement", "indirect controller"}
     k : int
         Number of steps taken.
     values : array
@@ -104,8 +113,8 @@ class SavedState(Value):
             raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
         return cls(kind, int(k), values, of, checksum)
 
-    def restore_into(self, compiled: Compiled, kind: str, of: str, steps: Counter) -> None:
-        """Put the state into a compiled object; raise where it does not belong there.
+    def restore_into(self, compiled: Restorable, kind: str, of: str, steps: Counter) -> None:
+        """Put the state into an object; raise where it does not belong there.
 
         `steps` says how many steps the object has taken.
         """

@@ -94,7 +94,7 @@ class Erratum(Value):
         What the text says, and what is so.
     evidence : ErratumEvidence
     chapter : str
-        2 to 9, A or B.
+        1 to 9, A or B.
 
     Examples
     --------

@@ -15,7 +15,7 @@ from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
 from rcac_numeric.experiments.format.values import Choice
 
-CHAPTERS = ("2", "3", "4", "5", "6", "7", "8", "9", "A", "B")
+CHAPTERS = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "A", "B")
 _NUMBER = re.compile(r"[1-9AB]\.\d+")
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from rcac_numeric.errata.checking import Checked
 from rcac_numeric.errata.entries import EVIDENCE, Erratum
-from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Text
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Text
 
 
 def errata_sheet(

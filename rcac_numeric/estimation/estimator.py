@@ -11,15 +11,14 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import vector
-from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.engine.compiled.estimators import (
     EstimationModel,
     Filter,
     estimation_failure,
     make_filter,
 )
-from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.estimation.models.compiled import compiled_model
+from rcac_numeric.estimation.resumable import Resumable
 from rcac_numeric.estimation.settings import EKF, UKF, square_root
 
 
@@ -37,13 +36,7 @@ def compiled_filter(settings: EKF | UKF) -> tuple[Filter, EstimationModel]:
     return make_filter(kind, model, settings.x_0, P_0, Q, R, alpha), model
 
 
-def _rebuilt(settings: EKF | UKF, state: SavedState) -> Estimator:
-    estimator = Estimator(settings)
-    estimator.restore(state)
-    return estimator
-
-
-class Estimator:
+class Estimator(Resumable[EKF | UKF]):
     """An EKF or a UKF that runs beside a simulator or a device.
 
     `step(y, u)` is one step: y(k) corrects the belief about x(k), then u(k) moves it to step k+1.
@@ -65,14 +58,12 @@ class Estimator:
     True
     """
 
+    kind = "filter"
+
     def __init__(self, settings: EKF | UKF) -> None:
         self._kernel, _ = compiled_filter(settings)
-        self.settings = settings
+        super().__init__(settings)
         self._at_work = Lock()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are estimators of their own in the same state."""
-        return _rebuilt, (self.settings, self.state)
 
     def step(self, y: ArrayLike | None, u: ArrayLike | None = None) -> Array:
         """Correct with y(k), then predict with u(k); the estimate x(k|k).
@@ -186,23 +177,10 @@ class Estimator:
         """The last innovation squared and normalised; l_y on average where the noises are right."""
         return self._kernel.nis
 
-    @property
-    def state(self) -> SavedState:
-        """Everything that later steps depend on, beside the settings."""
-        return SavedState.taken("filter", self.k, self._kernel.save(), fingerprint(self.settings))
+    def save(self) -> Array:
+        """Every number that later steps depend on."""
+        return np.asarray(self._kernel.save())
 
-    def restore(self, state: SavedState) -> None:
-        """Go back, or forward, to a saved state of an estimator with the same settings.
-
-        Parameters
-        ----------
-        state : SavedState
-
-        Raises
-        ------
-        InputError
-            Where the state belongs to other settings; the estimator has not moved.
-        """
-        saved_state(state, "state").restore_into(
-            self._kernel, "filter", fingerprint(self.settings), lambda: self._kernel.k
-        )
+    def take_up(self, values: Array) -> None:
+        """Go on from what `save` gave."""
+        self._kernel.restore(values)

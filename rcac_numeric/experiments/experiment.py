@@ -16,6 +16,7 @@ from rcac_numeric.engine.compatibility import AnyController, controllers_of
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.claims import Check, Claim
+from rcac_numeric.experiments.estimation.studies import EstimationStudy
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plants.linear import Plant
@@ -144,7 +145,7 @@ class RunResult(Value):
 
 @dataclass(frozen=True, eq=False)
 class Experiment(Value):
-    """A numbered example or a user's own case.
+    """A numbered example or a user's own case: `runs` of controllers, or `studies` of estimators.
 
     Examples
     --------
@@ -162,9 +163,10 @@ class Experiment(Value):
     notes: str = ""
     figures: Sequence[FigureRequest] = ()
     description: Mapping[str, str] = field(default_factory=dict)
+    studies: Mapping[str, EstimationStudy] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("runs", "description"):
+        for name in ("runs", "description", "studies"):
             object.__setattr__(self, name, dict(getattr(self, name)))
         object.__setattr__(self, "claims", tuple(self.claims))
         object.__setattr__(self, "figures", tuple(self.figures))
@@ -173,7 +175,8 @@ class Experiment(Value):
     def main_run(self) -> RunSpecification:
         """The run that is plotted and compared in detail: the first one."""
         if not self.runs:
-            raise InputError(f"{self.id or self.title!r} is exact: it runs nothing.")
+            what = "estimates: no controller of it" if self.studies else "is exact: nothing"
+            raise InputError(f"{self.id or self.title!r} {what} is run.")
         return next(iter(self.runs.values()))
 
     def reduced(self, seeds: int = 3) -> Experiment:
@@ -191,8 +194,15 @@ class Experiment(Value):
         """
         checks = [c for claim in self.claims for c in claim.checks if isinstance(c, Check)]
         whole = {check.run for check in checks if check.share < 1}
+        pairs = [{check.run, check.relative_to} for check in checks if check.relative_to]
+        while more := [pair for pair in pairs if pair & whole and pair - whole]:
+            whole.update(*more)
         runs = {
             name: run if name in whole else replace(run, seeds=min(run.seeds, seeds))
             for name, run in self.runs.items()
         }
-        return replace(self, runs=runs)
+        studies = {
+            name: study if name in whole else replace(study, seeds=min(study.seeds, seeds))
+            for name, study in self.studies.items()
+        }
+        return replace(self, runs=runs, studies=studies)

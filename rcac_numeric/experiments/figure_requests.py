@@ -23,6 +23,9 @@ KINDS = (
     "disturbance response",
     "intercalated match",
     "distribution",
+    "estimates",
+    "plant zeros",
+    "identified zeros",
 )
 SIGNALS = ("z", "u", "y", "u_applied")
 
@@ -38,7 +41,10 @@ class FigureRequest(Value):
         "coefficients": theta of each run. "poles": closed-loop poles and zeros of each run.
         "disturbance response": gain from w to z with the final controllers, without one, and with
         LQG. "intercalated match": G_f and what each run made of it. "distribution": a measure over
-        the repetitions or seeds of each run.
+        the repetitions or seeds of each run. "estimates", of estimation examples: what each run
+        estimates beside the truth, or with `magnitude` its error.
+        the repetitions or seeds of each run. "plant zeros": those of the plant, frozen at steps.
+        "identified zeros": those that windows of the run's data show.
     caption : str
         What the reader is to see in it.
     runs : list of str

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,6 +12,8 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
+from rcac_numeric.experiments.estimation.measures import MEASURES as ESTIMATION_MEASURES
+from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
@@ -19,10 +21,12 @@ from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.measures.measures import MEASURES
 
+Result = RunResult | StudyResult
+
 
 @dataclass(frozen=True, eq=False)
 class Verification(Value):
-    """An experiment after its runs: results and verdicts.
+    """An experiment after its runs: results, estimates of its studies, and verdicts.
 
     Examples
     --------
@@ -37,15 +41,18 @@ class Verification(Value):
     experiment: Experiment
     results: Mapping[str, RunResult]
     verdicts: tuple[Verdict, ...]
+    estimates: Mapping[str, StudyResult] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "results", dict(self.results))
+        object.__setattr__(self, "estimates", dict(self.estimates))
 
     @property
     def main(self) -> RunResult:
         """The result of the experiment's main run."""
         if not self.results:
-            raise InputError(f"{self.experiment.id or 'this'} is exact: nothing ran, or is drawn.")
+            what = "estimates: no controller" if self.estimates else "is exact: nothing"
+            raise InputError(f"{self.experiment.id or 'this'} {what} ran, or is drawn.")
         return next(iter(self.results.values()))
 
     @property
@@ -60,7 +67,7 @@ class Verification(Value):
 
     def report(self) -> str:
         """The whole verification in words and numbers."""
-        from rcac_numeric.reports.terminal import as_text
+        from rcac_numeric.reports.sheets.terminal import as_text
         from rcac_numeric.reports.verification import verification_sheet
 
         return as_text(verification_sheet(self))
@@ -83,8 +90,11 @@ class Verification(Value):
 
         `experiment.figures` are those that an example has of itself.
         """
-        from rcac_numeric.plots.requested import plot_request
+        from rcac_numeric.plots.figures.requested import plot_request
         from rcac_numeric.plots.run import plot_verification
+
+        if request is None and self.estimates:
+            request = next(iter(self.experiment.figures), FigureRequest("estimates", ""))
 
         if request is None:
             return plot_verification(self)
@@ -132,29 +142,37 @@ def verify(
     for name, specification in experiment.runs.items():
         progress(name)
         results[name] = specification.execute()
+    estimates = {}
+    for name, study in experiment.studies.items():
+        progress(name)
+        estimates[name] = study.execute()
+    measured: dict[str, Result] = {**results, **estimates}
     verdicts = tuple(
-        Verdict(claim, tuple(_result(check, results) for check in claim.checks))
+        Verdict(claim, tuple(_result(check, measured) for check in claim.checks))
         for claim in experiment.claims
     )
-    return Verification(experiment, results, verdicts)
+    return Verification(experiment, results, verdicts, estimates)
 
 
-def _result(
-    check: Check | ExactCheck, results: Mapping[str, RunResult]
-) -> CheckResult | ExactResult:
+def _result(check: Check | ExactCheck, results: Mapping[str, Result]) -> CheckResult | ExactResult:
     return check.evaluate() if isinstance(check, ExactCheck) else _evaluate(check, results)
 
 
-def _evaluate(check: Check, results: Mapping[str, RunResult]) -> CheckResult:
+def _evaluate(check: Check, results: Mapping[str, Result]) -> CheckResult:
     values = _values(check, results[check.run])
     if check.relative_to:
         others = _values(check, results[check.relative_to])
         with np.errstate(divide="ignore", invalid="ignore"):
             values = tuple(float(np.divide(a, b)) for a, b in zip(values, others, strict=True))
-    return CheckResult(check, values, over_seeds=results[check.run].specification.seeds > 1)
+    result = results[check.run]
+    of = result.study if isinstance(result, StudyResult) else result.specification
+    return CheckResult(check, values, over_seeds=of.seeds > 1)
 
 
-def _values(check: Check, result: RunResult) -> tuple[float, ...]:
+def _values(check: Check, result: Result) -> tuple[float, ...]:
+    if isinstance(result, StudyResult):
+        return result.values(check.measure, check.arguments)
+
     def value(repetition: AnalysedRun) -> float:
         try:
             measured = repetition if check.until is None else repetition.until(check.until)
@@ -169,23 +187,27 @@ def _values(check: Check, result: RunResult) -> tuple[float, ...]:
 
 def _known(check: Check, experiment: Experiment) -> None:
     """Refuse a check that could not be evaluated, before anything runs."""
-    if check.measure not in MEASURES:
+    known: Mapping[str, Callable[..., float]] = MEASURES
+    if experiment.studies:
+        known = ESTIMATION_MEASURES
+    if check.measure not in known:
         raise InputError(
-            f"a claim asks for the measure {check.measure!r}; known are {', '.join(MEASURES)}."
-            f"{did_you_mean(check.measure, MEASURES)}"
+            f"a claim asks for the measure {check.measure!r}; known are {', '.join(known)}."
+            f"{did_you_mean(check.measure, known)}"
         )
     try:
-        inspect.signature(MEASURES[check.measure]).bind(None, **check.arguments)
+        inspect.signature(known[check.measure]).bind(None, **check.arguments)
     except TypeError as error:
         raise InputError(f"the check {check.measure!r} of a claim: {error}.") from None
+    repeated = {name: run.seeds * run.repetitions for name, run in experiment.runs.items()}
+    repeated |= {name: study.seeds for name, study in experiment.studies.items()}
     for name in (check.run, check.relative_to):
-        if name and name not in experiment.runs:
+        if name and name not in repeated:
             raise InputError(
-                f"a claim refers to the run {name!r}; the runs are {', '.join(experiment.runs)}."
-                f"{did_you_mean(name, experiment.runs)}"
+                f"a claim refers to the run {name!r}; the runs are {', '.join(repeated)}."
+                f"{did_you_mean(name, repeated)}"
             )
-    pair = [experiment.runs[name] for name in (check.run, check.relative_to) if name]
-    if len({run.seeds * run.repetitions for run in pair}) > 1:
+    if len({repeated[name] for name in (check.run, check.relative_to) if name}) > 1:
         raise InputError(
             f"a claim divides a measure of {check.run!r} by that of {check.relative_to!r}, "
             "repetition by repetition; give them as many seeds and repetitions."

@@ -77,7 +77,7 @@ class LoopHealth(Value):
         """What a notebook shows: the lines of the report, the warnings in colour."""
         from rcac_numeric.reports.health import health_lines
         from rcac_numeric.reports.page.notebook import notebook_html
-        from rcac_numeric.reports.sheet import Sheet
+        from rcac_numeric.reports.sheets.sheet import Sheet
 
         return notebook_html(Sheet("Health of the loop", health=health_lines(self)))
 

@@ -114,7 +114,7 @@ class Margins(Value):
         """What a notebook shows: the table of margins and the Nyquist curve."""
         from rcac_numeric.reports.margins import margins_section
         from rcac_numeric.reports.page.notebook import notebook_html
-        from rcac_numeric.reports.sheet import Sheet
+        from rcac_numeric.reports.sheets.sheet import Sheet
 
         return notebook_html(Sheet("", sections=(margins_section("u", self),)), self.plot())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -66,6 +67,7 @@ def _moved(plant: PlantSchedule, change: PlantChange, k: int) -> Plant:
     return Plant(**matrices, blocks=plant.first.blocks)
 
 
+@lru_cache(maxsize=32)  # made exactly, and asked for at every kept theta of a run
 def _delayed(plant: Plant, delay: int) -> Plant:
     """[x; u(k-1); ...; u(k-delay)] as the state."""
     if delay == 0:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.plots.axes import draw_coefficients, draw_control, draw_pole_zero
 from rcac_numeric.plots.style import (
+    INK,
+    REACHED,
+    SECOND,
     WANTED,
     draw_history,
     draw_magnitude,
@@ -74,3 +79,65 @@ def plot_verification(verification: Verification) -> Figure:
     experiment = verification.experiment
     title = f"{experiment.id}: {experiment.title}".strip(": ")
     return plot_sheet(verification.main.first, title)
+
+
+def draw_control(axis: Axes, run: Run) -> None:
+    """What the controller asked for and, where that differs, what the actuator applied."""
+    draw_history(axis, run.u, "control $u$", "u")
+    if run.u_applied is run.u or np.array_equal(run.u_applied, run.u):
+        return
+    for i, column in enumerate(run.u_applied.T):
+        axis.step(np.arange(len(column)), column, where="post", linewidth=1.1, color=WANTED,
+                  label="applied" if i == 0 else None)  # fmt: skip
+    if run.u.shape[1] == 1:
+        axis.lines[0].set(label="asked for", alpha=0.6)
+    axis.legend(fontsize=8)
+
+
+def draw_coefficients(axis: Axes, run: Run) -> None:
+    """theta; the gains by name where the structure is P, I and D terms on one signal."""
+    k = run.first_step + np.arange(len(run.theta)) * run.stride
+    name = getattr(getattr(run.settings, "structure", None), "name", "")
+    gains = name if set(name) <= set("PID") and len(name) == run.theta.shape[1] else ""
+    lines = axis.plot(k, run.theta, linewidth=1.0)
+    for line, gain in zip(lines, gains, strict=False):
+        line.set_label(f"$K_{gain}$")
+    if gains:
+        axis.legend(fontsize=8)
+    label = "gains" if gains else r"coefficients $\theta$"
+    axis.set(xlabel="step $k$", ylabel=label)
+
+
+def draw_pole_zero(axis: Axes, repetition: AnalysedRun) -> None:
+    """Closed-loop poles and zeros of the final controller, and the poles that G_f asks for."""
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    if repetition.is_scalar:
+        comparison = repetition.comparison
+        poles, wanted = comparison.poles, comparison.asked_poles
+        zeros = np.concatenate([np.zeros(0), *comparison.zeros.values()])
+        axis.plot(wanted.real, wanted.imag, "s", mfc="none", mec=WANTED, ms=10, label="asked for")
+        axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
+    else:
+        poles, zeros = repetition.loop.poles(), np.zeros(0)
+        wanted = np.zeros(0, dtype=np.complex128)
+        if repetition.run.plant.l_z == 1:
+            zeros = np.concatenate([zeros, *repetition.zeros.values()])
+            axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
+    axis.plot(poles.real, poles.imag, "x", color=REACHED, ms=7, mew=1.6, label="poles reached")
+    span = max(1.15, 1.1 * np.abs(poles).max(initial=0.0)) if np.isfinite(poles).all() else 1.15
+    span = min(span, 3.0)
+    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
+    axis.set_aspect("equal")
+    axis.set_title("closed loop with the final controller", fontsize=10)
+    axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
+    hidden = [
+        f"{name} beyond: {count}"
+        for name, values in (
+            ("asked for", wanted),
+            ("poles", poles),
+            ("zeros", np.unique(np.round(zeros, 9))),
+        )
+        if (count := int((np.abs(values) > span).sum()))
+    ]
+    axis.annotate(", ".join(hidden), (0.02, 0.02), xycoords="axes fraction", fontsize=8)

@@ -84,9 +84,7 @@ def phases(wanted: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
 
     Examples
     --------
-    >>> from typing import Any
-
-    import numpy as np
+    >>> import numpy as np
     >>> from rcac_numeric.plots.style import phases
     >>> a, b = phases(np.array([-1 + 1e-9j, 1j]), np.array([-1 - 1e-9j, 1j]))
     >>> bool(np.abs(a - b).max() < 1e-8)

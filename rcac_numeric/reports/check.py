@@ -10,8 +10,8 @@ from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import joined, match_section, split_section, zeros_facts
 from rcac_numeric.reports.margins import disk_record, margins_section
-from rcac_numeric.reports.numbers import complex_list
-from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.numbers import complex_list
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 
 
 def check_sheet(check: ControllerCheck) -> Sheet:

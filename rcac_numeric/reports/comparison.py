@@ -5,8 +5,8 @@ from __future__ import annotations
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.reports.loop import zeros_facts
-from rcac_numeric.reports.numbers import complex_list, complex_text, exact_text, rounded
-from rcac_numeric.reports.sheet import Block, Fact, Section, Table, Text, cells
+from rcac_numeric.reports.sheets.numbers import complex_list, complex_text, exact_text, rounded
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Table, Text, cells
 
 
 def comparison_section(c: ExactComparison) -> Section:

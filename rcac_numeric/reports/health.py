@@ -8,7 +8,7 @@ from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.health.margin_words import margin_words
 from rcac_numeric.health.signals import SignalHealth, SignalSize
 from rcac_numeric.margins.classical import Margins
-from rcac_numeric.reports.sheet import Level, Text
+from rcac_numeric.reports.sheets.sheet import Level, Text
 
 
 def health_lines(health: LoopHealth) -> tuple[Text, ...]:

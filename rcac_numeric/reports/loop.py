@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
-from rcac_numeric.reports.numbers import power_text
-from rcac_numeric.reports.sheet import Fact, Section, Text
+from rcac_numeric.reports.sheets.numbers import power_text
+from rcac_numeric.reports.sheets.sheet import Fact, Section, Text
 
 
 def match_section(match: IntercalatedMatch | None, reason: str) -> Section:

@@ -9,7 +9,7 @@ from typing import Any
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
-from rcac_numeric.reports.sheet import Section, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Section, Table, Text, cells
 
 HEADS = ("", "margin", "at rad/sample", "pole radius there")
 

@@ -12,7 +12,7 @@ from rcac_numeric.analysis.placement_conditioning import (
     PlacementConditioning,
     placement_conditioning,
 )
-from rcac_numeric.reports.sheet import Section, Sheet, Text
+from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
 
 
 def placement_sheet(placement: exact.PolePlacement) -> Sheet:

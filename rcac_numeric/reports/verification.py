@@ -12,9 +12,10 @@ from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.reports.comparison import comparison_section, poles_section
+from rcac_numeric.reports.estimation import estimation_health, estimation_section
 from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import joined, match_section, split_section
-from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", CORRECTED: "warning", NOT_REPRODUCED: "bad"}
 
@@ -45,6 +46,8 @@ def verification_sheet(verification: Verification) -> Sheet:
 
 
 def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text, ...]:
+    if verification.estimates:
+        return estimation_health(verification)
     if health is None:
         return _health_of_exact(verification)
     main = verification.main
@@ -72,6 +75,8 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
 
 def _of_runs(verification: Verification) -> tuple[Section, ...]:
     """What only an example that runs has."""
+    if verification.estimates:
+        return (estimation_section(verification),)
     if not verification.results:
         return ()
     return _runs(verification), _controller(verification.main)

@@ -94,7 +94,38 @@ ZEROS = STATE_SPACES.map(exact.output_decoupling_zeros) | st.sampled_from(
     ["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)", "3"]
 ).map(lambda text: exact.transmission_zeros(text, "s"))
 
+PAIR = ([[0, 1, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [1, 0], [1, "a"]])
+
+FAMILIES = st.builds(
+    lambda plant, sign: exact.stabilising_compensators(plant, [-1], [-2], "s", feedback=sign),
+    st.sampled_from(["1/(s - 1)", "2*s/(s + 3)", "1/(s - a)"]), SIGNS
+)  # fmt: skip
+
 SAMPLES = {
+    exact.Subresultants: coprime_pairs().map(lambda pair: exact.subresultants(*pair))
+    | st.just(exact.subresultants("s**2 + a", "s + 1", "s")),
+    exact.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.gcd_from_null_space(*pair))
+    | st.just(exact.gcd_from_null_space("s*(s + a)", "s + a", "s")),
+    exact.StabilisingCompensators: FAMILIES,
+    exact.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
+    exact.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),
+    exact.BrunovskyForm: st.just(exact.brunovsky_form(*PAIR)),
+    exact.StateFeedbackFamily: spectra(3).map(lambda p: exact.state_feedback_family(*PAIR, p)),
+    exact.ObserverGainFamily: spectra(2).map(
+        lambda p: exact.observer_gain_family([[0, 1], [0, 0]], [[1, 0]], p)
+    ),
+    exact.Eigenstructure: st.just(
+        exact.assign_eigenstructure([[0, 1], [0, 0]], [[0], [1]], ["b", -1], [(1, "b"), (1, -1)])
+    ),
+    exact.DiophantineSolution: st.builds(
+        lambda pair, c: exact.solve_diophantine(*pair, c), coprime_pairs(), POLYS
+    )
+    | st.just(exact.solve_diophantine("s - a", "s - b", "1", "s")),
+    exact.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.minimal_basis)
+    | st.just(exact.minimal_basis([["s - a", "s - b"]], "s")),
+    exact.MatrixDiophantineSolution: POLYNOMIAL_MATRICES.map(
+        lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, "s")
+    ),
     exact.StabilityIntervals: INTERVALS,
     exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
     exact.StrongStabilisability: PARITIES,
@@ -127,6 +158,9 @@ SAMPLES = {
     | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),
     exact.Enclosure: st.builds(exact.Enclosure, rationals(), rationals().map(abs)),
     exact.HighAuthorityLQG: discrete_problems().map(exact.high_authority_lqg),
+    exact.ZeroDirectionTarget: nonzero_rationals().map(
+        lambda a: exact.zero_direction_target([[1, 0], [a, 1]], [(a + a / abs(a), [1, a])])
+    ),
     exact.HighAuthorityTarget: discrete_problems().map(exact.high_authority_target),
     exact.LQGPoles: discrete_problems().map(exact.lqg_poles),
     exact.ObserverBasedCompensator: observer_based(),

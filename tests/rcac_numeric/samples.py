@@ -109,6 +109,10 @@ def adaptive(seed):
     return rcac.ControllerSettings(structure=rcac.iir(1), target=target(0), update=update)
 
 
+def controller_change(seed):
+    return rcac.ControllerChange(target(seed), lambda_=0.9, R_z=symmetric(seed))
+
+
 def scheduled(seed):
     return rcac.ScheduledForgetting({1 + seed: 0.9, 3 * SEEDS: 1})
 
@@ -218,8 +222,17 @@ SAMPLES = {
     Sum: lambda seed: rcac.Step(2) + rcac.Harmonic(random(seed)[()]),
     Scaled: lambda seed: random(seed)[()] * rcac.Levels(random(seed, 2)),
     # targets, identification
+    rcac.ControllerChange: controller_change,
+    rcac.AppliedChange: lambda seed: rcac.AppliedChange(seed, controller_change(seed), "keep", 0.1),
     rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
     rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
+    rcac.DirectionInformation: lambda seed: rcac.DirectionInformation(
+        random(seed, 2, 2), [(1.5, random(seed, 2))]
+    ),
+    rcac.DirectionCheck: lambda seed: rcac.check_directions(
+        rcac.TargetModel(random(seed, 2, 2, 2)),
+        rcac.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
+    ),
     rcac.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
     rcac.EigensystemRealisation: lambda seed: rcac.eigensystem_realisation(
         [0, *(float(fraction(seed)) ** i for i in range(5))]
@@ -253,6 +266,7 @@ SAMPLES = {
     rcac.Instantaneous: lambda seed: rcac.Instantaneous(symmetric(seed)),
     rcac.Gradient: lambda seed: rcac.Gradient(abs(random(seed)[()])),
     rcac.ScheduledForgetting: scheduled,
+    rcac.SubspaceForgetting: lambda seed: rcac.SubspaceForgetting(float(fraction(seed))),
     rcac.VariableRateForgetting: lambda seed: rcac.VariableRateForgetting(1, seed + 2, 0.5),
     rcac.CovarianceReset: reset,
     rcac.SignalWeight: lambda seed: rcac.SignalWeight(abs(random(seed)[()]), 0.5),

@@ -61,6 +61,11 @@ def run(seed):
         return rcac.refine(rcmr(seed), some(seed, 8), some(seed + 1, 8, 2), some(seed + 2, 8, 2))
 
 
+def indirect(seed):
+    model = rcac.RCMR(A=some(seed) / 4, B=1, D_1=1, C=1, E_1=1, delays=(1,))
+    return rcac.IndirectSettings(model, C_r=1, R_1=1, R_2=1, V_1=1, V_2=1 + seed)
+
+
 def linearisation(seed):
     m = sympy.Symbol("m")
     A_c, D_c = sympy.Matrix([[0, 1], [-1 / m, -5 / m]]), sympy.Matrix([[0], [1 / m]])
@@ -81,5 +86,6 @@ ESTIMATION_SAMPLES = {
     rcac.Linearisation: linearisation,
     rcac.RCMR: rcmr,
     rcac.RefinementRun: run,
+    rcac.IndirectSettings: indirect,
     rcac.Evidence: lambda seed: run(seed).evidence,
 }

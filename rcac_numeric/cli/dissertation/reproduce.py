@@ -15,7 +15,7 @@ from rcac_numeric.experiments.claims import VERDICTS
 from rcac_numeric.experiments.files.builder import load_example
 from rcac_numeric.experiments.files.documents import example_ids
 from rcac_numeric.reports.page.cases import Case
-from rcac_numeric.reports.sheet import Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.reproduction.reproduce import Reproduction, reduced, reproduce
 from rcac_numeric.reproduction.workers import case_workers
 

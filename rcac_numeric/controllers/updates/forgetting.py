@@ -80,8 +80,46 @@ class VariableRateForgetting:
             raise InputError(f"smallest = {self.smallest} is not in (0, 1].")
 
 
-# A forgetting factor that is not constant.
-Forgetting = ScheduledForgetting | VariableRateForgetting
+@dataclass(frozen=True)
+class SubspaceForgetting:
+    """Forgetting of what is excited alone, down to R_theta and no further; for `UD`.
+
+    Before each row phi of the update
+
+        P <- P + c phi phi',  c = min((1 - lambda_d)/(lambda_d q), max(0, 1/f - 1/q)),
+        q = phi' P^{-1} phi,  f = phi' R_theta phi,
+        lambda_d = max(1/2, 1 - (l_theta/l_z) (1 - lambda)),
+
+    so that the information along phi is multiplied by lambda_d, unless it would fall below
+    that of P(0). Directions without excitation keep theirs: at rest nothing winds up, whatever the
+    scale of the noise, which exponential forgetting does within 1/(1 - lambda) steps. Where all
+    directions are excited the memory is that of exponential forgetting by lambda. R_theta must be
+    as large as the data bear (1e-2 of phi'phi over the memory, say): it is the floor.
+
+    Sources: subspace of information forgetting; for one row L. Cao and H. Schwartz, A directional
+    forgetting algorithm based on the decomposition of the information matrix, Automatica 36 (2000).
+    The floor is ours.
+
+    Attributes
+    ----------
+    lambda_ : float
+        In (0, 1].
+
+    Examples
+    --------
+    >>> from rcac_numeric import UD, SubspaceForgetting
+    >>> UD(R_theta=0.01, lambda_=SubspaceForgetting(0.99))
+    UD(R_theta=0.01, lambda_=SubspaceForgetting(lambda_=0.99))
+    """
+
+    lambda_: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lambda_", forgetting_factor(self.lambda_))
+
+
+# A forgetting factor that is not constant, or does not act on all of P.
+Forgetting = ScheduledForgetting | VariableRateForgetting | SubspaceForgetting
 
 
 def forgetting_factor(value: object) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.updates.forgetting import (
     Forgetting,
     ScheduledForgetting,
+    SubspaceForgetting,
     VariableRateForgetting,
 )
 from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
@@ -112,12 +113,14 @@ def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
     """Lambda before any rule has changed it."""
     if isinstance(lambda_, ScheduledForgetting):
         return lambda_.initial
+    if isinstance(lambda_, SubspaceForgetting):
+        return lambda_.lambda_
     return 1.0 if isinstance(lambda_, VariableRateForgetting) else lambda_
 
 
 def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
     rule, reset = update.lambda_, update.reset or CovarianceReset()
-    require_kind(rule, "lambda_", (float, ScheduledForgetting, VariableRateForgetting))
+    require_kind(rule, "lambda_", (float, *get_args(Forgetting)))
     require_kind(reset, "reset", (CovarianceReset,))
     events: list[Event] = [(k, "reset", 0.0) for k in reset.at]
     if isinstance(rule, ScheduledForgetting):
@@ -130,7 +133,7 @@ def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
     if isinstance(rule, VariableRateForgetting):
         forgetting = (rule.short, rule.long, rule.gain, rule.smallest)
     return KernelUpdate(
-        update.name,
+        "ud, subspace" if isinstance(rule, SubspaceForgetting) else update.name,
         P_0=initial_covariance(update.R_theta, l_theta),
         forgetting_factor=initial_forgetting_factor(rule),
         forgetting=forgetting,

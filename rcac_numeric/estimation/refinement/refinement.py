@@ -11,72 +11,15 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, vector
-from rcac_numeric.arrays.values import fingerprint
-from rcac_numeric.engine.compiled.estimators import (
-    EstimationError,
-    Refinement,
-    estimation_failure,
-    make_refinement,
-)
-from rcac_numeric.engine.states import SavedState, saved_state
+from rcac_numeric.arrays.validation import vector
+from rcac_numeric.engine.compiled.estimators import EstimationError, estimation_failure
+from rcac_numeric.estimation.refinement.compiled import compiled_refinement
 from rcac_numeric.estimation.refinement.evidence import Evidence, evidence
-from rcac_numeric.estimation.refinement.markov import reconstruction
 from rcac_numeric.estimation.refinement.settings import RCMR
-from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, RepeatedParameters
+from rcac_numeric.estimation.resumable import Resumable
 
 
-def compiled_refinement(settings: RCMR) -> Refinement:
-    """The refinement at step 0 for the kernel."""
-    instance_of(settings, "settings", RCMR)
-    chosen, l_u = settings.delays.index(settings.d), settings.l_u
-    rows = slice(chosen * l_u, (chosen + 1) * l_u)
-    eigenvalues, V_d, W = reconstruction(settings.H, settings.R, rows)
-    part = settings.subsystem
-    A_j = D_j = np.zeros(0)
-    n_c, strictly_proper = 0, False
-    if isinstance(part, RepeatedParameters):
-        A_j = part.A
-        D_j = part.D if part.D.shape[2] else np.zeros((part.l_theta, settings.n, settings.l_w))
-    elif isinstance(part, FIRSubsystem):
-        n_c, strictly_proper = part.n_c, part.strictly_proper
-    return make_refinement(
-        sizes=[settings.n, settings.l_w, l_u, settings.l_y, int(settings.E_1.shape[0])],
-        A=settings.A,
-        D_1=settings.D_1,
-        B=settings.B,
-        C=settings.C,
-        delays=settings.delays,
-        stack=settings.stack,
-        H=settings.H,
-        R=settings.R,
-        eigenvalues=eigenvalues,
-        V_d=V_d,
-        W=W,
-        chosen=chosen,
-        eta_bar=settings.eta_bar,
-        forgetting=settings.lambda_,
-        direct=settings.method == "direct",
-        change=settings.method == "nearest",
-        k_update=settings.k_update,
-        E_1=settings.E_1,
-        n_c=n_c,
-        strictly_proper=strictly_proper,
-        A_j=A_j,
-        D_j=D_j,
-        P_0=settings.beta,
-        theta_0=settings.theta_0,
-        x_0=settings.x_0,
-    )
-
-
-def _rebuilt(settings: RCMR, state: SavedState) -> ModelRefinement:
-    refinement = ModelRefinement(settings)
-    refinement.restore(state)
-    return refinement
-
-
-class ModelRefinement:
+class ModelRefinement(Resumable[RCMR]):
     """RCMR that runs beside a simulator or a device.
 
     One step: z(k) = C x^(k) - y(k), the update to theta(k), u^(k) = Phi(k) theta(k), and the
@@ -99,16 +42,14 @@ class ModelRefinement:
     array([0.3])
     """
 
+    kind = "refinement"
+
     def __init__(self, settings: RCMR) -> None:
         self._kernel = compiled_refinement(settings)
-        self.settings = settings
+        super().__init__(settings)
         self._broken = ""
         self._measured = False
         self._at_work = Lock()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Copies and pickles are refinements of their own in the same state."""
-        return _rebuilt, (self.settings, self.state)
 
     def step(self, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = None) -> Array:
         """One step of RCMR.
@@ -267,26 +208,12 @@ class ModelRefinement:
         """Which directions of theta the data so far have determined."""
         return evidence(self.settings, self.P, self.k)
 
-    @property
-    def state(self) -> SavedState:
-        """Everything that later steps depend on, beside the settings."""
+    def save(self) -> Array:
+        """Every number that later steps depend on."""
         self._require_half(measured=False)
-        of = fingerprint(self.settings)
-        return SavedState.taken("refinement", self.k, self._kernel.save(), of)
+        return np.asarray(self._kernel.save())
 
-    def restore(self, state: SavedState) -> None:
-        """Go back, or forward, to a saved state of a refinement with the same settings.
-
-        Parameters
-        ----------
-        state : SavedState
-
-        Raises
-        ------
-        InputError
-            Where the state belongs to other settings; the refinement has not moved.
-        """
-        saved_state(state, "state").restore_into(
-            self._kernel, "refinement", fingerprint(self.settings), lambda: self._kernel.k
-        )
+    def take_up(self, values: Array) -> None:
+        """Go on from what `save` gave."""
+        self._kernel.restore(values)
         self._broken, self._measured = "", False

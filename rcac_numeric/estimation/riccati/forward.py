@@ -78,6 +78,10 @@ class ForwardRegulator:
         """
         return self.moved(matrix(A, "A", (self.n, self.n)), matrix(B, "B", (self.n, self.l_u)))
 
+    def go_on(self, P: Array, k: int) -> None:
+        """Take up an earlier P(k)."""
+        self.P, self.k = np.array(P), k
+
     def moved(self, a: Array, b: Array) -> Array:
         """`step` for arrays that were checked."""
         PB = self.P @ b
@@ -174,6 +178,10 @@ class ForwardEstimator:
         """
         n, l_y = self._dual.n, self._dual.l_u
         return self.moved(matrix(A, "A", (n, n)), matrix(C, "C", (l_y, n)))
+
+    def go_on(self, Q: Array, k: int) -> None:
+        """Take up an earlier Q(k)."""
+        self._dual.go_on(Q, k)
 
     def moved(self, a: Array, c: Array) -> Array:
         """`step` for arrays that were checked."""

@@ -18,7 +18,12 @@ from rcac_numeric.experiments.format.values import Choice
 
 
 def _exact_claim(
-    text: str, checks: list[Any], claimed: str = "", correction: str = "", verdict: str = ""
+    text: str,
+    checks: list[Any],
+    claimed: str = "",
+    correction: str = "",
+    reason: str = "",
+    verdict: str = "",
 ) -> Any:
     """Something said of the example.
 
@@ -30,6 +35,8 @@ def _exact_claim(
         What decides it: it holds where all of them do.
     correction : str
         What had to be read differently from the source.
+    reason : str
+        Where it does not hold: why, in a sentence.
     verdict : str
         The verdict of record.
     """

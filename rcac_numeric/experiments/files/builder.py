@@ -7,6 +7,7 @@ from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
+from rcac_numeric.experiments.estimation_files.reading import estimation_experiment, is_estimation
 from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, require_drawable
@@ -122,7 +123,7 @@ def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
     Traceback (most recent call last):
         ...
     compensator_theory.errors.InputError: case.toml: [plant] problem = 'standrad' is not known;
-    choose one of standard, servo. Did you mean 'standard'?
+    choose one of standard, servo, aircraft, ... Did you mean 'standard'?
     """
     require_plain(dict(table), file)
     return _built(table, file, budget or Budget())
@@ -132,6 +133,8 @@ def _built(table: Raw, file: str, budget: Budget) -> Experiment:
     try:
         if is_exact(table):
             return exact_experiment(table, file)
+        if is_estimation(table):
+            return estimation_experiment(table, file, budget)
         return _experiment(table, file, budget)
     except CompensatorError as error:
         raise named(error, file) from None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from compensator_theory.errors import InputError
@@ -14,6 +15,7 @@ from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Choice, Integer, Numbers, Real
 from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.experiments.measures.signal_measures import SIGNALS
+from rcac_numeric.experiments.standard_claims import STANDARD_CLAIMS
 
 FORMS = {"noise": MapOf(Numbers()), "signal": Choice(SIGNALS)}
 
@@ -52,14 +54,15 @@ def _check(
 
 
 def _claim(
-    text: str,
-    checks: list[Any],
+    text: str = "",
+    checks: list[Any] | None = None,
     claimed: str = "",
     correction: str = "",
     run: str = "",
     reason: str = "",
     verdict: str = "",
     verdicts: dict[str, str] | None = None,
+    standard: str = "",
 ) -> Any:
     """Something said of the case.
 
@@ -82,6 +85,9 @@ def _claim(
     verdicts : table
         In place of run and verdict, for several variants: from the name of each run to the
         verdict of record that the claim has for it.
+    standard : str
+        In place of text, claimed and checks: the name of a claim that every case with a target
+        model can make of a run that keeps theta at steps 10^3, 10^4 and 10^5.
     """
     return text
 
@@ -111,6 +117,7 @@ CLAIM = Table(
         "checks": ListOf(CHECK, 1),
         "verdict": Choice(VERDICTS),
         "verdicts": MapOf(Choice(VERDICTS)),
+        "standard": Choice(tuple(STANDARD_CLAIMS)),
     },
 )
 
@@ -124,7 +131,7 @@ def claims_of(part: Part[Any], corrections: Mapping[str, str]) -> list[Claim]:
     corrections : mapping from names of runs, the main one first
         What each run reads differently from the source.
     """
-    said = dict(part.arguments)
+    said = _words_and_checks(part)
     run, recorded = said.pop("run", ""), said.pop("verdict", "")
     verdicts = said.pop("verdicts", None)
     if verdicts is not None and (run or recorded):
@@ -142,6 +149,28 @@ def claims_of(part: Part[Any], corrections: Mapping[str, str]) -> list[Claim]:
     return [_claim_of(said, name, verdict, corrections) for name, verdict in pairs.items()]
 
 
+def _words_and_checks(part: Part[Any]) -> dict[str, Any]:
+    """What the table says, with what the standard claim that it names has in its place."""
+    said = dict(part.arguments)
+    name = said.pop("standard", "")
+    own = [key for key in ("text", "checks", "claimed") if key in said]
+    if name and own:
+        raise InputError(
+            f"a claim is standard = {brief(name)}, so that {' and '.join(own)} have no meaning; "
+            "leave them out."
+        )
+    if missing := [key for key in ("text", "checks") if not name and key not in said]:
+        raise InputError(
+            f"a claim needs {' and '.join(missing)}, or standard, one of "
+            f"{', '.join(STANDARD_CLAIMS)}."
+        )
+    if not name:
+        return said
+    standard = STANDARD_CLAIMS[name]
+    told = {key: getattr(standard, key) for key in ("text", "claimed", "checks")}
+    return {**said, **told}
+
+
 def _claim_of(
     said: Mapping[str, Any], run: str, recorded: str, corrections: Mapping[str, str]
 ) -> Claim:
@@ -151,7 +180,9 @@ def _claim_of(
     return Claim(**{**defaults, **said, "checks": checks, "recorded": recorded, "run": run})
 
 
-def _check_of(part: Part[Any], main_run: str) -> Check:
+def _check_of(part: Part[Any] | Check, main_run: str) -> Check:
+    if isinstance(part, Check):
+        return replace(part, run=main_run)
     arguments = {"run": main_run, **part.arguments}
     measure = arguments.pop("measure")
     return Check(measure=measure.make.__name__, arguments=measure.arguments, **arguments)

@@ -13,6 +13,9 @@ from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant, require_table
 from rcac_numeric.experiments.format.values import Exact, Flag, Integer, Numbers
+from rcac_numeric.plants.gallery import by_name
+from rcac_numeric.plants.gallery.aircraft import aircraft_plant, aircraft_transition
+from rcac_numeric.plants.gallery.limited_margins import no_guaranteed_margins_standard
 from rcac_numeric.plants.linear import MATRICES, Plant
 from rcac_numeric.plants.problems import from_problem, servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
@@ -88,7 +91,7 @@ def _servo(
     return servo_plant(A=A, B=B, C=C, performance=performance, **matrices)
 
 
-PROBLEMS: Kinds[Plant] = Kinds(
+PROBLEMS: Kinds[Plant | PlantSchedule] = Kinds(
     {
         "standard": Kind(
             Variant(Table(_standard_of_G, forms=ENTRIES), "G"),
@@ -98,6 +101,15 @@ PROBLEMS: Kinds[Plant] = Kinds(
             Variant(Table(_servo_of_G, forms=ENTRIES), "G"),
             Variant(Table(_servo, forms=ENTRIES)),
         ),
+        # Plants with names.
+        "aircraft": aircraft_plant,
+        "aircraft transition": aircraft_transition,
+        "boost converter": by_name.sampled_boost_converter,
+        "cart pendulum": by_name.sampled_cart_pendulum,
+        "limited delay margin": by_name.sampled_delay_limited,
+        "mass-spring-damper": by_name.sampled_mass_spring_damper,
+        "no guaranteed margins": no_guaranteed_margins_standard,
+        "rohrs": by_name.sampled_rohrs_plant,
     }
 )
 
@@ -153,13 +165,13 @@ CHANGE = Table(
 )
 
 
-def _plant(problem: Plant, changes: Any = None) -> Plant:
+def _plant(problem: Plant | PlantSchedule, changes: Any = None) -> Plant | PlantSchedule:
     """A plant.
 
     Parameters
     ----------
     problem : str
-        Which problem the transfer function or the matrices are of.
+        Which problem the transfer function or the matrices are of, or a plant by its name.
     changes : tables
         How the plant changes while it runs.
     """
@@ -175,14 +187,14 @@ PLANT = Deferred(
 class PlantSpecification:
     """A plant and what becomes of it, each change with the plant that it leads to."""
 
-    first: Part[Plant]
-    changes: tuple[tuple[Change, Part[Plant]], ...] | None
+    first: Part[Plant | PlantSchedule]
+    changes: tuple[tuple[Change, Part[Plant | PlantSchedule]], ...] | None
 
     def build(self) -> Plant | PlantSchedule:
         """The plant; with changes a schedule, each of them going on from the one before."""
         if self.changes is None:
             return self.first.build()
-        made = [PlantChange(start=0, plant=self.first.build())]
+        made = [PlantChange(start=0, plant=_unchanging(self.first.build()))]
         gain, delay = 1, 0
         for index, (change, part) in enumerate(self.changes):
             gain = gain if change.gain is None else change.gain
@@ -192,7 +204,7 @@ class PlantSpecification:
             made.append(
                 PlantChange(
                     start=change.start,
-                    plant=_amplified(part.build(), gain),
+                    plant=_amplified(_unchanging(part.build()), gain),
                     ramp=change.ramp,
                     state_map=change.state_map,
                     delay=delay,
@@ -218,6 +230,15 @@ def read_plant(value: object, place: Place) -> PlantSpecification:
         here = place.at("changes").entry(number).inside()
         changes.append((part.build(), PLANT.table.read(own, here)))
     return PlantSpecification(first, tuple(changes))
+
+
+def _unchanging(plant: Plant | PlantSchedule) -> Plant:
+    if isinstance(plant, PlantSchedule):
+        raise InputError(
+            "[plant] changes: this plant changes by itself. Leave changes out, or take a plant "
+            'that does not, such as problem = "aircraft".'
+        )
+    return plant
 
 
 def _amplified(plant: Plant, gain: Any) -> Plant:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from rcac_numeric.experiments.estimation_files.claims import CHECK as ESTIMATION_CHECK
+from rcac_numeric.experiments.estimation_files.reading import RUN
+from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL
 from rcac_numeric.experiments.figure_requests import FIGURE
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
@@ -60,6 +63,12 @@ def reference_tables() -> dict[str, str]:
     for name, (selector, kinds) in spread.items():
         tables[name] = kinds_table(selector, kinds)
         tables[f"keys of {name}"] = kind_keys_table(kinds)
+    tables["estimation"] = keys_table(TRIAL.table)
+    tables["estimation runs"] = keys_table(RUN)
+    tables["estimation measures"] = kinds_table("measure", ESTIMATION_CHECK.kinds["measure"])
+    for name, kind in ESTIMATOR.table.kinds["kind"].kinds.items():
+        if name != "ukf":
+            tables[f"estimator {name}"] = keys_table(kind.variants[0].table)
     for key in UPDATES.kinds["ud"].variants[0].table.keys:
         if isinstance(key.form, Table):
             tables[f"controller.{key.name}"] = keys_table(key.form)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from rcac_numeric.experiments.estimation_files.reading import ESTIMATION_FILE
+from rcac_numeric.experiments.estimation_files.tables import EXCITATION
 from rcac_numeric.experiments.exact_files.reading import EXACT_FILE
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.runs import TABLES
@@ -30,11 +32,12 @@ def json_schema() -> dict[str, Any]:
     (['claims', 'controller', 'controllers'], 'integer')
     """
     schema = FILE.schema()
-    exact = EXACT_FILE.schema()
-    schema["properties"] = {**exact["properties"], **schema["properties"]}
-    schema["properties"]["claims"] = {
-        "anyOf": [part["properties"]["claims"] for part in (FILE.schema(), exact)]
-    }
+    others = [EXACT_FILE.schema(), ESTIMATION_FILE.schema()]
+    parts = [dict(schema["properties"]), *(other["properties"] for other in others)]
+    for part in parts[1:]:
+        schema["properties"] = {**part, **schema["properties"]}
+    for key in ("claims", "runs", "figures"):
+        schema["properties"][key] = {"anyOf": [part[key] for part in parts if key in part]}
     alone: Schema = {
         name: {"$ref": f"#/$defs/{name}"} for name in TABLES if name not in ("plant", "signals")
     }
@@ -42,7 +45,11 @@ def json_schema() -> dict[str, Any]:
         "$schema": DIALECT,
         "title": "Experiment of rcac",
         **schema,
-        "anyOf": [{"required": ["plant"]}, {"required": ["exact", "claims"]}],
+        "anyOf": [
+            {"required": ["plant"]},
+            {"required": ["exact", "claims"]},
+            {"required": ["estimation", "runs"]},
+        ],
         "if": {
             "required": ["run"],
             "not": {"anyOf": [{"required": ["runs"]}, {"required": ["controllers"]}]},
@@ -50,6 +57,7 @@ def json_schema() -> dict[str, Any]:
         "then": {"properties": alone, "required": ["target", "controller"]},
         "$defs": {
             SIGNAL.what.split()[-1]: SIGNAL.definition(),
+            EXCITATION.what.split()[-1]: EXCITATION.definition(),
             **{name: strict_schema(TABLES[name].table) for name in alone},
         },
     }

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.experiments.format.deferred import Deferred
-from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.lists import ListOf, Row
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
 from rcac_numeric.experiments.format.values import Exact, Integer, Numbers
 from rcac_numeric.plants.linear import Plant
@@ -17,6 +18,7 @@ from rcac_numeric.targets.model import TargetModel
 from rcac_numeric.targets.modelling import ModellingInformation, modelling_information
 from rcac_numeric.targets.output_subspaces import output_subspace_target
 from rcac_numeric.targets.pole_placement import fir_target, pole_placement_target
+from rcac_numeric.targets.zero_directions import DirectionInformation, zero_direction_target
 
 
 def _fir(
@@ -112,8 +114,50 @@ def _output_subspace(plant: Plant) -> TargetModel:
     return output_subspace_target(plant)
 
 
+def _zero_directions(plant: Plant, taps: int | None = None, squaring: Any = None) -> TargetModel:
+    """The FIR target model with the plant's NMP zeros in their directions.
+
+    Parameters
+    ----------
+    taps : int
+        Number of coefficients behind the leading one; the least that is enough where it is left
+        out.
+    squaring : array
+        S with u = S v, for a plant with more control inputs than performance variables.
+    """
+    if plant.n > LARGEST_DIRECTED:
+        raise InputError(
+            f"the plant has {plant.n} states; zero directions are found up to {LARGEST_DIRECTED}. "
+            'Use model = "markov".'
+        )
+    return zero_direction_target(plant, taps, squaring)
+
+
+def _said_zero_directions(
+    plant: Plant, H: Any, zeros: Any, delays: Any = 1, taps: int | None = None
+) -> TargetModel:
+    """The same with H, zeros and directions of your own.
+
+    Parameters
+    ----------
+    H : array
+        The first coefficient that is not zero of every row of G_zu.
+    zeros : list of [z0, [eta_1, eta_2, ...]]
+        NMP zeros and their left directions, eta' G_zu(z0) = 0; of a complex pair one.
+    delays : int, or list of int
+        Relative degree of G_zu, or of each of its rows.
+    """
+    steps = delays if isinstance(delays, list) else int(exact.exact_number(delays))
+    pairs = [(_complex(z0), [_complex(entry) for entry in eta]) for z0, eta in zeros]
+    return zero_direction_target(DirectionInformation(H, pairs, steps), taps)
+
+
+def _complex(value: Any) -> complex:
+    return complex(exact.exact_number(value))
+
+
 # Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
-LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT = 200, 600, 80
+LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 200, 600, 80, 20, 20
 TOLD = {"H": Exact(), "nmp_zeros": ListOf(Exact())}
 GIVEN = ("plant",)
 
@@ -136,6 +180,28 @@ TARGETS: Kinds[TargetModel] = Kinds(
         ),
         "high authority": _high_authority,
         "output subspace": _output_subspace,
+        "zero directions": Kind(
+            Variant(
+                Table(
+                    _said_zero_directions,
+                    given=GIVEN,
+                    forms={
+                        "H": Numbers(),
+                        "zeros": ListOf(Row((Exact(), ListOf(Exact(), 1)), "[z0, [eta_1, ...]]")),
+                        "delays": Exact(),
+                        "taps": Integer(at_most=LARGEST_TAPS),
+                    },
+                ),
+                "zeros",
+            ),
+            Variant(
+                Table(
+                    _zero_directions,
+                    given=GIVEN,
+                    forms={"taps": Integer(at_most=LARGEST_TAPS), "squaring": Numbers()},
+                )
+            ),
+        ),
         "filter": Kind(
             Variant(
                 Table(

@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from compensator_theory.errors import InputError
-from rcac_numeric.controllers.updates.forgetting import ScheduledForgetting, VariableRateForgetting
+from rcac_numeric.controllers.updates.forgetting import (
+    Forgetting,
+    ScheduledForgetting,
+    SubspaceForgetting,
+    VariableRateForgetting,
+)
 from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
 from rcac_numeric.engine.compiled.updates import ARGUMENTS
@@ -16,7 +21,7 @@ from rcac_numeric.experiments.format.values import Numbers, Real
 
 
 def _recursive(kind: type[UD] | type[Covariance]) -> Table[Any]:
-    """The keys of an update whose three ways of forgetting are three keys in a file."""
+    """The keys of an update whose four ways of forgetting are four keys in a file."""
 
     def make(
         R_theta: Any,
@@ -24,6 +29,7 @@ def _recursive(kind: type[UD] | type[Covariance]) -> Table[Any]:
         lambda_: float = 1.0,
         lambda_changes: dict[int, float] | None = None,
         forgetting: VariableRateForgetting | None = None,
+        subspace_lambda: float | None = None,
         process_noise: Any = None,
         reset: CovarianceReset | None = None,
         stop_where_unsupported: bool = False,
@@ -40,6 +46,8 @@ def _recursive(kind: type[UD] | type[Covariance]) -> Table[Any]:
             lambda from each step on.
         forgetting : table
             lambda falls while z is larger than of late: `{ short = 10, long = 100, gain = 0.1 }`.
+        subspace_lambda : number
+            lambda of subspace forgetting, which does not wind up; for "ud".
         process_noise : number or matrix
             Q of (2.46), added to P after every update.
         reset : table
@@ -49,7 +57,7 @@ def _recursive(kind: type[UD] | type[Covariance]) -> Table[Any]:
         """
         return kind(
             R_theta,
-            lambda_=_forgetting(lambda_, lambda_changes, forgetting),
+            lambda_=_forgetting(lambda_, lambda_changes, forgetting, subspace_lambda),
             process_noise=process_noise,
             reset=reset,
             stop_where_unsupported=stop_where_unsupported,
@@ -77,11 +85,17 @@ UPDATES: Kinds[Any] = Kinds(
 
 
 def _forgetting(
-    lambda_: float, changes: dict[int, float] | None, rule: VariableRateForgetting | None
-) -> float | ScheduledForgetting | VariableRateForgetting:
-    """The one way of forgetting that the three keys together say."""
-    if rule is not None:
-        if lambda_ != 1 or changes:
-            raise InputError("give either forgetting or lambda and its changes, not both.")
-        return rule
+    lambda_: float,
+    changes: dict[int, float] | None,
+    rule: VariableRateForgetting | None,
+    subspace_lambda: float | None,
+) -> float | Forgetting:
+    """The one way of forgetting that the four keys together say."""
+    special = rule if subspace_lambda is None else SubspaceForgetting(subspace_lambda)
+    if special is not None:
+        if lambda_ != 1 or changes or (rule is not None and special is not rule):
+            raise InputError(
+                "give one of forgetting, subspace_lambda, and lambda with its changes, not two."
+            )
+        return special
     return ScheduledForgetting(changes, lambda_) if changes else lambda_

@@ -13,6 +13,7 @@ from rcac_numeric.experiments.measures import (
     cost_measures,
     margin_measures,
     match_measures,
+    plant_measures,
     signal_measures,
 )
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
@@ -32,6 +33,7 @@ for _function in (
     *signal_measures.SIGNAL_MEASURES,
     *margin_measures.MARGIN_MEASURES,
     *match_measures.MATCH_MEASURES,
+    *plant_measures.PLANT_MEASURES,
 ):
     measure(_function)
 

@@ -126,11 +126,12 @@ def aircraft_plant(
     Parameters
     ----------
     condition : {"nominal", "off-nominal"}
+        (3.1) or (3.2).
     measured : {"roll angle", "state", "dummy commands"}
         y = z = r - phi; r - x with four commands; or, with one command for the roll angle,
         (3.5)-(3.7): z_i(k) = x_i(k-1) - x_i(k) for the other three states, which become states.
     source : {"sampled", "corrected", "printed"}
-        As for `aircraft_matrices`.
+        The zero-order hold rounded once; (3.3), (3.4) with two digits put right; or as printed.
 
     Returns
     -------
@@ -169,7 +170,9 @@ def aircraft_transition(
     start, duration : float
         In s, multiples of 0.1 s; the text has 250 s and 10 s, and 1 s where it discusses
         figure 3.9.
-    measured, source : str
+    measured : {"roll angle", "state", "dummy commands"}
+        As for `aircraft_plant`.
+    source : {"sampled", "corrected", "printed"}
         As for `aircraft_plant`.
 
     Raises

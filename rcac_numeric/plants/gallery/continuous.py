@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import matrix
 from rcac_numeric.arrays.values import Value
@@ -97,6 +98,12 @@ class ContinuousPlant(Value):
         A, B = zero_order_hold(self.A, self.B, h)
         matrices = {"A": A, "B": B, "D_1": B, "C": self.C, "D_0": self.D}
         return servo_plant(**{name: value.tolist() for name, value in matrices.items()})
+
+    def plot(self, periods: Sequence[float]) -> figures.Figure:
+        """Poles and zeros, step response, and the sampled zeros against the period in s."""
+        from rcac_numeric.plots.figures.plants import plot_continuous_plant
+
+        return plot_continuous_plant(self, periods)
 
     def __repr__(self) -> str:
         n, l_u, l_y = len(self.A), self.B.shape[1], len(self.C)

@@ -64,7 +64,7 @@ def limited_delay_margin() -> ContinuousPlant:
     Notes
     -----
     Without units but for time, in s. Its unstable pole p = 0.1081 is real, and no delay margin
-    exceeds 2/p: that is 18.50 s from the printed matrices. Source: [2] of the text;
+    exceeds 2/p = 18.508 s. Source: [2] of the text;
     section 5.6 samples it at 0.1 s.
 
     Examples

@@ -11,6 +11,7 @@ from scipy.optimize import linear_sum_assignment
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
@@ -43,6 +44,12 @@ class ZeroPath(Value):
     def is_nonminimum_phase(self) -> NDArray[np.bool_]:
         """At each step, whether a zero has modulus 1 or more."""
         return np.asarray((self.magnitudes >= 1).any(axis=1))
+
+    def plot(self) -> figures.Figure:
+        """The zeros in the plane and their moduli over the steps, figures 3.4 and 3.5."""
+        from rcac_numeric.plots.figures.plants import plot_zero_path
+
+        return plot_zero_path(self)
 
 
 def plant_zeros(plant: Plant) -> ComplexArray:

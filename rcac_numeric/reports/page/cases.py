@@ -16,7 +16,7 @@ from rcac_numeric.experiments.claims import Verdict
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.page.html import sheet_html
 from rcac_numeric.reports.page.svg import svg_of
-from rcac_numeric.reports.sheet import Sheet
+from rcac_numeric.reports.sheets.sheet import Sheet
 from rcac_numeric.reports.verification import verification_sheet
 
 FIRST = 2  # sections of a verification's sheet that come before the pictures: problem and claims
@@ -139,7 +139,7 @@ def _row(verdict: Verdict) -> ClaimRow:
 
 
 def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
-    if not verification.results:
+    if not (verification.results or verification.estimates):
         return ()
     prefix = re.sub(r"[^A-Za-z0-9]+", "-", name)
     try:
@@ -157,6 +157,8 @@ def plot(verification: Verification) -> dict[str, figures.Figure]:
     from rcac_numeric.reports.page.single import WIDTH, single_figures
 
     requests = [r for r in verification.experiment.figures if r.kind != "sheet"]
+    if not requests and verification.estimates:
+        return {"What is estimated.": verification.plot(width=WIDTH)}
     if not requests:
         return single_figures(verification.main.first)
     return {request.caption: verification.plot(request, width=WIDTH) for request in requests}
@@ -164,9 +166,17 @@ def plot(verification: Verification) -> dict[str, figures.Figure]:
 
 def _settings(verification: Verification) -> str:
     """What makes each run what it is, in a line: arithmetic, seed, steps."""
+    studies = verification.experiment.studies
     return "; ".join(
-        f"{name}: {run.arithmetic}, seed {run.seed}, {run.steps} steps"
-        for name, run in verification.experiment.runs.items()
+        [
+            f"{name}: {run.arithmetic}, seed {run.seed}, {run.steps} steps"
+            for name, run in verification.experiment.runs.items()
+        ]
+        + [
+            f"{name}: {study.estimator.words}, {study.seeds} seeds from {study.seed}, "
+            f"{study.steps} steps"
+            for name, study in studies.items()
+        ]
     )
 
 

@@ -7,7 +7,7 @@ from html import escape
 from itertools import groupby
 
 from rcac_numeric.arrays.wording import printable
-from rcac_numeric.reports.sheet import Block, Cell, Fact, Section, Sheet, Table, Text
+from rcac_numeric.reports.sheets.sheet import Block, Cell, Fact, Section, Sheet, Table, Text
 
 
 def sheet_html(sheet: Sheet, level: int = 3) -> str:
@@ -22,7 +22,7 @@ def sheet_html(sheet: Sheet, level: int = 3) -> str:
     Examples
     --------
     >>> from rcac_numeric.reports.page.html import sheet_html
-    >>> from rcac_numeric.reports.sheet import Fact, Section, Sheet
+    >>> from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
     >>> print(sheet_html(Sheet("A", sections=(Section("Loop", (Fact("radius", "0.5 < 1"),)),))))
     <h3>Loop</h3>
     <dl>

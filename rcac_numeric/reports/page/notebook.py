@@ -12,7 +12,7 @@ from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.reports.health import health_lines
 from rcac_numeric.reports.page.html import sheet_html
 from rcac_numeric.reports.page.svg import svg_of
-from rcac_numeric.reports.sheet import Sheet
+from rcac_numeric.reports.sheets.sheet import Sheet
 
 # The notebook's own ink, and colours that stand out from white and from black by 3 to 1.
 STYLE = """.rcac { --ink: currentColor; --quiet: #808790; --line: #80879066; --good: #2b8a3e;
@@ -30,7 +30,7 @@ def notebook_html(sheet: Sheet, figure: figures.Figure | None = None) -> str:
     Examples
     --------
     >>> from rcac_numeric.reports.page.notebook import notebook_html
-    >>> from rcac_numeric.reports.sheet import Sheet
+    >>> from rcac_numeric.reports.sheets.sheet import Sheet
     >>> "<h3>A case</h3>" in notebook_html(Sheet("A case"))
     True
     """

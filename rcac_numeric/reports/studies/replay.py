@@ -7,7 +7,7 @@ import math
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.reports.health import health_lines, health_record
-from rcac_numeric.reports.sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.sweeps.results.replay import ReplayedRun
 
 

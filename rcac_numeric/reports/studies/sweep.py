@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.reports.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 from rcac_numeric.sweeps.results.overview import SweepOverview
 from rcac_numeric.sweeps.results.statistics import SweepSummary, wilson_interval
 

@@ -55,8 +55,8 @@ class SweepOverview(Value):
 
     def report(self) -> str:
         """The study, its outcomes and statistics in words and numbers."""
+        from rcac_numeric.reports.sheets.terminal import as_text
         from rcac_numeric.reports.studies.sweep import sweep_sheet
-        from rcac_numeric.reports.terminal import as_text
 
         return as_text(sweep_sheet(self))
 

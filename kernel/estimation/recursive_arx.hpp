@@ -1,0 +1,84 @@
+// z(k) = sum a_i z(k-i) + sum b_i u(k-i) + e(k), i = 1, ..., p, by recursive least squares.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "memory/history.hpp"
+#include "updates/update.hpp"
+
+namespace rcac {
+
+// The same update as a controller's, on the equation  phi theta - z = 0  with
+// theta = (b_1, ..., b_p, a_1, ..., a_p). What is kept beside it says how far to believe theta: the
+// errors of prediction, each divided by the root of 1 + phi P phi', over the last steps.
+class RecursiveArx {
+public:
+    static constexpr std::size_t kept_errors = 256;
+
+    RecursiveArx(std::size_t order, double lambda, std::unique_ptr<Update> update)
+        : order_(order), lambda_(lambda), update_(std::move(update)), signals_(2, order),
+          errors_(1, kept_errors - 1), theta_(2 * order), phi_(2 * order) {}
+
+    // False where a number left the range of float64; nothing is valid afterwards.
+    bool take(const double* u, const double* z, std::size_t steps) {
+        for (std::size_t k = 0; k < steps; ++k) {
+            signals_.advance();
+            signals_.now(0) = u[k];
+            signals_.now(1) = z[k];
+            if (count_ >= static_cast<std::int64_t>(order_) && !update(z[k])) return false;
+            ++count_;
+        }
+        return true;
+    }
+
+    const std::vector<double>& theta() const { return theta_; }
+    const Update& update() const { return *update_; }
+    std::int64_t count() const { return count_; }
+    // Newest first.
+    double error(std::size_t age) const { return errors_(0, age); }
+    // Of the equation's error, over the steps that are remembered.
+    double variance() const { return weight_ > 0.0 ? sum_ / weight_ : 0.0; }
+    double weight() const { return weight_; }
+
+    void visit(Archive& archive) {
+        archive(theta_);
+        archive(sum_);
+        archive(weight_);
+        archive(count_, 0, Archive::longest);
+        signals_.visit(archive);
+        errors_.visit(archive);
+        update_->visit(archive);
+    }
+
+private:
+    bool update(double z) {
+        for (std::size_t s = 0; s < 2; ++s)
+            for (std::size_t i = 0; i < order_; ++i) phi_[s * order_ + i] = signals_(s, i + 1);
+        const double target = -z, one = 1.0, zero = 0.0, before = z - prediction();
+        const Data data{1, theta_.size(), phi_.data(), &target, &one, &zero, lambda_};
+        if (!(*update_)(data, count_, theta_.data())) return false;
+        // The error after the update is that before it divided by 1 + phi P phi'.
+        const double square = std::max(before * (z - prediction()), 0.0);
+        errors_.advance();
+        errors_.now(0) = std::copysign(std::sqrt(square), before);
+        sum_ = lambda_ * sum_ + square;
+        weight_ = lambda_ * weight_ + 1.0;
+        return std::isfinite(sum_);
+    }
+    double prediction() const {
+        double sum = 0.0;
+        for (std::size_t i = 0; i < phi_.size(); ++i) sum += phi_[i] * theta_[i];
+        return sum;
+    }
+
+    std::size_t order_;
+    double lambda_, sum_ = 0.0, weight_ = 0.0;
+    std::unique_ptr<Update> update_;
+    History signals_, errors_;
+    std::vector<double> theta_, phi_;
+    std::int64_t count_ = 0;
+};
+
+}  // namespace rcac

@@ -1,0 +1,1 @@
+"""What is changed in a controller while it runs."""

@@ -1,0 +1,71 @@
+"""What runs step by step, can be saved, and goes on bit for bit."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar, Generic, TypeVar
+
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.engine.states import SavedState, saved_state
+
+S = TypeVar("S")
+
+
+class Resumable(ABC, Generic[S]):
+    """An object with settings and a state; copies and pickles are objects of their own."""
+
+    kind: ClassVar[str]
+
+    def __init__(self, settings: S) -> None:
+        self.settings = settings
+
+    @property
+    @abstractmethod
+    def k(self) -> int:
+        """Number of steps taken."""
+
+    @abstractmethod
+    def save(self) -> Array:
+        """Every number that later steps depend on, in one dimension; `state` is for users."""
+
+    @abstractmethod
+    def take_up(self, values: Array) -> None:
+        """Go on from what `save` gave; ValueError where it is something else."""
+
+    @property
+    def state(self) -> SavedState:
+        """Everything that later steps depend on, beside the settings."""
+        return SavedState.taken(self.kind, self.k, self.save(), fingerprint(self.settings))
+
+    def restore(self, state: SavedState) -> None:
+        """Go back, or forward, to a saved state of an object with the same settings.
+
+        Parameters
+        ----------
+        state : SavedState
+
+        Raises
+        ------
+        InputError
+            Where the state belongs to other settings or is damaged; nothing has moved.
+        """
+        saved_state(state, "state").restore_into(
+            _Numbers(self), self.kind, fingerprint(self.settings), lambda: self.k
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuilt, (type(self), self.settings, self.state)
+
+
+class _Numbers:
+    """The numbers of the state, without the words around them."""
+
+    def __init__(self, of: Resumable[Any]) -> None:
+        self.save, self.restore = of.save, of.take_up
+
+
+def _rebuilt(kind: type[Resumable[Any]], settings: Any, state: SavedState) -> Resumable[Any]:
+    made = kind(settings)
+    made.restore(state)
+    return made

@@ -1,0 +1,1 @@
+"""The files of estimation examples: their tables, and the experiments that they make."""

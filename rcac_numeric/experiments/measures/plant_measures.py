@@ -1,0 +1,122 @@
+"""The measures of a run's plant: its zeros, and those that the data of the run show."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.identification.windows import IdentifiedWindow, identify_windows
+from rcac_numeric.plants.any_plant import block_start
+from rcac_numeric.plants.frozen import plant_at
+from rcac_numeric.plants.gallery.zeros import plant_zeros
+
+WINDOW = 70  # samples, section 3.6
+
+
+def largest_plant_zero(r: AnalysedRun, at: int = 0) -> float:
+    """Largest modulus of a zero from u to z of the plant of a step.
+
+    Parameters
+    ----------
+    at : int
+        A step.
+    """
+    return float(np.abs(plant_zeros(plant_at(r.run.plant, at))).max(initial=0.0))
+
+
+def plant_zero_distance(r: AnalysedRun, value: float, imaginary: float = 0.0, at: int = 0) -> float:
+    """Distance from a number to the nearest zero from u to z of the plant of a step.
+
+    Parameters
+    ----------
+    value, imaginary : number
+        The number, its imaginary part being zero where it is left out.
+    at : int
+        A step.
+    """
+    zeros = plant_zeros(plant_at(r.run.plant, at))
+    return float(np.abs(zeros - complex(value, imaginary)).min(initial=np.inf))
+
+
+def plant_spectral_radius(r: AnalysedRun, at: int = 0) -> float:
+    """Largest modulus of a pole of the plant of a step.
+
+    Parameters
+    ----------
+    at : int
+        A step.
+    """
+    return float(np.abs(np.linalg.eigvals(plant_at(r.run.plant, at).A)).max(initial=0.0))
+
+
+def identified_zero_error(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
+    """Largest distance of a zero that windows of 70 samples show from that of the plant.
+
+    Parameters
+    ----------
+    start, stop : int
+        First step of a window that counts, and the first step after the last one; to the end where
+        `stop` is left out. The plant must not change between them.
+    """
+    end = r.run.steps if stop is None else integer(stop, "stop")
+    chosen = [w for w in windows_of(r.run) if integer(start, "start") <= w.start and w.stop <= end]
+    if not chosen:
+        raise InputError(f"no window of {WINDOW} samples lies in [{start}, {end}).")
+    return max(_distance(r.run, window) for window in chosen)
+
+
+def windows_of(run: Run) -> tuple[IdentifiedWindow, ...]:
+    """What windows of 70 samples of a run show of its plant, of whose order the model is.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.experiments.measures.plant_measures import windows_of
+    >>> run = load_example("2.1").main_run.execute().first.run
+    >>> len(windows_of(run)) == len(run.u) // 70
+    True
+    """
+    n = plant_at(run.plant, 0).n
+    return identify_windows(acting_input(run), run.z, 2 * n + 2, n, window=WINDOW, order=n)
+
+
+def acting_input(run: Run) -> Array:
+    """The applied control, with the disturbance that enters where the control does.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.experiments.measures.plant_measures import acting_input
+    >>> run = load_example("2.1").main_run.execute().first.run
+    >>> bool((acting_input(run) == run.u_applied).all())
+    True
+    """
+    plant = plant_at(run.plant, 0)
+    if "d" not in plant.blocks:
+        return run.u_applied
+    first = block_start(plant, "d")
+    columns = slice(first, first + plant.blocks["d"])
+    if not np.array_equal(plant.D_1[:, columns], plant.B):
+        return run.u_applied
+    return np.asarray(run.u_applied + run.w[:, columns])
+
+
+def _distance(run: Run, window: IdentifiedWindow) -> float:
+    if window.zeros is None:
+        return float("inf")
+    true, found = plant_zeros(plant_at(run.plant, window.start)), window.zeros.zeros
+    if len(true) != len(found):
+        return float("inf")
+    return float(np.abs(found[:, None] - true[None, :]).min(axis=1).max(initial=0.0))
+
+
+PLANT_MEASURES = (
+    largest_plant_zero,
+    plant_zero_distance,
+    plant_spectral_radius,
+    identified_zero_error,
+)

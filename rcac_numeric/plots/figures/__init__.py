@@ -1,0 +1,1 @@
+"""Figures of examples and of runs, each answering one question."""

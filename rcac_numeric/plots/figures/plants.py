@@ -1,0 +1,172 @@
+"""Pictures of plants: zeros along their way, those that data show, and plants of the gallery."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import control
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.experiments.measures.plant_measures import windows_of
+from rcac_numeric.plants.frozen import plant_at
+from rcac_numeric.plants.gallery.continuous import ContinuousPlant
+from rcac_numeric.plants.gallery.rohrs import sampling_zeros
+from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros
+from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, line_style
+
+FROZEN = 81  # steps at which the zeros of a plant that changes are found
+FARTHEST = 4.0  # zeros of larger modulus are left out of a picture of moduli
+
+
+def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
+    """The zeros of the plant of each run, frozen at steps: in the plane, and their moduli."""
+    rows = figure.subplots(len(runs), 2, squeeze=False)
+    figure.set_figheight(max(figure.get_figheight(), 2.8 * len(runs)))
+    for (plane, moduli), (name, run) in zip(rows, runs.items(), strict=True):
+        last = run.steps - 1 if request.last is None else request.last
+        steps = np.unique(np.linspace(request.first, last, FROZEN).round().astype(int))
+        found = [plant_zeros(plant_at(run.plant, int(k))) for k in steps]
+        _plane(plane, found)
+        _moduli(moduli, steps, found, "step $k$")
+        if len(runs) > 1:
+            moduli.set_title(shortened(name, 45), fontsize=10, parse_math=False)
+
+
+def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureRequest) -> None:
+    """Moduli of the zeros that windows of each run's data show, over those of the plant."""
+    axes = np.ravel(figure.subplots(len(runs), 1, sharex=True, squeeze=False))
+    for axis, (name, run) in zip(axes, runs.items(), strict=True):
+        last = run.steps if request.last is None else request.last
+        steps = np.unique(np.linspace(request.first, last - 1, FROZEN).round().astype(int))
+        _moduli(axis, steps, [plant_zeros(plant_at(run.plant, int(k))) for k in steps], "")
+        windows = [w for w in windows_of(run) if request.first <= w.start and w.stop <= last]
+        for window in windows:
+            if window.zeros is not None:
+                size = np.abs(window.zeros.zeros)
+                axis.errorbar(
+                    np.full(len(size), (window.start + window.stop) / 2), size,
+                    yerr=np.minimum(1.96 * window.zeros.modulus_error, FARTHEST),
+                    fmt="o", mfc="none", color=WANTED, ms=5, linewidth=0.8,
+                )  # fmt: skip
+        refused = sum(window.zeros is None for window in windows)
+        note = f"; {refused} of {len(windows)} windows refused" if refused else ""
+        axis.set_title(f"{shortened(name, 45)}: windows of 70 samples{note}",
+                       fontsize=10, parse_math=False)  # fmt: skip
+        axis.set_ylim(0, FARTHEST / 2)
+    axes[-1].set_xlabel("step $k$")
+
+
+def plot_zero_path(path: ZeroPath) -> Figure:
+    """The zeros of a plant that changes, in the plane and by their moduli, figures 3.4 and 3.5.
+
+    Examples
+    --------
+    >>> from rcac_numeric import aircraft_transition, zero_path
+    >>> len(zero_path(aircraft_transition(), [2500, 2550, 2600]).plot().axes)
+    2
+    """
+    figure = Figure(figsize=(10, 4.4), layout="constrained")
+    plane, moduli = figure.subplots(1, 2)
+    _plane(plane, list(path.zeros))
+    _moduli(moduli, path.steps, list(path.zeros), "step $k$")
+    return figure
+
+
+def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> Figure:
+    """Poles and zeros in the s-plane, step responses, and the zeros of the sampled plant.
+
+    Parameters
+    ----------
+    plant : ContinuousPlant
+    periods : sequence of float
+        Sampling periods in s, for the moduli of the zeros of the sampled plant.
+
+    Examples
+    --------
+    >>> from rcac_numeric import rohrs_plant
+    >>> len(rohrs_plant().plot([0.05, 0.1, 0.2]).axes)
+    3
+    """
+    figure = Figure(figsize=(12, 4), layout="constrained")
+    plane, response, sampled = figure.subplots(1, 3)
+    poles, zeros = plant.poles(), plant.zeros()
+    plane.axvline(0, color=INK, linewidth=0.7)
+    plane.plot(poles.real, poles.imag, "x", color=REACHED, ms=8, mew=1.6, label="poles")
+    plane.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=8, label="zeros")
+    plane.set(xlabel="real, rad/s", ylabel="imaginary, rad/s")
+    plane.set_title("poles and zeros", fontsize=10)
+    plane.margins(0.15)
+    plane.legend(fontsize=8)
+    _step_response(response, plant, poles)
+    found = sampling_zeros(plant, periods)
+    _moduli(sampled, np.asarray(periods), found, "sampling period, s")
+    sampled.set_title("zeros of the sampled plant", fontsize=10)
+    for axis in (plane, response):
+        axis.grid(alpha=0.25)
+    return figure
+
+
+def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> None:
+    """Over some time constants of the slowest pole, or of the growth of the fastest unstable."""
+    growing, size = poles.real[poles.real > 1e-6], np.abs(poles[np.abs(poles) > 1e-6])
+    decay = -poles.real[poles.real < -1e-6]
+    slow, fast = min(size, default=1.0), max(size, default=1.0)
+    lasting = max(6 / slow, min(5 / min(decay, default=slow), 12 * np.pi / fast))
+    lasting = 3 / growing.max() if len(growing) else lasting
+    time = np.linspace(0, lasting, 400)
+    system = control.ss(plant.A, plant.B, plant.C, plant.D)
+    for j, source in enumerate(plant.inputs):
+        drive = np.zeros((len(plant.inputs), len(time)))
+        drive[j] = 1.0
+        y = control.forced_response(system, time, drive, squeeze=False).y
+        for i, sink in enumerate(plant.outputs):
+            (line,) = axis.plot(time, y[i], label=f"{source} to {sink}")
+            line.set(**line_style(j * len(y) + i))
+    axis.set(xlabel="time, s", ylabel="output")
+    axis.set_title("unit step response", fontsize=10)
+    axis.locator_params(axis="x", nbins=5)
+    axis.legend(fontsize=7)
+
+
+def _plane(axis: Axes, found: Sequence[ComplexArray]) -> None:
+    """Zeros in the plane, the first ones as rings and the last ones filled."""
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    every = np.concatenate([np.zeros(0), *found])
+    near = every[np.abs(every) <= FARTHEST]
+    axis.plot(near.real, near.imag, ".", color=SECOND, ms=3, label="on the way")
+    for values, name, fill in ((found[0], "first", "none"), (found[-1], "last", WANTED)):
+        shown = values[np.abs(values) <= FARTHEST]
+        axis.plot(shown.real, shown.imag, "o", mfc=fill, mec=WANTED, ms=7, label=name)
+    axis.set(xlabel="real", ylabel="imaginary")
+    right = near[near.real > 0]
+    if len(right) == len(near) or len(right) == 0:
+        axis.set_aspect("equal", adjustable="datalim")
+    else:  # a zero near -1 would leave the others a point
+        low, high = right.real.min() - 0.05, right.real.max() + 0.05
+        tall = max(np.abs(right.imag).max(), 0.02) * 1.5
+        axis.set(xlim=(low, high), ylim=(-tall, tall))
+        axis.annotate(f"{len(found[0]) - (found[0].real > 0).sum()} further left",
+                      (0.02, 0.03), xycoords="axes fraction", fontsize=8)  # fmt: skip
+    axis.grid(alpha=0.25)
+    axis.legend(fontsize=8)
+
+
+def _moduli(axis: Axes, where: np.ndarray, found: Sequence[ComplexArray], label: str) -> None:
+    """Moduli of zeros over steps or periods, a point each, and the unit circle."""
+    axis.axhline(1, color=INK, linewidth=0.7)
+    at = np.concatenate(
+        [np.zeros(0), *(np.full(len(z), k) for k, z in zip(where, found, strict=True))]
+    )
+    size = np.abs(np.concatenate([np.zeros(0), *found]))
+    near = size <= FARTHEST
+    axis.plot(at[near], size[near], ".", color=REACHED, ms=4)
+    axis.set(xlabel=label, ylabel="modulus of the zeros")
+    axis.locator_params(axis="x", nbins=5)
+    axis.grid(alpha=0.25)

@@ -1,0 +1,115 @@
+"""Runs, one or several: z and u in common axes, theta with its taps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import SymmetricalLogLocator
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.arrays.wording import printable, shortened
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.plots.figures.coefficients import draw_theta
+from rcac_numeric.plots.style import INK, line_style
+
+DEEPEST = 1e-4  # of the peak: below, an axis of decades is linear
+DECADES = 1e3  # a peak so many times the median is drawn over decades
+
+
+def plot_runs(runs: Sequence[Run], labels: Sequence[str] | None = None) -> Figure:
+    """Several runs in one figure: their z and u in common axes, their theta one below the other.
+
+    A signal whose peak is a thousand times its usual size is drawn over decades (linear near
+    zero, logarithmic beyond), so that both a burst and what comes after it are seen.
+
+    Parameters
+    ----------
+    runs : sequence of Run
+    labels : sequence of str, optional
+        A name for each; "run 1", "run 2", ... by default.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not attached to a window; ``figure.savefig("runs.pdf")`` writes it.
+
+    Raises
+    ------
+    InputError
+        Where there is no run, or not a label for each.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example, plot_runs
+    >>> found = [spec.execute().first.run for spec in load_example("2.1").runs.values()]
+    >>> figure = plot_runs(found, labels=list(load_example("2.1").runs))
+    >>> figure.axes[0].get_ylabel(), figure.axes[-1].get_xlabel()
+    ('performance $z$', 'step $k$')
+    """
+    runs = [instance_of(run, "a run", Run) for run in runs]
+    if not runs:
+        raise InputError("there is no run to plot.")
+    names = [f"run {i + 1}" for i in range(len(runs))] if labels is None else list(labels)
+    if len(names) != len(runs):
+        raise InputError(f"{len(runs)} runs have {len(names)} labels; give one for each.")
+    names = [shortened(printable(str(name)), 60) for name in names]
+    adapting = [(run, name) for run, name in zip(runs, names, strict=True) if run.theta.shape[1]]
+    rows = 2 + len(adapting)
+    figure = Figure(figsize=(9, 2.3 + 1.9 * rows), layout="constrained")
+    axes = np.ravel(figure.subplots(rows, 1, sharex=True, squeeze=False))
+    for i, (signal, label) in enumerate((("z", "performance $z$"), ("u", "control $u$"))):
+        _draw_signals(axes[i], runs, names, signal)
+        axes[i].set_ylabel(label)
+    for axis, (run, name) in zip(axes[2:], adapting, strict=True):
+        draw_theta(axis, run, name if len(runs) > 1 else "")
+    axes[-1].set_xlabel("step $k$")
+    for axis in axes:
+        axis.grid(alpha=0.25)
+        axis.spines[["top", "right"]].set_visible(False)
+    return figure
+
+
+def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal: str) -> None:
+    count, index = 0, 0
+    parts: list[np.ndarray] = []
+    for run, name in zip(runs, names, strict=True):
+        pairs = [(getattr(run, signal), "")]
+        if signal == "u" and not np.array_equal(run.u, run.u_applied):
+            pairs.append((run.u_applied, "applied"))
+        for values, remark in pairs:
+            for i, column in enumerate(values.T):
+                component = f"${signal}_{i + 1}$" if values.shape[1] > 1 else ""
+                own = name if len(runs) > 1 else ""
+                label = " ".join(filter(None, (own, component, remark)))
+                axis.step(run.k, column, where="post", linewidth=1.1, label=label or None,
+                          **line_style(index))  # fmt: skip
+                count += bool(label)
+                index += 1
+            parts.append(values)
+        if run.outcome != "completed" and run.steps:
+            axis.plot(run.k[-1], getattr(run, signal)[-1, 0], "X", color=INK, ms=8,
+                      label=f"{name}: {run.outcome}" if len(runs) > 1 else run.outcome)  # fmt: skip
+            count += 1
+    if count:
+        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    if (threshold := _linear_below(parts)) is not None:
+        axis.set_yscale("symlog", linthresh=threshold, linscale=2)
+        ticks = SymmetricalLogLocator(base=10, linthresh=threshold)
+        ticks.set_params(numticks=7)
+        axis.yaxis.set_major_locator(ticks)
+
+
+def _linear_below(parts: Sequence[np.ndarray]) -> float | None:
+    """Below which size a signal of many decades is drawn linearly; None where it has few."""
+    sizes = np.abs(np.concatenate([part.ravel() for part in parts]))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
+    if not len(sizes):
+        return None
+    peak, usual = float(sizes.max()), float(np.median(sizes))
+    if peak < DECADES * usual:
+        return None
+    return max(usual, peak * DEEPEST)

@@ -1,0 +1,86 @@
+"""The Diophantine equation between polynomials, against Euclid's algorithm of SymPy."""
+
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    BudgetError,
+    DiophantineSolution,
+    InputError,
+    NoSolutionError,
+    polynomial,
+    solve_diophantine,
+)
+from compensator_theory.strategies import polynomials
+
+s, a, b = sympy.symbols("s a b")
+SIDES = st.sampled_from(["x", "y"])
+
+
+@given(polynomials(), polynomials(), polynomials(max_degree=6), SIDES)
+def test_against_euclid(first, second, right, least):
+    u, v, g = sympy.gcdex(first, second)
+    if not right.rem(g).is_zero:
+        with pytest.raises(NoSolutionError, match="share the factor"):
+            solve_diophantine(first, second, right, least=least)
+        return
+    found = solve_diophantine(first, second, right, least=least)
+    assert (first * found.x + second * found.y - right).is_zero
+    scale = right.quo(g)
+    if least == "y":  # the one solution modulo a/g
+        assert found.y == (v * scale).rem(first.quo(g))
+    else:
+        assert found.x == (u * scale).rem(second.quo(g))
+
+
+@given(polynomials(), polynomials(), polynomials(), polynomials())
+def test_every_solution_is_a_member(first, second, x, y):
+    found = solve_diophantine(first, second, first * x + second * y)
+    t, rest = (x - found.x).div(found.dx)
+    assert rest.is_zero
+    assert found.member(t) == (x, y)
+
+
+def test_the_example_of_the_notes():
+    found = solve_diophantine("s - 1", "1", "(s + 1)**2", least="x")
+    d = sympy.Symbol("d")
+    x, y = found.member(sympy.Poly(s + d, s))
+    assert x.as_expr() == s + d
+    assert sympy.expand(y.as_expr() - ((3 - d) * s + 1 + d)) == 0
+
+
+def test_symbols_say_where_they_hold():
+    found = solve_diophantine("s**2 - a", "s - b", "(s + 1)**3", "s")
+    assert found.exceptional == (a - b**2,) and found.certificate.holds
+    # The exceptional polynomial is the resultant, where a solution exists for special c only.
+    assert sympy.resultant(s**2 - a, s - b, s) == b**2 - a
+    with pytest.raises(NoSolutionError):
+        solve_diophantine("s**2 - 4", "s - 2", "(s + 1)**3")
+    double = solve_diophantine("a*s**2 + a", "s - b", "s + 1", "s")
+    assert a in double.exceptional
+
+
+def test_no_gap_between_the_two_orders_of_solution():
+    least_y = solve_diophantine("s**2 - 1", "s - 2", "(s + 1)**3")
+    least_x = solve_diophantine("s**2 - 1", "s - 2", "(s + 1)**3", least="x")
+    assert isinstance(least_y, DiophantineSolution)
+    assert least_x.x == polynomial("9", "s") and least_y.y.degree() == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "options", "error"),
+    [
+        (("s", "0", "1"), {}, InputError),
+        (("0", "s", "1"), {}, InputError),
+        (("s", "s + 1", "1"), {"least": "z"}, InputError),
+        (("s", "z", "1"), {}, InputError),
+        (("s**900", "s**200 + 1", "1"), {}, BudgetError),
+        (("1/s", "s", "1"), {}, InputError),
+        (([1, 2], [1], [1]), {}, InputError),
+    ],
+)
+def test_bad_input(arguments, options, error):
+    with pytest.raises(error):
+        solve_diophantine(*arguments, **options)

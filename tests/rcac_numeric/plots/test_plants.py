@@ -1,0 +1,78 @@
+"""Pictures of plants show the numbers that they are about."""
+
+import numpy as np
+import pytest
+
+from rcac_numeric import (
+    FigureRequest,
+    aircraft_transition,
+    no_guaranteed_margins,
+    plant_zeros,
+    rohrs_plant,
+    verify,
+    zero_path,
+)
+from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.measures.plant_measures import windows_of
+from rcac_numeric.plots.figures.requested import plot_request
+
+OPEN_LOOP = {
+    "plant": {"problem": "aircraft transition", "start": 14, "duration": 1},
+    "signals": {"d": {"white_noise": 1}},
+    "target": {"model": "fir"},
+    "controller": {"n_c": 4, "R_theta": 1, "k_w": 275},
+    "run": {"steps": 280},
+}
+
+
+@pytest.fixture(scope="module")
+def flight():
+    return verify(build(OPEN_LOOP, "flight"))
+
+
+def points(axis):
+    """All points drawn with a dot."""
+    drawn = [line for line in axis.get_lines() if line.get_marker() == "."]
+    return np.concatenate([np.column_stack(line.get_data()) for line in drawn])
+
+
+def test_a_zero_path_shows_every_zero_in_the_plane_and_over_the_steps():
+    path = zero_path(aircraft_transition(source="corrected"), [2500, 2520, 2550, 2600])
+    plane, moduli = path.plot().axes
+    assert np.allclose(np.sort(points(plane) @ [1, 1j]), np.sort(path.zeros.ravel()))
+    assert np.allclose(np.sort(points(moduli)[:, 1]), np.sort(path.magnitudes.ravel()))
+    first, last = plane.get_xlim()
+    assert last > 1.137 and first < 0.851, "both ends of the pair are in the picture"
+
+
+def test_a_continuous_plant_shows_poles_response_and_sampling_zeros():
+    plant = rohrs_plant()
+    plane, response, sampled = plant.plot([0.1, 0.3]).axes
+    poles = next(line for line in plane.get_lines() if line.get_label() == "poles")
+    assert np.allclose(poles.get_xdata() + 1j * poles.get_ydata(), plant.poles())
+    (line,) = response.get_lines()
+    assert line.get_ydata()[-1] == pytest.approx(2, abs=0.02), "T(0) = 2"
+    expected = [abs(z) for h in (0.1, 0.3) for z in plant_zeros(plant.sampled(h))]
+    assert points(sampled)[:, 1] == pytest.approx(expected)
+
+
+def test_an_unstable_plant_has_a_short_step_response():
+    (line,) = no_guaranteed_margins().plot([0.01]).axes[1].get_lines()
+    assert line.get_xdata()[-1] <= 3 and np.isfinite(line.get_ydata()).all()
+
+
+def test_identified_zeros_lie_on_those_of_the_plant(flight):
+    request = FigureRequest("identified zeros", "words")
+    (axis,) = plot_request(flight, request).axes
+    run = flight.main.first.run
+    found = np.concatenate([np.abs(w.zeros.zeros) for w in windows_of(run) if w.zeros])
+    drawn = np.concatenate([bar.get_children()[0].get_ydata() for bar in axis.containers])
+    assert np.allclose(np.sort(drawn), np.sort(found)) and len(found) == 3 * 3
+    assert "1 of 4 windows refused" in axis.get_title(), "that of the transition"
+
+
+def test_plant_zeros_are_those_of_the_steps_that_are_asked_for(flight):
+    request = FigureRequest("plant zeros", "words", first=140, last=150)
+    _, moduli = plot_request(flight, request).axes
+    assert set(points(moduli)[:, 0]) == set(range(140, 151))
+    assert points(moduli)[:, 1].max() == pytest.approx(1.1359, abs=5e-5)
