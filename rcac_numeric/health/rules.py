@@ -138,6 +138,7 @@ def _worse(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
             "worse than without control",
             f"At the end rms z is {late.rms:.3g}, and {free.rms:.3g} with u = 0.",
             "the sign of H and d_zu, a larger n_c, a larger R_theta",
+            is_grave=late.rms > TRANSIENT * free.rms,
         )
 
 
