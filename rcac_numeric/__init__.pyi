@@ -209,8 +209,6 @@ from .sweeps.study.files import load_study as load_study
 from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
 from .targets.data_driven import DataDriven as DataDriven
-from .targets.direction_checks import DirectionCheck as DirectionCheck
-from .targets.direction_checks import check_directions as check_directions
 from .targets.directions.checks import DirectionCheck as DirectionCheck
 from .targets.directions.checks import check_directions as check_directions
 from .targets.directions.from_data import DirectionsFromData as DirectionsFromData

@@ -4,12 +4,34 @@ from __future__ import annotations
 
 import numpy as np
 
-from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 
 
 def pairing(wanted: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
-    """Assign to each wanted pole one available pole with the least total distance."""
-    from scipy.optimize import linear_sum_assignment
+    """Assign to each wanted pole one available pole with the least total distance.
 
-    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - available[None, :]))
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.arrays.pairing import pairing
+    >>> pairing(np.array([0.5 + 0j]), np.array([0.9 + 0j, 0.4 + 0j]))
+    [((0.5+0j), (0.4+0j))]
+    """
+    distances = np.abs(wanted[:, None] - available[None, :])
+    rows, columns = np.arange(len(wanted)), _nearest(distances)
+    if columns is None:
+        from scipy.optimize import linear_sum_assignment  # a sixth of a second
+
+        rows, columns = linear_sum_assignment(distances)
     return [(complex(wanted[i]), complex(available[j])) for i, j in zip(rows, columns, strict=True)]
+
+
+def _nearest(distances: Array) -> np.ndarray | None:
+    """The nearest of each, which is the one best assignment if no two share it and none is tied."""
+    if distances.shape[1] < 2 or not np.isfinite(distances).all():
+        return None
+    nearest = distances.argmin(axis=1)
+    least, second = np.partition(distances, 1, axis=1)[:, :2].T
+    if len(set(nearest)) < len(nearest) or not (least < second).all():
+        return None
+    return np.asarray(nearest)

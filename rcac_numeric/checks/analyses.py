@@ -109,19 +109,19 @@ def _against_target(
 
 
 def channel_margins(
-    loop: ClosedLoop, sample_time: float | None, unsaid: dict[str, str]
+    loop: ClosedLoop, sample_time: float | None, unsaid: dict[str, str], *, disk: bool = True
 ) -> tuple[dict[str, Margins], DiskMargin | None]:
     """The margins at each component of u, and of several components at once."""
     found = {}
     for i in range(loop.plant.l_u):
         name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"
         margins, reason = attempted(
-            partial(stability_margins, loop, channel=i, sample_time=sample_time)
+            partial(stability_margins, loop, channel=i, sample_time=sample_time, disk=disk)
         )
         if margins is None:
             unsaid[f"margins at {name}"] = reason
         else:
             found[name] = margins
-    if loop.plant.l_u > 1 and loop.is_stable:
+    if disk and loop.plant.l_u > 1 and loop.is_stable:
         return found, multivariable_disk_margin(loop)
     return found, None

@@ -7,6 +7,7 @@ from typing import Any
 from compensator_theory.errors import InputError
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import command_position, controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.frozen import plant_at
@@ -29,6 +30,8 @@ def check_arguments(run: Run, source: str = "run") -> dict[str, Any]:
     """
     if not run.steps:
         raise InputError("the run has no step that could be checked.")
+    if isinstance(run.settings, StepwiseController):
+        run.settings.compensator_of(())  # says why there is none
     known: dict[str, Any] = {}
     last = run.first_step + run.steps - 1
     if not isinstance(run.plant, FunctionPlant):

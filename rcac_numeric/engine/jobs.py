@@ -27,7 +27,7 @@ from rcac_numeric.engine.compiled.controllers import compiled_controller
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
-from rcac_numeric.engine.live.learner import LearningLoop, DataDrivenLearner
+from rcac_numeric.engine.live.learner import DataDrivenLearner, LearningLoop
 from rcac_numeric.engine.runs import OUTCOMES, Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant

@@ -21,14 +21,17 @@ from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
-from rcac_numeric.controllers.updates.forgetting import ScheduledForgetting, VariableRateForgetting
+from rcac_numeric.controllers.updates.forgetting import (
+    ScheduledForgetting,
+    VariableRateForgetting,
+)
 from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
 from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController
-from rcac_numeric.engine.live.changes import AppliedChange
+from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.linear import Plant
@@ -38,7 +41,8 @@ from rcac_numeric.targets.model import TargetModel
 
 # What the file of a run may be made of; nothing else is ever constructed from it.
 RECORDS = Records(
-    Compensator, ControllerSettings, Covariance, CovarianceReset, Decentralized, DerivedSignal,
+    AppliedChange, Compensator, ControllerChange, ControllerSettings, Covariance, CovarianceReset,
+    Decentralized, DerivedSignal,
     FixedController, Gradient, Instantaneous, Plant, PlantChange, PlantSchedule, Saturation,
     SavedState, ScheduledForgetting, SignalWeight, SlidingWindow, Structure, Tap, TargetModel, UD,
     VariableRateForgetting,

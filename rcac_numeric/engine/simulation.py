@@ -43,8 +43,7 @@ def simulate(
     Parameters
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
-    if is_foreign(plant):
-        plant = plant_of(plant)
+        Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`.
     settings : ControllerSettings, Decentralized, FixedController or IndirectSettings
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, one_of
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.arrays.wording import matrix_latex, number_latex
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
 from rcac_numeric.h2.conversion import ConversionCertificate, converted
@@ -24,12 +23,9 @@ from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.riccati import stabilising_solution
 from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
-from rcac_numeric.h2.state_space import StateSpace
+from rcac_numeric.h2.state_space import StateSpace, state_space_latex
 from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.linear import Plant
-
-if TYPE_CHECKING:
-    import control
 
 FORMS = ("predictor", "filter")
 # Largest distance of the cost of the loop to that of the Riccati solutions.
@@ -100,11 +96,8 @@ class LQG(Value):
         """The plant in a loop with `compensator`."""
         return ClosedLoop(self.plant, self.compensator)
 
-    def to_control(self) -> control.StateSpace:
-        """The controller as a python-control StateSpace with the sample time of the plant.
-
-        True stands for a plant that has none.
-        """
+    def to_control(self) -> Any:
+        """The controller for python-control, with the plant's sample time, or True without one."""
         import control  # a second of import time, paid only here
 
         return control.ss(*self.state_space, self.plant.sample_time or True)
@@ -122,14 +115,14 @@ class LQG(Value):
     @cached_property
     def agreement(self) -> ExactAgreement:
         """The closed-loop poles beside the exact ones of `compensator_theory.lqg_poles`."""
-        inputs = noise_inputs(self.plant, self.noise)
-        return exact_agreement(self.plant, inputs, self.regulator, self.estimator)
+        noise = noise_inputs(self.plant, self.noise)
+        return exact_agreement(self.plant, noise, self.regulator, self.estimator)
 
     @property
     def cost_gap(self) -> float:
         """Distance of `cost` and `cost_from_riccati`, over the sizes of the terms of the cost."""
-        size = sum(map(abs, self.cost.terms.values()))
-        return abs(self.cost.value - self.cost_from_riccati) / size if size else 0.0
+        size = sum(map(abs, self.cost.terms.values())) or np.inf
+        return abs(self.cost.value - self.cost_from_riccati) / size
 
     def plot(self) -> figures.Figure:
         """The closed-loop poles by what made them, and the gain and phase of the controller."""
@@ -138,17 +131,11 @@ class LQG(Value):
         return plot_lqg(self)
 
     def _repr_latex_(self) -> str:
-        A_c, B_c, C_c, D_c = map(matrix_latex, self.state_space)
-        return (
-            rf"$\displaystyle J = {number_latex(self.cost.value, 6)}, \quad A_c = {A_c}, \quad "
-            rf"B_c = {B_c}, \quad C_c = {C_c}, \quad D_c = {D_c}$"
-        )
+        return rf"$\displaystyle J = {self.cost.value:.6g}, {state_space_latex(self.state_space)}$"
 
     def __repr__(self) -> str:
-        return (
-            f"LQG({self.form}, n={self.plant.n}, J={self.cost.value:.6g}, "
-            f"margin={min(self.regulator.margin, self.estimator.margin):.3g})"
-        )
+        least = min(self.regulator.margin, self.estimator.margin)
+        return f"LQG({self.form}, n={self.plant.n}, J={self.cost.value:.6g}, margin={least:.3g})"
 
 
 def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "predictor") -> LQG:
@@ -168,10 +155,9 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
 
     Parameters
     ----------
-    plant : Plant
-        Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`. R_1, R_12, R_2
-        are E_1'E_1, E_1'E_2, E_2'E_2 and V_1, V_12, V_2 are D_1D_1', D_1D_2', D_2D_2'; all may be
-        singular or zero. R_2 = 0 and V_2 = 0 is high-authority LQG.
+    plant : Plant, or a discrete system that `plant_of` reads
+        R_1, R_12, R_2 are E_1'E_1, E_1'E_2, E_2'E_2 and V_1, V_12, V_2 are D_1D_1', D_1D_2',
+        D_2D_2'; all may be singular or zero. R_2 = 0 and V_2 = 0 is high-authority LQG.
     noise : mapping, optional
         Which blocks or channels of w are noise, with their intensities, for example
         ``{"d": 1.0, "v": 0.25}``; see `noise_inputs`. Every channel with intensity 1 by default.

@@ -7,6 +7,7 @@ from typing import Any
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import matrix
+from rcac_numeric.arrays.wording import matrix_latex
 from rcac_numeric.controllers.compensator import Compensator
 
 StateSpace = tuple[Array, Array, Array, Array]
@@ -60,3 +61,18 @@ def _of_control(system: Any) -> StateSpace:
         raise InputError("the compensator is in continuous time; discretise it first, with c2d.")
     system = control.ss(system)
     return system.A, system.B, system.C, system.D
+
+
+def state_space_latex(state_space: StateSpace) -> str:
+    r"""The four matrices of a compensator in LaTeX.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.h2.state_space import state_space_latex
+    >>> state_space_latex((np.eye(1),) * 4).startswith(r"A_c = \begin{bmatrix}1\end{bmatrix}")
+    True
+    """
+    names = ("A_c", "B_c", "C_c", "D_c")
+    parts = (f"{n} = {matrix_latex(m)}" for n, m in zip(names, state_space, strict=True))
+    return r", \quad ".join(parts)

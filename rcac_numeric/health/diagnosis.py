@@ -12,6 +12,7 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.checks.analyses import channel_margins
 from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
@@ -60,7 +61,9 @@ def loop_health(of: Run | AnalysedRun | Verification | ControllerCheck) -> LoopH
 
 def _of_run(found: AnalysedRun) -> LoopHealth:
     run = found.run
-    k_w = min(one.k_w for one in controllers_of(run.settings))
+    k_w = 0
+    if not isinstance(run.settings, StepwiseController):
+        k_w = min(one.k_w for one in controllers_of(run.settings))
     start = max(k_w - run.first_step, 0)
     free = without_control(run)
     health = LoopHealth(
@@ -110,6 +113,6 @@ def _of_loop(ask: Callable[[], ClosedLoop]) -> dict[str, Any]:
             if not np.isfinite(radius):
                 return {**nothing, "obstacle": "the controller left the range of float64"}
             known = {"is_stable": loop.is_stable, "spectral_radius": radius}
-            return {**known, "margins": channel_margins(loop, None, {})[0]}
+            return {**known, "margins": channel_margins(loop, None, {}, disk=False)[0]}
     except (CompensatorError, np.linalg.LinAlgError) as error:
         return {**nothing, "obstacle": str(error).rstrip(".")}

@@ -90,13 +90,21 @@ def _has_common_filter(target: TargetModel) -> bool:
     return bool(np.array_equal(first, target.denominator))
 
 
+def _divided(phi: Array, tail: Array) -> Array:
+    """The columns of phi through 1/(1 + tail(q^-1)); scipy.signal would cost half a second."""
+    out, order = phi.copy(), len(tail)
+    reversed_tail = tail[::-1]
+    for k in range(1, len(out)):
+        first = max(k - order, 0)
+        out[k] -= reversed_tail[order - (k - first) :] @ out[first:k]
+    return out
+
+
 def _filtered(phi: Array, target: TargetModel) -> Array:
     """G_f Phi for Phi = phi' (x) I; shape (steps, l_z, l_theta)."""
     steps, taps = phi.shape
     if target.denominator[1:].any():
-        from scipy.signal import lfilter
-
-        phi = np.asarray(lfilter([1.0], target.denominator[:, 0, 0], phi, axis=0))
+        phi = _divided(phi, target.denominator[1:, 0, 0])
     out = np.zeros((steps, target.l_z, taps, target.l_u))
     for lag, N in enumerate(target.numerator):
         if N.any() and lag < steps:

@@ -9,7 +9,6 @@ import numpy as np
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.internal_models import drift_of
 from rcac_numeric.checks.check import ControllerCheck
-from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.health.health import LoopHealth
@@ -139,6 +138,7 @@ def _worse(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
             "worse than without control",
             f"At the end rms z is {late.rms:.3g}, and {free.rms:.3g} with u = 0.",
             "the sign of H and d_zu, a larger n_c, a larger R_theta",
+            is_grave=late.rms > TRANSIENT * free.rms,
         )
 
 
@@ -184,8 +184,12 @@ def _learning(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
             "The data never outweighed R_theta: theta hardly left theta(0).",
             "a smaller R_theta, more steps, a command or disturbance that moves the loop",
         )
-    adapts = [one for one in controllers_of(run.settings) if one.l_theta]
-    if adapts and run.stride == 1 and run.outcome == "completed" and len(run.theta) > 1:
+    if (
+        run.settings.l_theta
+        and run.stride == 1
+        and run.outcome == "completed"
+        and len(run.theta) > 1
+    ):
         moved = drift_of(run.theta).relative
         if moved > UNSETTLED:
             yield _unsettled(moved)

@@ -47,6 +47,7 @@ class Margins(Value):
         min over the gain crossovers of lag / omega, as in Table 5.1. Where abs(L(-1)) > 1 that is
         not the whole truth, and whole steps decide; see `StabilityBoundary.jumps`.
     disk : DiskMargin or None
+        None for an unstable loop, and where it was not asked for.
     gain_crossovers, phase_crossovers : arrays
         All omega in [0, pi] with abs(L) = 1, and with L real and negative; rad/sample.
     sample_time : float or None
@@ -96,7 +97,7 @@ class Margins(Value):
                 "margins."
             )
         assert self.gain_up and self.gain_down and self.phase_lag and self.phase_lead
-        assert self.delay and self.disk
+        assert self.delay
         seconds = "" if self.delay_time is None else f" = {self.delay_time:.6g} s"
         lines = [
             f"gain up     {self.gain_up.value:.6g}{_at(self.gain_up)}",
@@ -104,7 +105,7 @@ class Margins(Value):
             f"phase lag   {self.phase_lag.value:.6g} deg{_at(self.phase_lag)}",
             f"phase lead  {self.phase_lead.value:.6g} deg{_at(self.phase_lead)}",
             f"delay       {self.delay.value:.6g} steps{seconds}{_at(self.delay)}",
-            f"disk        {self.disk}",
+            *([] if self.disk is None else [f"disk        {self.disk}"]),
             f"at these margins a pole is on the unit circle to {self.worst_gap:.1e}",
         ]
         return "\n".join(lines)
@@ -131,6 +132,7 @@ def stability_margins(
     channel: int = 0,
     feedback: int | None = None,
     sample_time: float | None = None,
+    disk: bool = True,
 ) -> Margins:
     """The margins of a loop with a fixed or frozen controller, opened at one scalar signal.
 
@@ -148,6 +150,8 @@ def stability_margins(
         For a loop transfer function: -1 closes 1 + L = 0, +1 closes 1 - L = 0.
     sample_time : float, optional
         In seconds; taken from a python-control system that has one.
+    disk : bool
+        Whether the disk margin is found too.
 
     Raises
     ------
@@ -188,7 +192,7 @@ def stability_margins(
         phase_lag=phase_boundary(opened, gains, lead=False) if stable else None,
         phase_lead=phase_boundary(opened, gains, lead=True) if stable else None,
         delay=delay_boundary(opened, gains) if stable else None,
-        disk=disk_margin_of(opened) if stable else None,
+        disk=disk_margin_of(opened) if stable and disk else None,
         gain_crossovers=gains,
         phase_crossovers=phases,
         sample_time=None if sample_time is None else float(sample_time),

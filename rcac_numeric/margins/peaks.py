@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 from scipy.linalg import eigvals
-from scipy.optimize import minimize_scalar
 
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 
@@ -83,6 +82,8 @@ def level_crossings(system: Matrices, level: float) -> Array:
 
 def _refined(value: Callable[[float], float], best: float, where: float) -> tuple[float, float]:
     """The top of the peak that the level sets have isolated."""
+    from scipy.optimize import minimize_scalar  # a sixth of a second
+
     width = 1e-4
     low, high = max(where - width, 0.0), min(where + width, np.pi)
     found = minimize_scalar(

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import minimize, minimize_scalar
 
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.margins.peaks import Matrices, level_crossings, response_of
@@ -58,6 +57,8 @@ def structured_peak(system: Matrices) -> tuple[float, float]:
         return best, where
     i = int(np.argmax(values))
     low, high = omega[max(i - 1, 0)], omega[min(i + 1, len(omega) - 1)]
+    from scipy.optimize import minimize_scalar  # a sixth of a second
+
     minimize_scalar(
         lambda at: -tried(float(at)), bounds=(low, high), method="bounded", options={"xatol": 1e-9}
     )
@@ -90,6 +91,8 @@ def best_scaling(M: ComplexArray) -> tuple[float, Array]:
     >>> round(best_scaling(np.array([[0.0, 1e6], [1e-6, 0.0]]))[0], 9)
     1.0
     """
+    from scipy.optimize import minimize
+
     logs = _balanced(M)
     best = (_largest(M, logs), logs)
     if len(M) > 1:

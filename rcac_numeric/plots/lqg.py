@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from rcac_numeric.h2.lqg import LQG
 from rcac_numeric.plots.style import INK, line_style
 
+BEYOND = 1e4  # times the median gain: what is above is a pole on the unit circle
+
 
 def plot_lqg(found: LQG) -> Figure:
     """Left the poles of regulator and estimator, right gain and phase of the controller.
@@ -44,6 +46,9 @@ def plot_lqg(found: LQG) -> Figure:
             label = f"$y_{j + 1}$ to $u_{i + 1}$" if response[0].size > 1 else None
             gain.semilogy(omega, np.abs(entry), linewidth=1.3, label=label, **style)
             phase.plot(omega, np.degrees(np.unwrap(np.angle(entry))), linewidth=1.3, **style)
+    usual = np.median(np.abs(response[np.isfinite(response)])) if response.size else 0.0
+    if usual and gain.get_ylim()[1] > BEYOND * usual:  # a pole on the circle takes all the axis
+        gain.set_ylim(top=BEYOND * usual)
     if response[0].size > 1:
         gain.legend(fontsize=8)
     gain.set_ylabel("gain of $G_c$")

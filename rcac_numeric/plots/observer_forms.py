@@ -6,9 +6,23 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rcac_numeric.analysis.observer_forms import NumericObserverForms
+from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.plots.style import INK, line_style
 
 MANY = 40  # forms that have a row each
+
+
+def complex_words(values: ComplexArray) -> str:
+    """Roots in three digits.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.plots.observer_forms import complex_words
+    >>> complex_words(np.array([1.0 + 0j, 2.0 - 1j]))
+    '1, 2-1j'
+    """
+    return ", ".join(f"{v.real:.3g}" if v.imag == 0 else f"{v:.3g}" for v in values)
 
 
 def plot_observer_forms(forms: NumericObserverForms) -> Figure:
@@ -32,7 +46,8 @@ def plot_observer_forms(forms: NumericObserverForms) -> Figure:
     else:
         roots.axvline(0, color=INK, linewidth=0.7)
     roots.plot(everything.real, everything.imag, "x", color=line_style(0)["color"], ms=9, mew=1.8)
-    roots.set(xlabel="real", ylabel="imaginary")
+    height = max(1.2 * float(np.abs(everything.imag).max(initial=0.0)), 1.0)
+    roots.set(xlabel="real", ylabel="imaginary", ylim=(-height, height))
     roots.set_title("closed-loop roots", fontsize=10)
     worth.set(xlabel="form", ylabel="condition number of $T$")
     worth.set_title(f"{len(forms)} observer-based forms", fontsize=10)
@@ -41,7 +56,7 @@ def plot_observer_forms(forms: NumericObserverForms) -> Figure:
         worth.semilogy(number, forms.condition, "o" if len(forms) <= MANY else ".",
                        color=line_style(1)["color"])  # fmt: skip
         best = forms.best_conditioned()
-        words = ", ".join(f"{root:.3g}" for root in forms.regulator_roots[best])
+        words = complex_words(forms.regulator_roots[best])
         worth.annotate(f"regulator roots {words}", (best + 1, forms.condition[best]),
                        textcoords="offset points", xytext=(6, 6), fontsize=8)  # fmt: skip
         worth.locator_params(axis="x", integer=True)

@@ -37,8 +37,9 @@ def margins_section(name: str, margins: Margins) -> Section:
         }  # fmt: skip
     record["delay_time"] = margins.delay_time
     disk = margins.disk
-    assert disk is not None
     record["disk"] = disk_record(disk)
+    if disk is None:
+        return Section("Margins", (Table(HEADS, tuple(rows)),), whole, remark)
     low, high = disk.gain
     rows.append(
         cells(

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plots.style import line_style
@@ -24,6 +25,8 @@ def coefficient_names(run: Run) -> list[str]:
     ['u(k-1)', 'u(k-2)', 'u(k-3)', 'y(k-1)', 'y(k-2)', 'y(k-3)']
     """
     names: list[str] = []
+    if isinstance(run.settings, StepwiseController):
+        return [rf"theta_{i + 1}" for i in range(run.theta.shape[1])]
     for one in controllers_of(run.settings):
         if not isinstance(one, ControllerSettings):
             continue

@@ -51,9 +51,9 @@ def test_responses_are_those_of_the_runs(steps):
 def test_long_signals_keep_their_peaks():
     values = np.random.default_rng(3).standard_normal(100_003)
     values[71_234] = 50.0
-    k, thinned = thinned(np.arange(len(values)), values)
-    assert len(thinned) < 2 * MANY and thinned.max() == 50.0
-    assert np.array_equal(values[k], thinned) and (np.diff(k) > 0).all()
+    k, shown = thinned(np.arange(len(values)), values)
+    assert len(shown) < 2 * MANY and shown.max() == 50.0
+    assert np.array_equal(values[k], shown) and (np.diff(k) > 0).all()
     assert thinned(np.arange(9), values[:9])[1] is not None
 
 

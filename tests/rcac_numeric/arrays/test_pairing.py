@@ -1,0 +1,27 @@
+"""The least total distance, against all permutations."""
+
+from itertools import permutations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rcac_numeric.arrays.pairing import pairing
+
+points = st.complex_numbers(max_magnitude=2, allow_nan=False)
+
+
+@given(st.lists(points, min_size=1, max_size=4), st.lists(points, min_size=4, max_size=5))
+def test_no_assignment_is_nearer(wanted, available):
+    wanted, available = np.array(wanted), np.array(available)
+    pairs = pairing(wanted, available)
+    assert [a for a, _ in pairs] == list(wanted)
+    left = list(available)
+    for _, b in pairs:
+        left.remove(b)  # each is used once
+    found = sum(abs(a - b) for a, b in pairs)
+    best = min(
+        sum(abs(a - b) for a, b in zip(wanted, chosen, strict=True))
+        for chosen in permutations(available, len(wanted))
+    )
+    assert found <= best + 1e-12
