@@ -81,6 +81,8 @@ from .observers.realisation_question import (
 from .observers.youla import YoulaForm as YoulaForm
 from .observers.youla import youla_forms as youla_forms
 from .placement.least_order import place_poles_at_least_order as place_poles_at_least_order
+from .placement.matrix_placement import MatrixPlacement as MatrixPlacement
+from .placement.matrix_placement import place_matrix_poles as place_matrix_poles
 from .placement.pole_placement import place_poles as place_poles
 from .placement.propositions import PropositionCheck as PropositionCheck
 from .placement.propositions import check_proposition_3 as check_proposition_3
