@@ -134,10 +134,10 @@ from .state_feedback.brunovsky import brunovsky_form as brunovsky_form
 from .state_feedback.eigenstructure import Eigenstructure as Eigenstructure
 from .state_feedback.eigenstructure import assign_eigenstructure as assign_eigenstructure
 from .state_feedback.eigenstructure import reachable_eigenvectors as reachable_eigenvectors
-from .state_feedback.gain_families import ObserverGainFamily as ObserverGainFamily
 from .state_feedback.gain_families import StateFeedbackFamily as StateFeedbackFamily
-from .state_feedback.gain_families import observer_gain_family as observer_gain_family
 from .state_feedback.gain_families import state_feedback_family as state_feedback_family
+from .state_feedback.observer_gain_families import ObserverGainFamily as ObserverGainFamily
+from .state_feedback.observer_gain_families import observer_gain_family as observer_gain_family
 from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
 from .structure.coprime_fractions import coprime_fractions as coprime_fractions
 from .structure.kalman import KalmanDecomposition as KalmanDecomposition
