@@ -90,6 +90,8 @@ from .observers.realisation_question import (
 from .observers.youla import YoulaForm as YoulaForm
 from .observers.youla import youla_forms as youla_forms
 from .placement.least_order import place_poles_at_least_order as place_poles_at_least_order
+from .placement.matrix_placement import MatrixPlacement as MatrixPlacement
+from .placement.matrix_placement import place_matrix_poles as place_matrix_poles
 from .placement.pole_placement import place_poles as place_poles
 from .placement.propositions import PropositionCheck as PropositionCheck
 from .placement.propositions import check_proposition_3 as check_proposition_3
@@ -143,10 +145,10 @@ from .state_feedback.brunovsky import brunovsky_form as brunovsky_form
 from .state_feedback.eigenstructure import Eigenstructure as Eigenstructure
 from .state_feedback.eigenstructure import assign_eigenstructure as assign_eigenstructure
 from .state_feedback.eigenstructure import reachable_eigenvectors as reachable_eigenvectors
-from .state_feedback.gain_families import ObserverGainFamily as ObserverGainFamily
 from .state_feedback.gain_families import StateFeedbackFamily as StateFeedbackFamily
-from .state_feedback.gain_families import observer_gain_family as observer_gain_family
 from .state_feedback.gain_families import state_feedback_family as state_feedback_family
+from .state_feedback.observer_gain_families import ObserverGainFamily as ObserverGainFamily
+from .state_feedback.observer_gain_families import observer_gain_family as observer_gain_family
 from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
 from .structure.coprime_fractions import coprime_fractions as coprime_fractions
 from .structure.kalman import KalmanDecomposition as KalmanDecomposition

@@ -19,6 +19,7 @@ from compensator_theory.polynomials.poly import PolynomialLike, from_expression,
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.standard_problems import StandardProblem
+from compensator_theory.transfer_functions.adjugates import adjugate_and_determinant
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 PolynomialMatrixLike: TypeAlias = PolynomialLike | MatrixBase | Sequence[Sequence[PolynomialLike]]
@@ -108,7 +109,7 @@ class Loop(ExactValue):
     def _checked_delta(self) -> tuple[DomainMatrix, DomainElement, Certificate]:
         N_yu, N_c, D_c = self._in_ring(self._numerators("yu"), self.N_c, self.D_c)
         delta = D_c * self._domain.from_sympy(self._D) - N_c * N_yu
-        adjugate, determinant = delta.adj_det()
+        adjugate, determinant = adjugate_and_determinant(delta)
         identity = DomainMatrix.eye(delta.shape[0], self._domain).to_dense()
         residual = ImmutableMatrix((delta * adjugate - identity * determinant).to_Matrix())
         name = "(D D_c - N_c N_yu) adj(D D_c - N_c N_yu) = det(D D_c - N_c N_yu) I"

@@ -1,4 +1,4 @@
-"""Every state feedback and every output injection that places given poles."""
+"""Every state feedback that places given poles, by the parameters that it leaves."""
 
 import random
 from collections.abc import Iterator
@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
-from compensator_theory.errors import (
-    InputError,
-    NoSolutionError,
-    NotControllableError,
-    NotObservableError,
-)
+from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
@@ -172,30 +167,6 @@ class StateFeedbackFamily(ExactValue):
         )
 
 
-@dataclass(frozen=True)
-class ObserverGainFamily(ExactValue):
-    r"""All gains F that make A - F C similar to one matrix; the transpose of a state feedback.
-
-    .. math:: A - F C = (A' + C' K)', \qquad F = -K'
-
-    Attributes
-    ----------
-    dual : StateFeedbackFamily
-        That of (A', C').
-    """
-
-    dual: StateFeedbackFamily
-
-    def gain(self, parameters: MatrixLike | None = None) -> ImmutableMatrix:
-        """Return F, n x p, for the parameters of the dual; see :class:`StateFeedbackFamily`."""
-        return ImmutableMatrix(-self.dual.gain(parameters).T)
-
-    def __str__(self) -> str:
-        p, n = self.dual.shape
-        wanted = format_polynomial(self.dual.polynomial)
-        return f"all {n} x {p} gains with det(sI - A + FC) = {wanted}, by {p} x {n} parameters"
-
-
 def state_feedback_family(
     A: MatrixLike,
     B: MatrixLike,
@@ -266,45 +237,6 @@ def state_feedback_family(
     for k in range(n):
         companion[n - 1, k] = -goal.coeff_monomial(symbol**k)
     return StateFeedbackFamily(form, exact_matrix(companion, "Lambda"), canonical(goal))
-
-
-def observer_gain_family(
-    A: MatrixLike,
-    C: MatrixLike,
-    poles: SpectrumLike | None = None,
-    variable: str | Symbol = "s",
-    *,
-    Lambda: MatrixLike | None = None,
-) -> ObserverGainFamily:
-    r"""Find every F that gives A - F C the eigenvalues asked for.
-
-    Parameters
-    ----------
-    A, C : matrix
-        n x n and p x n, observable.
-    poles, variable, Lambda
-        As for :func:`state_feedback_family`.
-
-    Raises
-    ------
-    NotObservableError
-        If (A, C) is not observable.
-    InputError
-        As for :func:`state_feedback_family`.
-
-    Examples
-    --------
-    >>> from compensator_theory import observer_gain_family
-    >>> observer_gain_family([[-1, 4], [0, -3]], [[1, 0]], [-2, -6]).gain().T  # Example 7.1
-    Matrix([[4, -3/4]])
-    """
-    a, c = exact_matrix(A, "A"), exact_matrix(C, "C")
-    try:
-        return ObserverGainFamily(state_feedback_family(a.T, c.T, poles, variable, Lambda=Lambda))
-    except NotControllableError as error:
-        text = str(error).replace("A + BK", "A - FC").replace("change B", "measure more")
-        raise NotObservableError(text.replace("(A, B) is not controllable", "(A, C) is not "
-                                              "observable")) from error  # fmt: skip
 
 
 def _simple(matrix: Matrix) -> ImmutableMatrix:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import sympy
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
@@ -52,6 +52,8 @@ class Realisation(ExactValue):
     >>> plant = Realisation([[-1, 4], [0, -3]], [[0], [1]], [[1, 0]])  # Example 7.1
     >>> plant.is_minimal, str(plant.transfer_function())
     (True, '(4)/(s**2 + 4*s + 3)')
+    >>> (plant @ plant - plant).n, plant.dual().A[1, 0]
+    (6, 4)
     """
 
     A: ImmutableMatrix
@@ -170,6 +172,81 @@ class Realisation(ExactValue):
         A, B, C = both[:, : self.n], both[:, self.n :], self.C * basis
         return Realisation(A, B, C, self.D, self.variable, feedback=self.feedback)
 
+    def dual(self) -> "Realisation":
+        """Return (A', C', B', D'), whose transfer matrix is the transpose."""
+        return Realisation(self.A.T, self.C.T, self.B.T, self.D.T, self.variable)
+
+    def feedback_with(self, other: "Realisation", *, feedback: int) -> "Realisation":
+        r"""Return the loop from v to y of u = v + f K y, :math:`(I - f G K)^{-1} G`, no state lost.
+
+        Raises
+        ------
+        ImproperError
+            If det(I - f D D_k) = 0: the loop is not well posed.
+        InputError
+            If the signals or the variables do not fit, or f is neither +1 nor -1.
+        """
+        if isinstance(feedback, bool) or feedback not in (1, -1):
+            raise InputError(f"feedback = {feedback!r} must be +1 (u = v + K y) or -1")
+        self._require(other, other.D.shape == self.D.T.shape, "feedback around it")
+        K_C, K_D = feedback * other.C, feedback * other.D
+        try:  # y = E (C x + D K_C x_k + D v)
+            E = solve(
+                ImmutableMatrix(sympy.eye(self.D.rows) - self.D * K_D), sympy.eye(self.D.rows)
+            )
+        except NoSolutionError as error:
+            raise ImproperError(
+                "the loop is not well posed: det(I - f D D_k) = 0 for the direct terms; use a "
+                "strictly proper one"
+            ) from error
+        C = E * self.C.row_join(self.D * K_C)
+        D = E * self.D
+        u = (K_D * C) + ImmutableMatrix.zeros(self.D.cols, self.n).row_join(K_C)
+        u_v = sympy.eye(self.D.cols) + K_D * D
+        below = ImmutableMatrix.zeros(other.n, self.n).row_join(other.A) + other.B * C
+        above = self.A.row_join(ImmutableMatrix.zeros(self.n, other.n)) + self.B * u
+        A, B = above.col_join(below), (self.B * u_v).col_join(other.B * D)
+        a, b, c, d = map(_simple, (A, B, C, D))
+        return Realisation(a, b, c, d, self.variable)
+
+    def __add__(self, other: "Realisation") -> "Realisation":
+        """Return both in parallel, y = y_1 + y_2, all states kept."""
+        if not isinstance(other, Realisation):
+            return NotImplemented
+        self._require(other, other.D.shape == self.D.shape, "in parallel with it")
+        A = ImmutableMatrix(sympy.diag(self.A, other.A))
+        B, C = self.B.col_join(other.B), self.C.row_join(other.C)
+        return Realisation(A, B, C, self.D + other.D, self.variable)
+
+    def __neg__(self) -> "Realisation":
+        return Realisation(self.A, self.B, -self.C, -self.D, self.variable)
+
+    def __sub__(self, other: "Realisation") -> "Realisation":
+        return self + -other if isinstance(other, Realisation) else NotImplemented
+
+    def __matmul__(self, other: "Realisation") -> "Realisation":
+        """Return both in series, u to the other and its output to this one, all states kept."""
+        if not isinstance(other, Realisation):
+            return NotImplemented
+        self._require(other, other.C.rows == self.B.cols, "in series before it")
+        above = self.A.row_join(self.B * other.C)
+        below = ImmutableMatrix.zeros(other.n, self.n).row_join(other.A)
+        B = (self.B * other.D).col_join(other.B)
+        C = self.C.row_join(self.D * other.C)
+        return Realisation(above.col_join(below), B, C, self.D * other.D, self.variable)
+
+    def _require(self, other: "Realisation", fits: bool, place: str) -> None:
+        if other.variable != self.variable:
+            raise InputError(
+                f"one realisation is in {self.variable} and the other in {other.variable}; both "
+                "need one variable"
+            )
+        if not fits:
+            raise InputError(
+                f"a realisation of {other.D.shape} signals does not fit {place}, which has "
+                f"{self.D.shape} (outputs, inputs)"
+            )
+
     def with_sign(self, feedback: int) -> "Realisation":
         """Return the compensator of u = G_c y for one of u = f G_c y: (A, B, f C, f D)."""
         return Realisation(self.A, self.B, feedback * self.C, feedback * self.D, self.variable)
@@ -181,6 +258,10 @@ class Realisation(ExactValue):
     def _repr_latex_(self) -> str:
         blocks = sympy.BlockMatrix([[self.A, self.B], [self.C, self.D]])
         return rf"$\displaystyle {sympy.latex(blocks)}$"
+
+
+def _simple(matrix: ImmutableMatrix) -> ImmutableMatrix:
+    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
 
 
 def verified_realisation(

@@ -14,6 +14,7 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical, from_expression, polynomial
+from compensator_theory.transfer_functions.adjugates import adjugate_and_determinant
 from compensator_theory.transfer_functions.arithmetic import (
     QuotientArithmetic,
     constant_one,
@@ -114,7 +115,8 @@ class MatrixArithmetic:
             raise InputError(f"a {rows} x {columns} transfer matrix is not square")
         s = self.denominator.gen
         entries = [[entry.as_expr() for entry in row] for row in self.numerators]
-        adjugate, determinant = DomainMatrix.from_Matrix(Matrix(entries)).adj_det()
+        square = DomainMatrix.from_Matrix(Matrix(entries))
+        adjugate, determinant = adjugate_and_determinant(square)
         domain = adjugate.domain
         below = from_expression(domain.to_sympy(determinant), s)
         if below.is_zero:

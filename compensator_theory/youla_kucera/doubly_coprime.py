@@ -13,10 +13,8 @@ from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.stability import decide_hurwitz, decide_schur
-from compensator_theory.state_feedback.gain_families import (
-    observer_gain_family,
-    state_feedback_family,
-)
+from compensator_theory.state_feedback.gain_families import state_feedback_family
+from compensator_theory.state_feedback.observer_gain_families import observer_gain_family
 from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.structure.minimal_realisations import minimal_realisation
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation

@@ -120,6 +120,9 @@ FAMILIES = st.builds(
 )  # fmt: skip
 
 SAMPLES = {
+    exact.MatrixPlacement: spectra(2).map(
+        lambda roots: exact.place_matrix_poles([["1/(s - a)"]], [roots], 1, "s", feedback=-1)
+    ),
     exact.Subresultants: coprime_pairs().map(lambda pair: exact.subresultants(*pair))
     | st.just(exact.subresultants("s**2 + a", "s + 1", "s")),
     exact.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.gcd_from_null_space(*pair))

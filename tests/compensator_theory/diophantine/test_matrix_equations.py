@@ -69,10 +69,11 @@ def test_a_minimal_basis_loses_rank_nowhere(P):
     M = found.basis.as_matrix()
     assert (P.as_matrix() * M).applyfunc(sympy.expand).is_zero_matrix
     assert divisors(M)[-1] == polynomial("1", "s")  # at no point, by the gcd of all minors
-    if ranks:  # and the indices add up to the degree of the minors of P without their gcd
+    if ranks:  # right and left indices add up to the degree of the minors without their gcd
         largest = max(Poly(m, s).degree() for m in minors(P.as_matrix(), len(ranks)) if m != 0)
         content = divisors(P.as_matrix())[-1].degree()
-        assert sum(found.indices) == largest - content
+        left = minimal_basis(P.T).indices
+        assert sum(found.indices) + sum(left) == largest - content
 
 
 @st.composite

@@ -252,3 +252,16 @@ def test_symbols_say_where_they_hold():
 def test_bad_input(call, error):
     with pytest.raises(error):
         call()
+
+
+@given(pairs())
+def test_deadbeat(pair):
+    A, B = pair
+    n = A.rows
+    K = state_feedback_family(A, B, [0] * n, "z").gain()
+    assert ((A + B * K) ** n).is_zero_matrix
+    # In the least time: chains as long as the controllability indices.
+    indices = [index for index in brunovsky_form(A, B).indices if index]
+    blocks = sympy.diag(*(sympy.jordan_cell(0, size) for size in indices))
+    fast = state_feedback_family(A, B, variable="z", Lambda=blocks).gain()
+    assert ((A + B * fast) ** max(indices)).is_zero_matrix

@@ -1,0 +1,246 @@
+"""Every compensator of given order that places the poles of a plant with several signals."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
+
+from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.loops.siso import require_sign
+from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.linear_algebra import solve_affine
+from compensator_theory.placement.matrix_equations import (
+    coefficient_columns,
+    in_column,
+    multiple,
+    pair_of_columns,
+    reduced_left_fraction,
+)
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import (
+    PolynomialLike,
+    canonical,
+    monic,
+    polynomial,
+)
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import require_no_other_operator
+from compensator_theory.structure.echelon import exceptional_factors
+from compensator_theory.structure.polynomial_matrices import (
+    PolynomialMatrix,
+    denominators,
+    polynomial_matrix,
+)
+from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+
+IDENTITY = "D_l D_c - f N_l N_c = diag(targets)"
+
+
+@dataclass(frozen=True)
+class MatrixPlacement(ExactValue):
+    r"""Every compensator that :func:`place_matrix_poles` found, :math:`G_c = N_c D_c^{-1}`.
+
+    .. math:: D_l \Big(D_c + \sum_i \alpha_i\,\delta D_i\Big)
+              - f N_l \Big(N_c + \sum_i \alpha_i\,\delta N_i\Big) = \mathrm{diag}(t_1, \ldots, t_p)
+
+    Attributes
+    ----------
+    plant : TransferMatrix
+        p x m, as given.
+    feedback : {+1, -1}
+        The sign f in u = f G_c y.
+    D_l, N_l : PolynomialMatrix
+        A left coprime fraction of the plant; D_l is row reduced, of row degrees r_i.
+    targets : tuple of sympy.Poly
+        Monic; their product is the closed-loop polynomial.
+    N_c, D_c : PolynomialMatrix
+        m x p and p x p: one compensator. The leading matrix of D_c, of degree q, is the
+        inverse of that of D_l; the internal model, where one was asked for, divides D_c.
+    homogeneous : tuple of pairs of PolynomialMatrix
+        (delta N_i, delta D_i); empty if the compensator is unique within these degrees.
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols; the identity holds where none of them is zero.
+    certificate : Certificate
+        The identity, multiplied out anew.
+    """
+
+    plant: TransferMatrix
+    feedback: int
+    D_l: PolynomialMatrix
+    N_l: PolynomialMatrix
+    targets: tuple[Poly, ...]
+    N_c: PolynomialMatrix
+    D_c: PolynomialMatrix
+    homogeneous: tuple[tuple[PolynomialMatrix, PolynomialMatrix], ...]
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    @property
+    def compensator(self) -> TransferMatrix:
+        """The compensator N_c D_c^-1, m x p, without common factors."""
+        return _quotient(self.N_c, self.D_c)
+
+    def member(self, parameters: Sequence[NumberLike]) -> TransferMatrix:
+        """Return one compensator of the family, with a number or symbol for each parameter.
+
+        Raises
+        ------
+        InputError
+            If their number is not that of `homogeneous`.
+        """
+        if len(parameters) != len(self.homogeneous):
+            raise InputError(
+                f"there are {len(parameters)} parameters; this family has {len(self.homogeneous)}"
+            )
+        N_c, D_c, s = self.N_c, self.D_c, self.plant.variable
+        for parameter, (d_N, d_D) in zip(parameters, self.homogeneous, strict=True):
+            factor = polynomial(sympy.sympify(exact_number(parameter)), s)
+            if factor.degree() > 0:
+                raise InputError(f"the parameter {parameter} contains the variable {s}")
+            N_c, D_c = N_c + multiple(d_N, factor), D_c + multiple(d_D, factor)
+        return _quotient(N_c, D_c)
+
+    def __str__(self) -> str:
+        count = len(self.homogeneous)
+        extent = "unique" if not count else f"one of a {count}-parameter family"
+        return f"G_c = N_c D_c^-1, {extent}\nN_c = {self.N_c}\nD_c = {self.D_c}"
+
+
+def place_matrix_poles(
+    plant: TransferMatrixLike,
+    targets: Sequence[SpectrumLike],
+    order: int,
+    variable: str | Symbol | None = None,
+    *,
+    feedback: int,
+    internal_model: PolynomialLike | None = None,
+) -> MatrixPlacement:
+    r"""Search exactly for all compensators of given degree that place given poles.
+
+    .. math:: D_l D_c - f N_l N_c = \mathrm{diag}(t_1, \ldots, t_p), \qquad
+              \deg D_c = q, \quad \deg N_c \le q, \quad D_c = \alpha(s)\,D_c'
+
+    Parameters
+    ----------
+    plant : transfer matrix
+        p x m and strictly proper; one signal each is allowed.
+    targets : sequence of polynomials or lists of roots
+        p of them, of degrees r_i + q, where r_i are the row degrees of the plant's left fraction,
+        ascending: its observability indices. The loop has all their roots as poles.
+    order : int
+        q, the degree of D_c; the compensator has at most p q states.
+    variable : str or Symbol, optional
+        As for :func:`transfer_matrix`.
+    feedback : {+1, -1}
+        The sign f.
+    internal_model : polynomial, optional
+        :math:`\alpha`, monic or not, of degree at most q: a factor of all entries of D_c. "s" asks
+        for integrators, "s**2 + 4" for zero steady error at that frequency.
+
+    Raises
+    ------
+    NoSolutionError
+        If no compensator of this degree does; from q = nu - 1 + deg alpha on, nu the largest
+        controllability index, there is one for every target, if no zero of the plant is a root of
+        alpha.
+    ImproperError
+        If the plant is not strictly proper.
+    InputError
+        If degrees or numbers of targets do not fit.
+
+    Notes
+    -----
+    The columns of D_c and N_c solve one linear system each, with free parameters where it has a
+    null space; this is the matrix Diophantine equation with bounds of the degrees. Source: T.
+    Kailath, Linear Systems (1980), Section 7.5; P. J. Antsaklis and A. N. Michel, Linear Systems
+    (2006), Section 8.
+
+    Examples
+    --------
+    >>> from compensator_theory import place_matrix_poles
+    >>> G = [["1/(s - 1)", 0], ["1/(s + 2)", "1/(s + 1)"]]
+    >>> wanted = [[-1, -2, -3], [-1, -2, -3, -4]]
+    >>> found = place_matrix_poles(G, wanted, 2, feedback=-1, internal_model="s")
+    >>> len(found.homogeneous), found.certificate.holds
+    (2, True)
+    """
+    require_sign(feedback)
+    G = transfer_matrix(plant, variable)
+    s, (p, m) = G.variable, G.shape
+    if any(not G[i, j].is_strictly_proper for i in range(p) for j in range(m)):
+        raise ImproperError(f"the plant {G} must be strictly proper")
+    if isinstance(order, bool) or not isinstance(order, int) or order < 0:
+        raise InputError(f"order = {order!r} must be a natural number")
+    model = polynomial(1 if internal_model is None else internal_model, s)
+    require_no_other_operator(model)
+    if model.is_zero or model.degree() > order:
+        raise InputError(
+            f"the internal model {model.as_expr()} must be nonzero and of degree at most {order}"
+        )
+    model = monic(model)
+    D_l, N_l, H, degrees = reduced_left_fraction(G)
+    ask("entries", (max(degrees) + order + 1) * p * (order + 1) * (p + m), "the placement equation")
+    goals = _targets(targets, degrees, order, s)
+    signed, widened = N_l if feedback == -1 else -N_l, multiple(D_l, model)
+    free, heights = order - int(model.degree()), [degree + order for degree in degrees]
+    columns = coefficient_columns(widened, signed, free, order, heights)
+    matrix = ImmutableMatrix(columns).T
+    N_c, D_c = (
+        in_column([Poly(0, s, domain=sympy.QQ)] * m, 0, p),
+        multiple(polynomial_matrix(H, s), canonical(model * Poly(s**free, s))),
+    )
+    leading, homogeneous = D_l @ D_c, []
+    for j, goal in enumerate(goals):
+        right = [
+            (goal if i == j else goal * 0).coeff_monomial(s**power)
+            - leading[i, j].coeff_monomial(s**power)
+            for i, height in enumerate(heights)
+            for power in range(height)
+        ]
+        try:
+            found = solve_affine(matrix, ImmutableMatrix(right))
+        except NoSolutionError as error:
+            raise NoSolutionError(
+                f"no compensator of degree {order} gives column {j} the target {goal.as_expr()}; "
+                "raise the order, or change the targets"
+            ) from error
+        D, N = pair_of_columns(found.particular, (p, m), free, order, model)
+        N_c, D_c = N_c + in_column(N, j, p), D_c + in_column(D, j, p)
+        for vector in found.nullspace:
+            D, N = pair_of_columns(vector, (p, m), free, order, model)
+            homogeneous.append((in_column(N, j, p), in_column(D, j, p)))
+    left = (D_l @ D_c + signed @ N_c).as_matrix() - sympy.diag(*(t.as_expr() for t in goals))
+    certificate = Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.expand)))
+    if not certificate.holds:
+        raise NoSolutionError(f"{certificate}; the compensator is wrong, please report it")
+    every = [D_l, N_l, N_c, D_c, *(part for pair in homogeneous for part in pair)]
+    exceptional = exceptional_factors(denominators(*every))
+    return MatrixPlacement(
+        G, feedback, D_l, N_l, goals, N_c, D_c, tuple(homogeneous), exceptional, certificate
+    )
+
+
+def _targets(
+    targets: Sequence[SpectrumLike], degrees: list[int], order: int, s: Symbol
+) -> tuple[Poly, ...]:
+    wanted = [degree + order for degree in degrees]
+    if isinstance(targets, str) or len(targets) != len(wanted):
+        raise InputError(f"give {len(wanted)} targets, of degrees {wanted}, one for each output")
+    goals = [monic(polynomial_or_roots(target, s)) for target in targets]
+    for goal in goals:
+        require_no_other_operator(goal)
+    if [int(goal.degree()) for goal in goals] != wanted:
+        raise InputError(
+            f"the targets have the degrees {[goal.degree() for goal in goals]}; with this plant "
+            f"and order they must be {wanted}"
+        )
+    return tuple(goals)
+
+
+def _quotient(N_c: PolynomialMatrix, D_c: PolynomialMatrix) -> TransferMatrix:
+    one = Poly(1, N_c.variable, domain=sympy.QQ)
+    return (TransferMatrix(N_c.rows, one) @ TransferMatrix(D_c.rows, one).inverse()).reduced()

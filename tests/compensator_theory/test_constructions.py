@@ -1,0 +1,47 @@
+"""The page of the sixty constructions is true: functions, oracles and examples are there."""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+import compensator_theory as exact
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "constructions.md").read_text()
+TABLE, _, REST = PAGE.partition("## Examples")
+EXAMPLES, _, LEFT_OUT = REST.partition("## Left out")
+ROWS = re.findall(r"^\| (\d+) \|(.*)\|$", TABLE, re.M)
+
+
+def test_there_are_sixty():
+    numbers = [int(n) for n, _ in ROWS] + [
+        int(n) for n in re.findall(r"^\| (\d+) ", LEFT_OUT, re.M)
+    ]
+    assert sorted(numbers) == list(range(1, 61))
+
+
+@pytest.mark.parametrize(("number", "row"), ROWS, ids=[n for n, _ in ROWS])
+def test_a_row_names_what_is_there(number, row):
+    functions = re.findall(r"\{py:func\}`(\w+) <([\w.]+)>`", row)
+    assert functions
+    for name, path in functions:
+        module, _, last = path.rpartition(".")
+        assert last == name and getattr(exact, name).__module__ == module
+    (test,) = re.findall(r"`(tests/[\w/]+\.py)`", row)
+    text = (ROOT / test).read_text()
+    assert any(re.search(rf"\b{name}\b", text) for name, _ in functions), test
+    called = {
+        node.func.attr
+        for node in ast.walk(ast.parse("\n".join(re.findall(r">>> (.*)", example_of(number)))))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    }
+    assert called & {name for name, _ in functions}
+
+
+def example_of(number):
+    """The lines of the one example that carries this number."""
+    found = re.search(rf"^>>> (?:.*  )?# {number}\n(?:>>> .*\n)?", EXAMPLES, re.M)
+    assert found, f"construction {number} has no example"
+    return found.group()
