@@ -35,6 +35,8 @@ def in_one_variable(
     >>> in_one_variable("s + 1", [2, "a"])
     (Poly(s + 1, s, domain='QQ'), Poly(2*s + a, s, domain='QQ[a]'))
     """
+    if variable is None and all(_is_read(obj) and obj.gens == objects[0].gens for obj in objects):
+        return objects  # what is read already costs nothing
     parts = [_shown(obj) for obj in objects]
     shows = any(isinstance(part, Poly) or part.free_symbols for part in parts if part is not None)
     if variable is None and default is not None and not shows:
@@ -53,6 +55,10 @@ def is_list(obj: object) -> bool:
     (True, False)
     """
     return isinstance(obj, Iterable) and not isinstance(obj, str | Poly | Expr)
+
+
+def _is_read(obj: PolynomialLike) -> bool:
+    return isinstance(obj, Poly) and obj.gens[1:] == () and obj.gen.is_Symbol and obj.domain.is_QQ
 
 
 def _shown(obj: PolynomialLike) -> Readable:
