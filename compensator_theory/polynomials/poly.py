@@ -10,12 +10,10 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialEr
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import unlimited
 from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.formatting import shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.quotients import Quotient, by_powers, multiplied_out
-from compensator_theory.polynomials.sympy_trees import (
-    require_small_field,
-    tree_of,
-)
+from compensator_theory.polynomials.sympy_trees import require_small_field, tree_of
 from compensator_theory.polynomials.variables import (
     as_symbol,
     require_one_symbol_a_name,
@@ -207,7 +205,7 @@ def require_poly(poly: Poly) -> Poly:
     Poly(2*s + 1, s, domain='QQ')
     """
     if not isinstance(poly, Poly):
-        raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
+        raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial(..., 's')")
     if not poly.domain.is_Exact:
         raise InputError(f"{poly} is not exact; read it with polynomial(...) first")
     return canonical(poly)
