@@ -8,6 +8,7 @@ from sympy import Expr, ImmutableMatrix, MatrixBase
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.formatting import shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 
@@ -58,7 +59,9 @@ def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:
     iterable = hasattr(value, "__iter__") and not isinstance(value, str | bytes | set | dict)
     rows = list(value) if iterable and shape != () else None
     if rows is None or any(isinstance(r, str | bytes) or not hasattr(r, "__len__") for r in rows):
-        raise InputError(f"{name} = {value!r} is not a matrix; write rows, as in [[1, 2], [3, 4]]")
+        raise InputError(
+            f"{name} = {shown(value)} is not a matrix; write rows, as in [[1, 2], [3, 4]]"
+        )
     if len({len(row) for row in rows}) > 1:
         raise InputError(f"the rows of {name} have different lengths: {[len(r) for r in rows]}")
     columns = len(rows[0]) if rows else (shape[1] if shape is not None and len(shape) > 1 else 0)

@@ -23,6 +23,22 @@ def is_rational_matrix(matrix: Matrix) -> bool:
     return True
 
 
+def rational_in_flint(matrix: Matrix) -> flint.fmpq_mat | None:
+    """Return a matrix in python-flint if every entry is a rational number, else None.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.flint_matrices import rational_in_flint
+    >>> rational_in_flint(Matrix([["a"]])) is None
+    True
+    """
+    try:
+        return to_flint(matrix)
+    except CoercionFailed:
+        return None
+
+
 def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     """Return a rational matrix as one of python-flint.
 
@@ -53,7 +69,7 @@ def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
     rows = matrix.tolist() if 0 not in shape else [[] for _ in range(shape[0])]
     if QQ.dtype is not flint.fmpq:
         rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
-    return ImmutableMatrix(DomainMatrix(rows, shape, QQ).to_Matrix())
+    return DomainMatrix(rows, shape, QQ).to_Matrix().as_immutable()
 
 
 def rational(value: flint.fmpq) -> Rational:

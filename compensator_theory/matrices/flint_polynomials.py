@@ -7,7 +7,8 @@ from sympy import QQ, Poly, Symbol
 def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
     """Return a rational polynomial as one of python-flint.
 
-    SymPy's rational numbers are python-flint's where SymPy found it, and then nothing is converted.
+    SymPy keeps rational polynomials and numbers as python-flint's where it found it, and then
+    nothing is converted.
 
     Examples
     --------
@@ -16,6 +17,9 @@ def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
     >>> to_flint_polynomial(polynomial("s**2 + 1/2"))
     x^2 + 1/2
     """
+    kept = getattr(poly.rep, "_rep", None)
+    if isinstance(kept, flint.fmpq_poly):
+        return kept
     ascending = poly.rep.to_list()[::-1]
     if QQ.dtype is not flint.fmpq:
         ascending = [flint.fmpq(int(c.numerator), int(c.denominator)) for c in ascending]

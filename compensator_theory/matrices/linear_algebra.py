@@ -8,12 +8,8 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.flint_matrices import (
-    from_flint,
-    is_rational_matrix,
-    rational,
-    to_flint,
-)
+from compensator_theory.matrices.flint_matrices import from_flint, rational, rational_in_flint
+from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 
@@ -55,8 +51,8 @@ def determinant(matrix: Matrix) -> Expr:
     a**2 - 1
     """
     _require_square(matrix)
-    if is_rational_matrix(matrix):
-        return rational(to_flint(matrix).det())
+    if (raw := rational_in_flint(matrix)) is not None:
+        return rational(raw.det())
     domain_matrix = DomainMatrix.from_Matrix(matrix)
     constant_term = domain_matrix.charpoly()[-1]  # division-free
     sign = -1 if matrix.rows % 2 else 1
@@ -75,8 +71,8 @@ def rank(matrix: Matrix) -> int:
     """
     if 0 in matrix.shape:
         return 0
-    if is_rational_matrix(matrix):
-        return int(to_flint(matrix).rref()[1])
+    if (raw := rational_in_flint(matrix)) is not None:
+        return int(raw.rref()[1])
     return len(DomainMatrix.from_Matrix(matrix).rref_den()[2])
 
 
@@ -94,9 +90,8 @@ def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
     _require_square(matrix)
     if matrix.rows == 0:
         return canonical(Poly(1, variable))
-    if is_rational_matrix(matrix):
-        ascending = to_flint(matrix).charpoly().coeffs()
-        return canonical(Poly([rational(c) for c in reversed(ascending)], variable))
+    if (raw := rational_in_flint(matrix)) is not None:
+        return from_flint_polynomial(raw.charpoly(), variable)
     domain_matrix = DomainMatrix.from_Matrix(matrix)
     domain = domain_matrix.domain
     return canonical(Poly([domain.to_sympy(c) for c in domain_matrix.charpoly()], variable))
@@ -132,9 +127,10 @@ def solve(matrix: Matrix, right_side: Matrix) -> ImmutableMatrix:
     _require_square(matrix)
     _require_rows(matrix, right_side)
     singular = f"the {matrix.rows} x {matrix.cols} matrix is singular; use solve_affine"
-    if is_rational_matrix(matrix) and is_rational_matrix(right_side):
+    raw, column = rational_in_flint(matrix), rational_in_flint(right_side)
+    if raw is not None and column is not None:
         try:
-            return from_flint(to_flint(matrix).solve(to_flint(right_side)))
+            return from_flint(raw.solve(column))
         except ZeroDivisionError as error:
             raise NoSolutionError(singular) from error
     left, right = _unified(matrix, right_side)
@@ -196,8 +192,8 @@ def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
 
 
 def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
-    if is_rational_matrix(matrix):
-        reduced, found = to_flint(matrix).rref()
+    if (raw := rational_in_flint(matrix)) is not None:
+        reduced, found = raw.rref()
         result = from_flint(reduced)
         leading = (
             next(c for c in range(result.cols) if result[row, c] != 0) for row in range(int(found))

@@ -247,5 +247,5 @@ def _from_columns(columns: list[dict[int, Expr]], rows: int) -> ImmutableMatrix:
         for j, column in enumerate(columns):
             for i, entry in column.items():
                 by_row.setdefault(i, {})[j] = QQ(int(entry.p), int(entry.q))
-        return ImmutableMatrix(DomainMatrix(by_row, shape, QQ).to_Matrix())
+        return DomainMatrix(by_row, shape, QQ).to_Matrix().as_immutable()
     return ImmutableMatrix(*shape, lambda i, j: columns[int(j)].get(int(i), sympy.S.Zero))

@@ -10,8 +10,8 @@ from sympy import Expr, ImmutableMatrix, Poly
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.coprime_equations import solve_coprime_equation
-from compensator_theory.matrices.linear_algebra import AffineSolution, solve_affine
-from compensator_theory.matrices.sylvester import formal_coefficients, sylvester_m
+from compensator_theory.matrices.linear_algebra import solve_affine
+from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (
@@ -125,8 +125,8 @@ def place_poles(
     m_hat = _numerator_degree(n, n_c, numerator_degree, properness)
     _check_degrees(G, n_c, m_hat)
     _check_fixed_poles(G, goal)
-    solution = _solve(G, goal, n_c, m_hat, feedback)
-    placement = replace(_placement(G, goal, n_c, feedback, solution), roots=roots)
+    pair, homogeneous = _solve(G, goal, n_c, m_hat, feedback)
+    placement = replace(_placement(G, goal, n_c, feedback, pair, homogeneous), roots=roots)
     return _exactly_proper(placement) if properness == "exactly proper" else placement
 
 
@@ -206,19 +206,24 @@ def _check_fixed_poles(G: TransferFunction, goal: Poly) -> None:
         )
 
 
-def _solve(G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int) -> AffineSolution:
+Pair = tuple[Poly, Poly]
+"""(D_c, N_c)."""
+
+
+def _solve(
+    G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int
+) -> tuple[Pair, tuple[Pair, ...]]:
     D, N = G.denominator, scaled(G.numerator, -feedback)
     rational = D.domain.is_QQ and N.domain.is_QQ and goal.domain.is_QQ and not N.is_zero
     if rational and 0 < G.order == m_hat + 1 <= n_c + 1:
         pair = solve_coprime_equation(D, N, goal)
         if pair is not None:
-            d, c = (formal_coefficients(p, k) for p, k in zip(pair, (n_c, m_hat), strict=True))
-            return AffineSolution(ImmutableMatrix([*d, *c[::-1]]), ())
+            return pair, ()
     M = sylvester_m(D, N, n_c + 1, m_hat)
     high_degrees_last = [*range(n_c + 1), *reversed(range(n_c + 1, M.cols))]  # so these are free
     M = M.extract(list(range(M.rows)), high_degrees_last)
     try:
-        return solve_affine(M, ImmutableMatrix(goal.all_coeffs()))
+        found = solve_affine(M, ImmutableMatrix(goal.all_coeffs()))
     except NoSolutionError as error:
         n = G.order
         raise NoSolutionError(
@@ -226,6 +231,8 @@ def _solve(G: TransferFunction, goal: Poly, n_c: int, m_hat: int, feedback: int)
             f"{_obstruction(M, goal)}. From n_c = {n - 1} and numerator_degree = {n - 1} on, every "
             "target is reached"
         ) from error
+    homogeneous = tuple(_pair(vector, G, n_c) for vector in found.nullspace)
+    return _pair(found.particular, G, n_c), homogeneous
 
 
 def _obstruction(M: ImmutableMatrix, goal: Poly) -> str:
@@ -244,9 +251,14 @@ def _obstruction(M: ImmutableMatrix, goal: Poly) -> str:
 
 
 def _placement(
-    G: TransferFunction, goal: Poly, n_c: int, feedback: int, solution: AffineSolution
+    G: TransferFunction,
+    goal: Poly,
+    n_c: int,
+    feedback: int,
+    pair: Pair,
+    homogeneous: tuple[Pair, ...],
 ) -> PolePlacement:
-    D_c, N_c = _pair(solution.particular, G, n_c)
+    D_c, N_c = pair
     if D_c.degree() < n_c:
         raise ImproperError(
             f"the only pair that places these poles is N_c = {format_polynomial(N_c)}, "
@@ -254,9 +266,9 @@ def _placement(
             "the loop would not be well posed. Change the target slightly or raise n_c"
         )
     leading = D_c.LC()
-    homogeneous = tuple(_pair(vector, G, n_c)[::-1] for vector in solution.nullspace)
+    exchanged = tuple((d_numerator, d_denominator) for d_denominator, d_numerator in homogeneous)
     return PolePlacement(
-        G, goal, feedback, scaled(N_c, 1 / leading), scaled(D_c, 1 / leading), homogeneous
+        G, goal, feedback, scaled(N_c, 1 / leading), scaled(D_c, 1 / leading), exchanged
     )
 
 

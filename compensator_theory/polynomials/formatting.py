@@ -32,3 +32,20 @@ def _formatted(poly: Poly) -> str:
     if not text:
         return "0"
     return text[3:] if text.startswith(" +") else "-" + text[3:]
+
+
+def shown(value: object, most: int = 60) -> str:
+    """Write anything that was given for an error message, however large or broken it is.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.formatting import shown
+    >>> shown("s" * 1000, 8), shown(2)
+    ("'sss...", '2')
+    """
+    try:
+        with long_integers():
+            text = repr(value)
+    except Exception:  # of a foreign object, or a number that fits nowhere
+        text = f"an object of type {type(value).__name__}"
+    return text if len(text) <= most else text[: most - 4] + "..."

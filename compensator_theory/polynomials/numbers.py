@@ -87,6 +87,8 @@ def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
     >>> read_coefficients([0, "1/2"])
     [0, 1/2]
     """
+    if getattr(values, "shape", None) == ():
+        raise InputError(f"{values!r} is one number and no list; give the number itself")
     if isinstance(values, Sized):
         ask("degree", len(values) - 1, "the list of coefficients")
     found = [sympy.sympify(exact_number(v)) for v in islice(values, limit_of("degree") + 2)]

@@ -10,6 +10,7 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialEr
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import quoted, unlimited
 from compensator_theory.polynomials.expressions import read_text
+from compensator_theory.polynomials.formatting import shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
@@ -211,7 +212,7 @@ def require_poly(poly: Poly) -> Poly:
     Poly(2*s + 1, s, domain='QQ')
     """
     if not isinstance(poly, Poly):
-        raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial({poly!r}, 's')")
+        raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial(..., 's')")
     if not poly.domain.is_Exact:
         raise InputError(f"{quoted(poly)} is not exact; read it with polynomial(...) first")
     return canonical(poly)

@@ -6,7 +6,7 @@ from itertools import pairwise
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.formatting import format_polynomial, shown
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
 
@@ -147,7 +147,7 @@ def require_rational(poly: Poly) -> Poly:
     Poly(s + 1/3, s, domain='QQ')
     """
     if not isinstance(poly, Poly):
-        raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial()")
+        raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial()")
     if not is_rational(poly):
         raise InputError(
             f"the roots of {format_polynomial(poly)} cannot be counted: its coefficients are not "

@@ -345,3 +345,18 @@ def test_loops_carry_their_certificate():
     assert exact.intercalated_transfer_function(plant, "1", "q").certificate.holds
     design = exact.high_authority_lqg(exact.standard_problem("(q - 2)/(q**2 - 1/4)"))
     assert design.compensator.certificate.holds
+
+
+@pytest.mark.parametrize(
+    ("door", "value"),
+    [
+        (exact.polynomial, np.array(3)),
+        (exact.certified_roots, "s+" * 30_000 + "1"),
+        (exact.number_of_real_roots, 10**100_000 * s),
+        (lambda v: exact.solve_riccati(v, [[1]], [[1]]), "9" * 50_000),
+    ],
+)
+def test_a_refusal_is_ours_and_short(door, value):
+    with pytest.raises(InputError) as caught:
+        door(value)
+    assert len(str(caught.value)) < 500
