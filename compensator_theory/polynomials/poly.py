@@ -76,9 +76,7 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
         return _from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
     coefficients = read_coefficients(obj)
     if variable is None:
-        raise InputError(
-            f"the {len(coefficients)} coefficients need a variable, for instance variable='s'"
-        )
+        raise InputError(f"{len(coefficients)} coefficients need a variable, say variable='s'")
     symbol = as_symbol(variable)
     if any(symbol in value.free_symbols for value in coefficients):
         raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
