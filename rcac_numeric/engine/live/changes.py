@@ -99,8 +99,8 @@ class AppliedChange(Value):
         What became of P: as asked for, or "reset" in the place of "blend" where the number of NMP
         zeros of the target model changed or nothing of the past was left; empty without a target.
     distance : float
-        How far the filtered signals moved over the last 64 steps, sum |new - old|^2 over
-        sum |new|^2; 0 without a target.
+        How far the filtered signals moved over the last 64 steps, ``sum |new - old|^2`` over
+        ``sum |new|^2``; 0 without a target.
     evidence : str
         Why it was made, where whoever made it said so.
     """

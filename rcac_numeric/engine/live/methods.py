@@ -35,8 +35,8 @@ class LiveMethods(ABC):
 
         The past of the filter is what the new G_f makes of the stored signals, as if it had been
         there from the beginning: exactly for an FIR model, and for one with D_f as far as its poles
-        have settled within 200 steps. With rho = sum |new - old|^2 / sum |new|^2 of the filtered
-        signals over the last 64 steps P becomes
+        have settled within 200 steps. With rho = ``sum |new - old|^2 / sum |new|^2`` of the
+        filtered signals over the last 64 steps P becomes
 
         - "keep": what it is. The fastest to forgive where the zero hardly moved.
         - "reset": P(0). Where the old model was wrong rather than moved.

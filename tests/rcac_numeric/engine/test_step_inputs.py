@@ -42,7 +42,7 @@ def test_every_kind_of_numbers_makes_the_same_step(kind):
     "y",
     [[1.0], [1.0, 2.0, 3.0], [1.0, float("nan")], (1.0, float("inf")), ["1", "x"], [1.0, None],
      [1.0, 1j], np.array([1.0, np.nan], dtype=np.float32), np.array([1 + 0j, 2]), 10**400,
-     [1, 10**400], np.array(["a", "b"]), {1.0, 2.0}, None, object(), [[1.0], [2.0, 3.0]]],
+     [1, 10**400], np.array(["a", "b"]), {1.0, 2.0}, None, int, [[1.0], [2.0, 3.0]]],
     ids=lambda y: repr(y)[:30],
 )  # fmt: skip
 def test_what_is_no_measurement_is_refused_and_nothing_moves(y):
