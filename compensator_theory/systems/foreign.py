@@ -104,7 +104,9 @@ def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
     if type(system).__module__.startswith("sympy"):
         try:
             return _of_sympy(system, variable)
-        except (AttributeError, TypeError) as error:  # SymPy joins not all that it lets one write
+        except InputError:
+            raise
+        except (AttributeError, TypeError, ValueError) as error:  # SymPy joins not all it can write
             raise InputError(
                 f"SymPy cannot join the parts of this {type(system).__name__}: {error}; join "
                 "transfer functions only"
@@ -158,7 +160,7 @@ def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
         return Matrices(system.A, system.B, system.C, system.D, symbol)
     if (system.num_inputs, system.num_outputs) != (1, 1):
         _refuse_several(system, system.num_outputs, system.num_inputs)
-    joined = system if name in ("TransferFunction", "TransferFunctionMatrix") else system.doit()
+    joined = _joined(system)
     if type(joined).__name__ == "TransferFunctionMatrix":
         joined = joined[0, 0]
         joined = joined if type(joined).__name__ == "TransferFunction" else joined.doit()
@@ -170,6 +172,19 @@ def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
     if variable is not None and as_symbol(variable) != own:
         raise InputError(f"the system is written in {own}, not in {variable}")
     return Fraction(joined.num, joined.den, own)
+
+
+def _joined(system: Any) -> Any:
+    """What a Series, Parallel or Feedback amounts to.
+
+    SymPy 1.14 keeps in the class whether a connection holds a StateSpace, so that one answers for
+    the connection that was made last: each is made again just before it is asked.
+    """
+    name = type(system).__name__
+    if name in ("TransferFunction", "StateSpace", "TransferFunctionMatrix"):
+        return system
+    parts = [_joined(p) if hasattr(p, "num_inputs") else p for p in system.args]
+    return system.func(*parts).doit()
 
 
 def _variable(system: Any, variable: str | Symbol | None) -> Symbol:

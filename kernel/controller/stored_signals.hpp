@@ -112,7 +112,11 @@ public:
         archive(rho_);
         archive(number_, -1, static_cast<std::int64_t>(planned_->size()) - 1);
         if (number_ >= 0) {
-            if (archive.reading()) model_ = (*planned_)[static_cast<std::size_t>(number_)];
+            if (!archive.reading()) return;
+            const TargetModel& planned = (*planned_)[static_cast<std::size_t>(number_)];
+            if (planned.order > longest_order)
+                throw std::invalid_argument("its target model does not fit into its filter");
+            model_ = planned;
             return;
         }
         auto order = static_cast<std::int64_t>(model_.order);

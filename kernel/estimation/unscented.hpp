@@ -7,15 +7,16 @@ namespace rcac {
 
 // Weights gamma_0 = (alpha - n)/alpha and gamma_i = 1/(2 alpha): with (8.11) as printed they do not
 // add up to 1. The points are drawn again after Q was added, without which the filter is not the
-// Kalman filter where the model is linear. For alpha >= n no weight is negative and P cannot lose
-// its definiteness; below, the centre is taken out by a downdate, which may find that it did.
+// Kalman filter where the model is linear. In covariances the centre weighs beta more (Wan and van
+// der Merwe). Where no weight is negative P cannot lose its definiteness; else the centre is taken
+// out by a downdate, which may find that it did.
 class UnscentedKalmanFilter final : public KalmanFilter {
 public:
     template <class... Arguments>
-    explicit UnscentedKalmanFilter(double alpha, Arguments&&... arguments)
+    explicit UnscentedKalmanFilter(double alpha, double beta, Arguments&&... arguments)
         : KalmanFilter(std::forward<Arguments>(arguments)...),
           alpha_(alpha),
-          centre_((alpha - static_cast<double>(n_)) / alpha),
+          centre_((alpha - static_cast<double>(n_)) / alpha + beta),
           points_((2 * n_ + 1) * n_),
           images_((2 * n_ + 1) * std::max(n_, p_)),
           taken_(n_ + p_),

@@ -241,6 +241,7 @@ def filter(
     Q_root: Array,
     R_root: Array,
     alpha: float,
+    beta: float,
 ) -> Filter: ...
 def sensitivity(
     model: EstimationModel,

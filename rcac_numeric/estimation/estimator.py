@@ -26,14 +26,14 @@ def compiled_filter(settings: EKF | UKF) -> tuple[Filter, EstimationModel]:
     """The filter at step 0 for the kernel, and its model."""
     if type(settings) not in (EKF, UKF):
         raise InputError(f"settings = {settings!r}: an EKF or a UKF is needed.")
-    kind, alpha = "unscented", 1.0
+    kind, alpha, beta = "unscented", 1.0, 0.0
     if isinstance(settings, UKF):
-        alpha = settings.alpha
+        alpha, beta = settings.alpha, settings.beta
     else:
         kind = "extended" if settings.form == "square root" else "joseph"
     P_0, Q, R = map(square_root, (settings.P_0, settings.Q, settings.R))
     model = compiled_model(settings.model)
-    return make_filter(kind, model, settings.x_0, P_0, Q, R, alpha), model
+    return make_filter(kind, model, settings.x_0, P_0, Q, R, alpha, beta), model
 
 
 class Estimator(Resumable[EKF | UKF]):

@@ -114,12 +114,15 @@ class UKF(KalmanSettings):
     alpha : float, optional
         How far the points spread; max(n, 3) by default, 3 as for a Gaussian kurtosis. Below n the
         centre has a negative weight, and P may lose its definiteness, which is then said.
+    beta : float
+        How much more the centre weighs in covariances than in means; 0 by default, and 2 as Wan and
+        van der Merwe propose for Gaussian beliefs.
 
     Raises
     ------
     InputError
-        Where sizes do not fit, an entry is not finite, a covariance is not semidefinite or alpha
-        is not positive.
+        Where sizes do not fit, an entry is not finite, a covariance is not semidefinite, alpha
+        is not positive or beta negative.
 
     Examples
     --------
@@ -130,6 +133,7 @@ class UKF(KalmanSettings):
     """
 
     alpha: float
+    beta: float
 
     def __init__(
         self,
@@ -139,12 +143,16 @@ class UKF(KalmanSettings):
         x_0: ArrayLike | None = None,
         P_0: ArrayLike = 1.0,
         alpha: float | None = None,
+        beta: float = 0.0,
     ) -> None:
         self._read(model, Q, R, x_0, P_0)
         spread = max(self.model.n, 3) if alpha is None else number(alpha, "alpha")
         if spread <= 0:
             raise InputError(f"alpha = {spread:.6g} must be positive; n = {self.model.n} is safe.")
         object.__setattr__(self, "alpha", float(spread))
+        object.__setattr__(self, "beta", number(beta, "beta"))
+        if self.beta < 0:
+            raise InputError(f"beta = {self.beta:.6g} must not be negative; 0 and 2 are usual.")
 
 
 def noise_roots(

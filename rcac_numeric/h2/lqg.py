@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,9 +27,10 @@ from rcac_numeric.h2.state_space import StateSpace, state_space_latex
 from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.linear import Plant
 
+if TYPE_CHECKING:
+    import control
 FORMS = ("predictor", "filter")
-# Largest distance of the cost of the loop to that of the Riccati solutions.
-LARGEST_GAP = 1e-6
+LARGEST_GAP = 1e-6  # of the cost of the loop to that of the Riccati solutions
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +77,8 @@ class LQG(Value):
         found = self._converted[0]
         if np.isfinite(self.cost.value) and not ClosedLoop(self.plant, found).is_stable:
             raise IllConditionedError(
-                "rounding the difference equation of this LQG controller to float64 makes the loop "
-                "unstable, though that with its state space is stable. Use state_space or "
-                "to_control()."
+                "the difference equation of this LQG controller, rounded to float64, makes the "
+                "loop unstable, its state space a stable one. Use state_space or to_control()."
             )
         return found
 
@@ -96,11 +96,11 @@ class LQG(Value):
         """The plant in a loop with `compensator`."""
         return ClosedLoop(self.plant, self.compensator)
 
-    def to_control(self) -> Any:
+    def to_control(self) -> control.StateSpace:
         """The controller for python-control, with the plant's sample time, or True without one."""
-        import control  # a second of import time, paid only here
+        from control import ss
 
-        return control.ss(*self.state_space, self.plant.sample_time or True)
+        return ss(*self.state_space, self.plant.sample_time or True)
 
     @cached_property
     def poles(self) -> ComplexArray:
@@ -115,14 +115,14 @@ class LQG(Value):
     @cached_property
     def agreement(self) -> ExactAgreement:
         """The closed-loop poles beside the exact ones of `compensator_theory.lqg_poles`."""
-        noise = noise_inputs(self.plant, self.noise)
-        return exact_agreement(self.plant, noise, self.regulator, self.estimator)
+        inputs = noise_inputs(self.plant, self.noise)
+        return exact_agreement(self.plant, inputs, self.regulator, self.estimator)
 
     @property
     def cost_gap(self) -> float:
         """Distance of `cost` and `cost_from_riccati`, over the sizes of the terms of the cost."""
-        size = sum(map(abs, self.cost.terms.values())) or np.inf
-        return abs(self.cost.value - self.cost_from_riccati) / size
+        size = sum(map(abs, self.cost.terms.values()))
+        return abs(self.cost.value - self.cost_from_riccati) / (size or np.inf)
 
     def plot(self) -> figures.Figure:
         """The closed-loop poles by what made them, and the gain and phase of the controller."""

@@ -135,9 +135,9 @@ def bootstrap_zeros(
     for _ in range(count):
         starts = rng.integers(0, rows - length + 1, size=-(-rows // length))
         chosen = whole[(starts[:, None] + np.arange(length)).ravel()[:rows]]
-        theta = np.linalg.lstsq(chosen[:, : regressors.shape[1]], chosen[:, regressors.shape[1] :])[
-            0
-        ]
+        theta = np.linalg.lstsq(
+            chosen[:, : regressors.shape[1]], chosen[:, regressors.shape[1] :], rcond=None
+        )[0]
         H = theta[: mu * markov.H.shape[2]].reshape(mu, markov.H.shape[2], -1).transpose(0, 2, 1)
         zeros = realised_zeros(np.ascontiguousarray(H[delta.d_zu :]), order)
         _, matched = linear_sum_assignment(np.abs(delta.zeros[:, None] - zeros[None, :]))

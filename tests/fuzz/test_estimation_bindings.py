@@ -46,6 +46,7 @@ def test_filters(n, l_u, l_y, data):
     arguments = {
         "x_0": np.zeros(n), "S_0": np.eye(n), "Q_root": np.eye(n), "R_root": np.eye(l_y),
         "alpha": draw(st.sampled_from([3.0, 0.5, -1.0, np.nan])),
+        "beta": draw(st.sampled_from([0.0, 2.0, -1.0, np.nan])),
     }  # fmt: skip
     kind = draw(st.sampled_from(["extended", "joseph", "unscented", "other"]))
     model = draw(st.sampled_from([linear, program]))

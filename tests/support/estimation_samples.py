@@ -77,7 +77,7 @@ ESTIMATION_SAMPLES = {
     rcac.NonlinearModel: python,
     rcac.SymbolicModel: symbolic,
     rcac.EKF: filter_of,
-    rcac.UKF: lambda seed: rcac.UKF(symbolic(seed), Q=0.1, R=1.0, alpha=2.5),
+    rcac.UKF: lambda seed: rcac.UKF(symbolic(seed), Q=0.1, R=1.0, alpha=2.5, beta=seed / 7),
     rcac.StateEstimates: estimates,
     rcac.Consistency: lambda seed: estimates(seed).nis_consistency(),
     rcac.Observability: lambda seed: estimates(seed).observability,

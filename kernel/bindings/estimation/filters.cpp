@@ -89,7 +89,7 @@ Model tape_model(std::size_t n, std::size_t l_u, std::size_t l_y, nb::handle f, 
 
 std::unique_ptr<OwnedFilter> filter(const std::string& kind, nb::handle model, const Array& x_0,
                                     const Array& S_0, const Array& Q_root, const Array& R_root,
-                                    double alpha) {
+                                    double alpha, double beta) {
     Model shared;
     if (!nb::try_cast(model, shared) || !shared) throw nb::type_error("this is not a model");
     const std::size_t n = shared->n, p = shared->l_y;
@@ -105,7 +105,8 @@ std::unique_ptr<OwnedFilter> filter(const std::string& kind, nb::handle model, c
     } else {
         refuse_unless(kind == "unscented", "no filter named " + kind.substr(0, 200));
         refuse_unless(alpha > 0.0 && alpha < 1e300, "alpha is not positive");
-        owned->filter = std::make_unique<UnscentedKalmanFilter>(alpha, shared, x, S, Q, R);
+        refuse_unless(beta >= 0.0 && beta < 1e300, "beta is negative");
+        owned->filter = std::make_unique<UnscentedKalmanFilter>(alpha, beta, shared, x, S, Q, R);
     }
     return owned;
 }
@@ -242,7 +243,7 @@ void bind_filters(nb::module_& m) {
     m.def("tape_estimation_model", &tape_model, nb::arg("n"), nb::arg("l_u"), nb::arg("l_y"),
           nb::arg("f"), nb::arg("h"), nb::arg("f_F"), nb::arg("h_H"));
     m.def("filter", &filter, nb::arg("kind"), nb::arg("model"), nb::arg("x_0"), nb::arg("S_0"),
-          nb::arg("Q_root"), nb::arg("R_root"), nb::arg("alpha"));
+          nb::arg("Q_root"), nb::arg("R_root"), nb::arg("alpha"), nb::arg("beta"));
     m.def("sensitivity", &sensitivity_of, nb::arg("model"), nb::arg("x"), nb::arg("u"),
           nb::arg("measured"), nb::arg("scale"), nb::arg("weight"), nb::arg("growth"));
 }

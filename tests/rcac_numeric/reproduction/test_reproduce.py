@@ -145,7 +145,7 @@ def test_the_command_writes_a_page_and_says_what_is_so(tmp_path):
     told = json.loads(result.stdout)
     assert [example["id"] for example in told["examples"]] == [f"B.{i}" for i in range(1, 6)]
     assert "Two coprime polynomials" in (tmp_path / "index.html").read_text()
-    result = CliRunner().invoke(main, ["reproduce", "--chapter", "9", "-o", str(tmp_path)])
+    result = CliRunner().invoke(main, ["reproduce", "--chapter", "10", "-o", str(tmp_path)])
     assert result.exit_code == 2 and "there is no example of chapter" in result.output
 
 

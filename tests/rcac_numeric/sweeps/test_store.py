@@ -168,9 +168,9 @@ def test_an_export_reads_back_as_the_table(stored, tmp_path):
     frame = table.to_pandas()
     assert list(frame.columns) == [name for name in table.columns if name != "run"]
     export_table(stored, tmp_path / "runs.csv")
-    back = pandas.read_csv(tmp_path / "runs.csv", keep_default_na=False)
+    back = pandas.read_csv(tmp_path / "runs.csv", keep_default_na=False, dtype=str)
     for name in ("run", "R_theta", "noise", "rms", "late"):
-        assert np.array_equal(back[name], table[name])
+        assert np.array_equal([float(text) for text in back[name]], table[name])
     array = table.to_xarray()
     assert array["rms"].dims == ("R_theta", "noise", "repetition")
     one = table.where(R_theta=1.0, noise=2)
