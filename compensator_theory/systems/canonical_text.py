@@ -10,7 +10,7 @@ from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import polynomial
-from compensator_theory.polynomials.quotients import multiplied_out
+from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.shared import is_list
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -48,35 +48,40 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     >>> canonical("2i + .50"), canonical("(s+1)*(s+2)"), canonical("1/s + 1/(s + 1)")
     ('1/2 + 2*I', 's**2 + 3*s + 2', '(2*s + 1)/(s**2 + s)')
     """
-    text = _written(obj, variable)
+    text, is_plain = _written(obj, variable)
     for _ in range(5):  # SymPy has several forms for roots of rational numbers
         with unlimited():
-            again = _written(text, variable)
+            again = _plain(read_text(text)) if is_plain else _written(text, variable)[0]
         if again == text:
             return text
         text = again
     raise InputError(f"{text[:60]} has no form here that reads back to itself; write symbols")
 
 
-def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> str:
+def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[str, bool]:
+    """Write it once; and whether as it stands, since it is no system, or too large a one."""
     if isinstance(obj, TransferFunction | TransferMatrix | Realisation | tuple) or is_foreign(obj):
-        return str(transfer_function(obj, variable))
+        return str(transfer_function(obj, variable)), False
     if isinstance(obj, Poly) or is_list(obj):
-        return format_polynomial(polynomial(obj, variable))
+        return format_polynomial(polynomial(obj, variable)), False
     if isinstance(obj, str):
         quotient = read_text(obj)
     else:
         quotient = multiplied_out(tree_of(exact_number(obj)), least_denominators=True)
     top, bottom = quotient.sides()
     if top.is_number and bottom.is_number:
-        return _number(quotient.value())
+        return _number(quotient.value()), False
     try:
         if not bottom.is_number:
-            return str(transfer_function(obj, variable))
-        return format_polynomial(polynomial(quotient.value(), variable))
+            return str(transfer_function(obj, variable)), False
+        return format_polynomial(polynomial(quotient.value(), variable)), False
     except InputError:
         if variable is not None:
             raise
+    return _plain(quotient), True
+
+
+def _plain(quotient: Quotient) -> str:
     with long_integers():
         return str(quotient.value())
 
