@@ -110,7 +110,7 @@ def main():
             worst, found = max(worst, slowest), found + len(failures)
             for name, text, told in failures:
                 print(f"seed {seed}: {name}({text!r})\n{shortened(told)}", flush=True)
-            if done % 20_000 == 0:
+            if done % 20_000 == 0 and done < PIECE * pieces:
                 print(f"{done} texts, {read} accepted, {found} findings, slowest {worst:.2f} s")
     print(f"{done} texts, {read} accepted, {found} findings, slowest {worst:.2f} s")
     return min(found, 1)
