@@ -51,7 +51,10 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     text, is_plain = _written(obj, variable)
     for _ in range(5):  # SymPy has several forms for roots of rational numbers
         with unlimited():
-            again = _plain(read_text(text)) if is_plain else _written(text, variable)[0]
+            quotient = read_text(text)
+            again = "" if is_plain else _form(text, quotient, variable)[0]
+        if is_plain:  # q/q - s is no system, and -s is; within the budget, as the first look was
+            again, is_plain = _form(text, quotient, variable)
         if again == text:
             return text
         text = again
@@ -68,6 +71,13 @@ def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[
         quotient = read_text(obj)
     else:
         quotient = multiplied_out(tree_of(exact_number(obj)), least_denominators=True)
+    return _form(obj, quotient, variable)
+
+
+def _form(
+    obj: TransferFunctionLike, quotient: Quotient, variable: str | Symbol | None
+) -> tuple[str, bool]:
+    """Write what was read as a quotient."""
     top, bottom = quotient.sides()
     if top.is_number and bottom.is_number:
         return _number(quotient.value()), False

@@ -10,7 +10,6 @@ import argparse
 import random
 import time
 import traceback
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 
 from tests.fuzz.expression_checks import check_roots, check_text, warm
@@ -101,11 +100,9 @@ def main():
     pieces = -(-asked.count // PIECE)
     seeds = [f"{asked.seed}/{piece}" for piece in range(pieces)]
     done, read, worst, found = 0, 0, 0.0, 0
-    with ProcessPoolExecutor(
-        asked.processes, mp_context=get_context("spawn"), max_tasks_per_child=20
-    ) as pool:
-        for future in as_completed([pool.submit(hunt, seed) for seed in seeds]):
-            seed, accepted, slowest, failures = future.result()
+    # No executor with max_tasks_per_child: in Python 3.11 it may wait for a process for ever.
+    with get_context("spawn").Pool(asked.processes, maxtasksperchild=20) as pool:
+        for seed, accepted, slowest, failures in pool.imap_unordered(hunt, seeds):
             done, read = done + PIECE, read + accepted
             worst, found = max(worst, slowest), found + len(failures)
             for name, text, told in failures:

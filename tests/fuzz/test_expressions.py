@@ -97,6 +97,7 @@ def warmed():
 @example("441374 + (0.036229641260683065 + z)/(sqrt(1e-3)-(0.7222695494051099)/(629456))")
 @example("((1+pi)+(1+pi)+(1+pi))^1000")
 @example("0.5877076538493217^-0.1+(I)/(-10)/a")
+@example("+q/q-s-b - 007+2")
 def test_a_text_is_refused_or_echoed(text):
     check_text(text)
 
