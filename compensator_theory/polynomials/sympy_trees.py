@@ -4,7 +4,7 @@ import sympy
 from sympy import Expr, Float, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, decimal_digits
 from compensator_theory.polynomials.quotients import (
     Leaf,
     Power,
@@ -228,7 +228,10 @@ def by_powers(expression: Expr, variable: Symbol) -> dict[int, Expr] | None:
 
 
 def require_small_field(numbers: list[Expr]) -> None:
-    """Ask for the field that irrational numbers span, by a bound of its degree.
+    """Ask for the field that irrational numbers span, by bounds of its degree and discriminant.
+
+    The discriminant of a polynomial of degree n has about n (n - 1) times the digits of its
+    coefficients, and to find the field is to factor polynomials of that size.
 
     Examples
     --------
@@ -245,6 +248,18 @@ def require_small_field(numbers: list[Expr]) -> None:
         else:
             degree *= 2
         ask("field_degree", degree, "the irrational numbers together")
+    longest = decimal_digits(max((_bits(number) for number in numbers), default=0))
+    what = f"the discriminant of irrational numbers of degree {degree}"
+    ask("digits", degree * (degree - 1) * longest, what)
+
+
+def _bits(number: Expr) -> int:
+    """Bound the bits of the rational numbers in a number that is multiplied out."""
+    if isinstance(number, sympy.Rational):
+        return max(int(number.p).bit_length(), int(number.q).bit_length())
+    if isinstance(number, sympy.Pow) and number.exp.is_Rational:
+        return int(sympy.ceiling(abs(number.exp))) * _bits(number.base)
+    return sum(_bits(part) for part in number.args)
 
 
 def _generators(number: Expr) -> set[Expr]:
