@@ -288,7 +288,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
     require_small_field(list(powers.values()))
     try:
         result = Poly({(k,): c for k, c in powers.items()}, variable, extension=True)
-    except (PolynomialError, GeneratorsError, CoercionFailed) as error:
+    except (PolynomialError, GeneratorsError, CoercionFailed, NotImplementedError) as error:
         whole = sum(c * variable**k for k, c in powers.items())
         raise InputError(
             f"the coefficients of {quoted(whole)} span no field that is known here; write symbols "

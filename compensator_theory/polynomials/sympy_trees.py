@@ -20,7 +20,7 @@ _IRRATIONAL = (
     sympy.re, sympy.im, sympy.conjugate, sympy.sign,
 )  # fmt: skip
 _ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
-_RADICAND_DIGITS = 600  # SymPy looks for squares in it
+_RADICAND_DIGITS = 300  # SymPy looks for powers in it, and has their size in floats
 _X = Symbol("x")
 
 
@@ -155,7 +155,7 @@ def real_power(base: Expr, exponent: Expr) -> Expr:
             f"the exponent {str(exponent)[:60]} is not a rational number; roots are written "
             "sqrt(...)"
         )
-    if base.is_Rational and base <= 0 and (exponent.q % 2 or base == 0):
+    if base.is_zero or (exponent.q % 2 and exponent.q > 1 and base.is_extended_negative):
         raise InputError(
             f"({str(base)[:60]})**({exponent}) has several meanings; write the root that you mean"
         )

@@ -100,9 +100,10 @@ def _number(value: Expr) -> str:
     """Write a constant; roots of unity and cosines by their real and imaginary parts."""
     if value.atoms(sympy.exp, sympy.cos, sympy.sin) or _has_branches(value):
         found = algebraic(value)
-        if found is None:
+        if found is not None:
+            value = _in_parts(found)
+        elif value.atoms(sympy.exp, sympy.cos, sympy.sin):
             raise InputError(f"the number {str(value)[:60]} has no exact text here; write a symbol")
-        value = _in_parts(found)
     if value.atoms(sympy.NumberSymbol) - {sympy.pi}:
         raise InputError(f"{str(value)[:60]} would read back as a symbol; write one in its place")
     with long_integers(), unlimited():
