@@ -61,7 +61,7 @@ public:
         if (plan_.dither.is_on())
             for (std::size_t i = 0; i < l_u(); ++i) u_[i] += plan_.dither(step_, i);
         for (std::size_t i = 0; i < l_u(); ++i) signals().now(i) = u_[i];
-        fixed_.add_to(u_.data());
+        if (fixed_.is_there()) fixed_.add_to(u_.data());
         return u_.data();
     }
 
@@ -102,7 +102,7 @@ public:
             for (std::size_t i = 0; i < l_u(); ++i)
                 rows_.target()[r] -= filter_.outputs()(filter_.index(i, r, i), 0);
         }
-        rows_.penalise(regressor_, 0);
+        if (rows_.penalises()) rows_.penalise(regressor_, 0);
         rows_.weigh(z, signals(), step_, 0);
         if (rules_.forgets()) lambda_ = rules_.forgetting_factor();
         if (rules_.reset_is_due(step_, plan_.k_update, last_reset_, *update_)) {
@@ -267,7 +267,7 @@ private:
             for (std::size_t i = 0; i < z.size(); ++i) z[i] = performance_(i, as_size(age));
             for (std::size_t i = 0; i < z.size(); ++i) rows_.set_target(i, z[i]);
             data_of_age(model_.past(), structure(), as_size(age), rows_.Phi_f(), rows_.target());
-            rows_.penalise(regressor_, as_size(age));
+            if (rows_.penalises()) rows_.penalise(regressor_, as_size(age));
             rows_.weigh(z.data(), signals(), step_, as_size(age));
             fine = (*update_)(rows_.data(lambda_), step_ - age, theta_.data());
             if (fine) conclude();

@@ -22,7 +22,8 @@ public:
           target_(l_z + l_u_),
           R_z_(plan.R_z),
           R_u_(plan.R_u),
-          S_(plan.penalty) {
+          S_(plan.penalty),
+          normalizes_(plan.normalization.function != Normalization::none) {
         find_penalty();
     }
 
@@ -30,12 +31,13 @@ public:
     std::size_t size_of_Phi_f() const { return l_z_ * l_theta_; }
 
     // z - u_f, and z through the function that stands between it and the cost.
-    void set_target(std::size_t row, double z) { target_[row] = plan_->normalization(z); }
+    void set_target(std::size_t row, double z) {
+        target_[row] = normalizes_ ? plan_->normalization(z) : z;
+    }
     double* target() { return target_.data(); }
 
     // The rows of control of so many steps ago.
     void penalise(Regressor& regressor, std::size_t age) {
-        if (!penalises_) return;
         const double* phi = regressor.at_age(age);
         double* row = Phi_.data() + l_z_ * l_theta_;
         for (std::size_t a = 0; a < l_u_; ++a)
@@ -100,7 +102,7 @@ private:
     std::size_t l_z_, l_u_, l_theta_;
     std::vector<double> Phi_, target_, u_, y_, both_z_, both_u_;
     CurrentWeight R_z_, R_u_, S_;
-    bool penalises_ = false;
+    bool normalizes_, penalises_ = false;
 };
 
 }  // namespace rcac

@@ -35,7 +35,6 @@ public:
 
     // Adds v(k) to u.
     void add_to(double* u) {
-        if (!is_there()) return;
         for (std::size_t i = 0; i < l_v_; ++i) {
             double sum = 0.0;
             for (std::size_t lag = 0; lag <= plan_.order; ++lag) {
