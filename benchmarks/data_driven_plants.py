@@ -4,7 +4,7 @@ SISO plants of order 2 to 6, y = z, w matched with u; poles of modulus up to 0.9
 zeros of modulus 1.1 to 1.8, the others within 0.95, relative degree 1 or 2. Each plant is run with
 its zeros told, with `DataDriven`, and without its zeros.
 
-    .venv/bin/python benchmarks/data_driven_plants.py [plants] [steps]
+    .venv/bin/python benchmarks/data_driven_plants.py [plants] [steps] [first seed]
 """
 
 import sys
@@ -65,10 +65,10 @@ def target(way, known, seed):
     return DataDriven(order=20, seed=seed, covariance="replay" if "replay" in way else "reset")
 
 
-def main(plants=100, steps=20000):
+def main(plants=100, steps=20000, first=0):
     """Prints the share that is bounded, and the quartiles of J over LQG's."""
     costs = {way: [] for way in WAYS}
-    for seed in range(plants):
+    for seed in range(first, first + plants):
         plant, outside = random_plant(seed)
         known, best = modelling_information(plant), lqg(plant).cost.value
         row = []

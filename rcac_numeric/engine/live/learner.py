@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Protocol
 
 import numpy as np
 
@@ -35,6 +36,11 @@ class DataDrivenLearner:
         )
         self._current = np.zeros(0)  # the numerator that was asked for last
         self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # its zeros
+
+    @property
+    def has_target(self) -> bool:
+        """Whether a target model was asked for yet."""
+        return bool(self._current.size)
 
     def take(self, u: Array, z: Array) -> None:
         """The next steps; a model that leaves float64, as the loop is about to, says nothing."""
@@ -110,22 +116,32 @@ class DataDrivenLearner:
         self._current, self._outside = current.copy(), real + 1j * imaginary
 
 
+class SavesItself(Protocol):
+    """What hands out its state as numbers, and takes them back."""
+
+    def save(self) -> Array:
+        """Every number of the state."""
+
+    def restore(self, state: Array, /) -> None:
+        """Take them back; ValueError where they are something else."""
+
+
 class LearningLoop:
     """A compiled loop or controller and its learner, saved and restored as one.
 
     Parameters
     ----------
     compiled : compiled loop or controller
-    learner : DataDrivenLearner
+    learner : DataDrivenLearner or DeviceLearner
     """
 
-    def __init__(self, compiled: object, learner: DataDrivenLearner) -> None:
+    def __init__(self, compiled: SavesItself, learner: SavesItself) -> None:
         self._compiled, self._learner = compiled, learner
 
     def save(self) -> Array:
         """The learner's values behind those of the loop, and their number."""
         learnt = self._learner.save()
-        values = self._compiled.save()  # type: ignore[attr-defined]
+        values = self._compiled.save()
         return np.concatenate([values, learnt, [float(learnt.size)]])
 
     def restore(self, values: Array) -> None:
@@ -134,5 +150,5 @@ class LearningLoop:
         if not count:
             raise ValueError("it holds no state of a learner")
         whole = values[: -1 - count], values[-1 - count : -1]
-        self._compiled.restore(np.ascontiguousarray(whole[0]))  # type: ignore[attr-defined]
+        self._compiled.restore(np.ascontiguousarray(whole[0]))
         self._learner.restore(np.ascontiguousarray(whole[1]))
