@@ -11,6 +11,7 @@ import sys
 
 import numpy as np
 
+from compensator_theory import IllConditionedError
 from rcac_numeric import (
     UD,
     ControllerSettings,
@@ -65,6 +66,14 @@ def target(way, known, seed):
     return DataDriven(order=20, seed=seed, covariance="replay" if "replay" in way else "reset")
 
 
+def cost(plant, compensator):
+    """J, and infinity where the loop is not stable beyond rounding."""
+    try:
+        return float(h2_cost(plant, compensator).value)
+    except IllConditionedError:
+        return np.inf
+
+
 def main(plants=100, steps=20000, first=0):
     """Prints the share that is bounded, and the quartiles of J over LQG's."""
     costs = {way: [] for way in WAYS}
@@ -79,9 +88,7 @@ def main(plants=100, steps=20000, first=0):
             w = exogenous([WhiteNoise(0.01)], steps, seed)
             run = simulate(plant, settings, w, stride=steps)
             bounded = run.outcome == "completed"
-            costs[way].append(
-                float(h2_cost(plant, run.compensator).value / best) if bounded else np.nan
-            )
+            costs[way].append(cost(plant, run.compensator) / best if bounded else np.nan)
             row.append(
                 f"{costs[way][-1]:.4g} ({np.abs(run.z).max(initial=0):.1g}, {len(run.changes)})"
             )

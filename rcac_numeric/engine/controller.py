@@ -139,7 +139,7 @@ class Controller(LiveMethods):
                 learner.before(k, arguments[3], self._change)
             answer = self._kernel.step(*arguments)
             if learner is not None and answer is not None:
-                learner.after(answer[0], arguments[1])
+                learner.after(answer[0], *arguments[:3])
             return answer
         except DivergedError:  # of a change that was not made
             raise

@@ -20,7 +20,7 @@ LONGEST_WAIT = 4096
 class DeviceLearner:
     """What `simulate` does between two steps of a controller with `DataDriven`, bit for bit.
 
-    The last pair of u and z waits for what the actuator made of u; before the first target model
+    The last step's signals wait for what the actuator made of u; before the first target model
     there is no update.
 
     Parameters
@@ -32,10 +32,13 @@ class DeviceLearner:
 
     def __init__(self, settings: ControllerSettings, kernel: _kernel.Controller) -> None:
         assert settings.learning is not None
-        self._learner = DataDrivenLearner(settings.learning)
+        self._learner = DataDrivenLearner(settings.learning, settings.structure)
         self._kernel = kernel
         self.whole = LearningLoop(kernel, self)
-        self._waiting: list[tuple[float, float]] = []
+        structure = settings.structure
+        self._waiting: list[Array] = []  # rows of u, z, y and r
+        self._ends = np.cumsum([1, 1, structure.l_y])
+        self._width = 2 + structure.l_y + structure.l_r
         self._is_held = False  # by its user
         self.freeze(False)
 
@@ -52,39 +55,40 @@ class DeviceLearner:
     ) -> None:
         """What is to be done before step k: learn what came before it, look, change the target."""
         if u_applied is not None and self._waiting:
-            self._waiting[-1] = (float(u_applied[0]), self._waiting[-1][1])
+            self._waiting[-1][0] = u_applied[0]
         if self._learner.is_due(k):
             self._learn(len(self._waiting))
-            if (asked := self._learner.look()) is not None:
+            if (asked := self._learner.look(self._kernel.theta)) is not None:
                 change(*asked)
                 self.freeze(self._is_held)
         elif len(self._waiting) >= LONGEST_WAIT:
             self._learn(len(self._waiting))
 
-    def after(self, u: Array, z: Array) -> None:
+    def after(self, u: Array, y: Array, z: Array, r: Array | None) -> None:
         """Step k is done; what was applied may still be said with the next."""
-        self._waiting.append((float(u[0]), float(z[0])))
+        self._waiting.append(np.concatenate([u, z, y, *([] if r is None else [r])]))
 
     def _learn(self, count: int) -> None:
         if count > 0:
-            u, z = np.array(self._waiting[:count]).T.copy()
-            self._learner.take(u, z)
+            rows = np.array(self._waiting[:count])
+            self._learner.take(*np.hsplit(rows, self._ends))
             del self._waiting[:count]
 
     def save(self) -> Array:
-        """What later steps depend on, the pair that waits among it."""
+        """What later steps depend on, the step that waits among it."""
         self._learn(len(self._waiting) - 1)
         waits = bool(self._waiting)
-        pair = self._waiting[-1] if waits else (0.0, 0.0)
-        return np.array([*self._learner.save(), *pair, float(waits), float(self._is_held)])
+        row = self._waiting[-1] if waits else np.zeros(self._width)
+        return np.concatenate([self._learner.save(), row, [float(waits), float(self._is_held)]])
 
     def restore(self, values: Array) -> None:
         """Go back, or forward, to what `save` gave."""
-        if len(values) < 4 or not np.isin(values[-2:], (0.0, 1.0)).all():
+        size = self._width + 2
+        if len(values) < size or not np.isin(values[-2:], (0.0, 1.0)).all():
             raise ValueError("it holds no state of a learner")
-        self._learner.restore(np.ascontiguousarray(values[:-4]))
-        u, z, waits, held = values[-4:].tolist()
-        self._waiting = [(u, z)] if waits else []
+        self._learner.restore(np.ascontiguousarray(values[:-size]))
+        waits, held = values[-2:].tolist()
+        self._waiting = [values[-size:-2].copy()] if waits else []
         self.freeze(bool(held))
 
 

@@ -9,7 +9,9 @@ import numpy as np
 
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.live.changes import ControllerChange
+from rcac_numeric.engine.live.perturbation import FrozenPerturbation
 from rcac_numeric.identification.online.arx import RecursiveARX
 from rcac_numeric.identification.online.zeros import PHASES, OnlineZeros
 from rcac_numeric.targets.data_driven import DataDriven
@@ -27,13 +29,16 @@ class DataDrivenLearner:
     Parameters
     ----------
     settings : DataDriven
+    structure : Structure
+        Of the controller beside which it learns.
     """
 
-    def __init__(self, settings: DataDriven) -> None:
+    def __init__(self, settings: DataDriven, structure: Structure) -> None:
         self.settings = settings
         self.model = RecursiveARX(
             settings.order, R_theta=settings.R_theta, lambda_=settings.lambda_
         )
+        self._window = FrozenPerturbation(structure, settings) if settings.is_frozen else None
         self._current = np.zeros(0)  # the numerator that was asked for last
         self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # its zeros
 
@@ -42,8 +47,11 @@ class DataDrivenLearner:
         """Whether a target model was asked for yet."""
         return bool(self._current.size)
 
-    def take(self, u: Array, z: Array) -> None:
-        """The next steps; a model that leaves float64, as the loop is about to, says nothing."""
+    def take(self, u: Array, z: Array, *read: Array) -> None:
+        """The next steps of u, z, y and r; a model that leaves float64 says nothing."""
+        if self._window is not None:
+            self._window.take(u, z, *read)
+            return
         with suppress(DivergedError):
             self.model.update(u, z)
 
@@ -56,8 +64,13 @@ class DataDrivenLearner:
         """Whether the model is looked at before step k."""
         return k >= self.settings.start and (k - self.settings.start) % self.settings.every == 0
 
-    def look(self) -> tuple[ControllerChange, str] | None:
+    def look(self, theta: Array) -> tuple[ControllerChange, str] | None:
         """The change to make now and its evidence; None where the target stays."""
+        if self._window is not None:
+            try:
+                self.model = self._window.model(theta)
+            except DivergedError:
+                return None
         if not np.isfinite(self.model.b).all() or not np.isfinite(self.model.variance):
             return None
         try:
@@ -102,7 +115,8 @@ class DataDrivenLearner:
         """Everything that later looks depend on."""
         parts = [self._outside.real, self._outside.imag]
         sizes = np.array([float(self._current.size), float(self._outside.size)])
-        return np.concatenate([sizes, self._current, *parts, self.model.state])
+        model = self.model.state if self._window is None else self._window.save()
+        return np.concatenate([sizes, self._current, *parts, model])
 
     def restore(self, values: Array) -> None:
         """Go back, or forward, to what `save` gave."""
@@ -112,7 +126,8 @@ class DataDrivenLearner:
         n, m = (int(size) for size in sizes)
         ends = np.cumsum([2, n, m, m])
         _, current, real, imaginary, model = np.split(values, ends)
-        self.model.restore(np.ascontiguousarray(model))
+        keeper = self.model if self._window is None else self._window
+        keeper.restore(np.ascontiguousarray(model))
         self._current, self._outside = current.copy(), real + 1j * imaginary
 
 
