@@ -12,6 +12,7 @@ from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.health.health import LoopHealth
+from rcac_numeric.health.learning_rules import CAUSES, learning_warnings
 from rcac_numeric.health.margin_words import small_margins
 from rcac_numeric.health.target_errors import TargetError, target_errors
 from rcac_numeric.health.warning import HealthWarning
@@ -37,7 +38,8 @@ def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarni
     """Every warning of a run, the grave ones first."""
     run = found.run
     errors = _target_errors(found)
-    mends = [error.next_step for error in errors]
+    learnt = tuple(learning_warnings(run))
+    mends = [w.next_step for w in learnt] + [error.next_step for error in errors]
     rules = (
         _ended_badly(run, mends),
         _unstable(health, mends),
@@ -51,6 +53,7 @@ def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarni
         _slow(health),
     )
     warnings = [warning for rule in rules for warning in rule]
+    warnings += [w for w in learnt if warnings or w.code not in CAUSES]
     if warnings:  # a loop that does well with another G_f than the plant's needs no mend
         warnings += [HealthWarning(e.code, _capital(e.sentence), e.next_step) for e in errors]
     return tuple(sorted(warnings, key=lambda warning: not warning.is_grave))

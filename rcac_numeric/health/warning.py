@@ -14,7 +14,8 @@ class HealthWarning:
     code : str
         Its name, for programs: "diverged", "unstable", "slow", "small margins", "large transient",
         "large control", "worse than without control", "rounding", "no excitation", "unsettled",
-        "saturated", "wrong sign", "wrong d_zu", "unmodelled zero".
+        "saturated", "wrong sign", "wrong d_zu", "unmodelled zero"; of `DataDriven` "nothing
+        learnt", "low order", "poor excitation", "unstable start".
     sentence, next_step : str
         What was found, and what to try.
     is_grave : bool
