@@ -43,6 +43,8 @@ public:
     virtual void see(const double* /*z*/) {}
     // P(k), l_theta x l_theta row-major.
     virtual void covariance(double* P) const = 0;
+    // What is fitted beside theta: the coefficients d_1, d_2, ... of D_f, where there are any.
+    virtual std::vector<double> also_fitted() const { return {}; }
     // P <- P(0).
     virtual void reset() {}
     // The data that come are no longer those that P was made of: rho is how far the filtered signals

@@ -11,22 +11,25 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import DivergedError, FunctionFailedError, InputError
+from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compiled.callbacks import Failures
-from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.compiled.controllers import compiled_controller, fitted_denominator
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
 from rcac_numeric.engine.live.device_learner import DeviceLearner, require_not_learnt
 from rcac_numeric.engine.live.methods import LiveMethods
-from rcac_numeric.engine.live.step_arguments import busy, refuse_u_applied, step_arguments
+from rcac_numeric.engine.live.step_arguments import (
+    busy,
+    failed_step,
+    refuse_u_applied,
+    step_arguments,
+)
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.targets.model import TargetModel
-
-LAST_CHANGES = 1000  # a controller that runs for months does not grow
 
 
 def _rebuilt(settings: ControllerSettings, state: SavedState) -> Controller:
@@ -68,7 +71,7 @@ class Controller(LiveMethods):
         self._kernel = compiled_controller(settings, settings.target.l_z, self._failures)
         self._learner = None if settings.learning is None else DeviceLearner(settings, self._kernel)
         self._whole = self._learner.whole if self._learner else self._kernel
-        self._changes: deque[AppliedChange] = deque(maxlen=LAST_CHANGES)
+        self._changes: deque[AppliedChange] = deque(maxlen=1000)
         self._see_targets()
         self._broken = ""
         self._at_work = Lock()
@@ -151,16 +154,8 @@ class Controller(LiveMethods):
 
     def _fail(self) -> NoReturn:
         """The last step did not succeed: say why."""
-        if self._failures.error is not None:
-            self._broken = "a weight of this controller has failed; start a new one."
-            raise FunctionFailedError(
-                f"a weight that is a function failed at step {self.k - 1}: {self._failures.error}"
-            ) from self._failures.error
-        self._broken = (
-            f"the controller left the range of float64 at step {self.k - 1}; its coefficients "
-            "are no longer usable. Start a new one, with a larger R_theta or another target."
-        )
-        raise DivergedError(self._broken)
+        self._broken, error = failed_step(self.k - 1, self._failures.error)
+        raise error from self._failures.error
 
     def freeze(self) -> None:
         """Stop the adaptation: theta and P stay, signals are still recorded."""
@@ -268,6 +263,11 @@ class Controller(LiveMethods):
     def theta(self) -> Array:
         """The controller coefficients theta(k); shape (l_theta,)."""
         return np.asarray(self._kernel.theta)
+
+    @property
+    def D_f(self) -> Array | None:
+        """1, d_1, ..., d_n of the denominator that `JointUD` fits with theta; else None."""
+        return fitted_denominator(self.settings, self._kernel)
 
     @property
     def P(self) -> Array:

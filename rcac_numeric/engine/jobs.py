@@ -23,7 +23,7 @@ from rcac_numeric.engine.compatibility import (
     require_fit,
 )
 from rcac_numeric.engine.compiled.callbacks import Failures
-from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.compiled.controllers import compiled_controller, fitted_denominator
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
@@ -195,6 +195,7 @@ class PreparedRun:
             divergence_limit=self.divergence_limit,
             failure=self._failures.words,
             changes=tuple(self.changes),
+            D_f=self._fitted(outcome),
         )
 
     def require_no_failure(self, run: Run) -> None:
@@ -215,6 +216,12 @@ class PreparedRun:
     def _kept(self, done: int) -> Array:
         rows = -(-done // self.stride)
         return self._theta[:rows] if self._adapts else np.zeros((rows, 0))
+
+    def _fitted(self, outcome: int) -> Array | None:
+        """D_f that belongs to theta_final; None where a step failed half-way."""
+        if outcome != 0 or not isinstance(self.settings, ControllerSettings):
+            return None
+        return fitted_denominator(self.settings, self._kernels[0])
 
     def _last(self, outcome: int) -> Array:
         if not self._adapts:

@@ -1,4 +1,4 @@
-"""What a controller is handed at a step, read and refused by name."""
+"""What a controller is handed at a step, read and refused by name; and a step that failed."""
 
 from __future__ import annotations
 
@@ -6,7 +6,12 @@ from typing import Any, NoReturn
 
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import (
+    CompensatorError,
+    DivergedError,
+    FunctionFailedError,
+    InputError,
+)
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import vector
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -60,6 +65,27 @@ def refuse_u_applied(settings: ControllerSettings, k: int, u_applied: ArrayLike)
     if k == 0:
         raise InputError("u_applied belongs to the step before; at step 0 there is none.")
     raise InputError("u_applied needs a strictly proper target model.")
+
+
+def failed_step(k: int, cause: BaseException | None) -> tuple[str, CompensatorError]:
+    """What a controller whose step k failed says from then on, and the error of that step.
+
+    Parameters
+    ----------
+    k : int
+    cause : exception, optional
+        Of a weight that is a function.
+    """
+    if cause is not None:
+        words = f"a weight that is a function failed at step {k}: {cause}"
+        return "a weight of this controller has failed; start a new one.", FunctionFailedError(
+            words
+        )
+    words = (
+        f"the controller left the range of float64 at step {k}; its coefficients are no longer "
+        "usable. Start a new one, with a larger R_theta or another target."
+    )
+    return words, DivergedError(words)
 
 
 def busy() -> InputError:
