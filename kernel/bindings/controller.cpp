@@ -216,6 +216,12 @@ void bind_controller(nb::module_& m) {
                          return to_numpy(std::move(P), {n, n});
                      }),
                      nb::rv_policy::automatic)
+        .def_prop_ro("also_fitted", number([](const Controller& c) {
+                         std::vector<double> d = c.update().also_fitted();
+                         const std::size_t n = d.size();
+                         return to_numpy(std::move(d), {n});
+                     }),
+                     nb::rv_policy::automatic)
         .def_prop_ro("target", [](const OwnedController& self) {
                          const TargetModel& m = self.controller.target().model();
                          const std::size_t length = m.order + 1;

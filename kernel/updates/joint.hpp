@@ -38,6 +38,10 @@ public:
         return done && power_ - power_ == 0.0;
     }
 
+    std::vector<double> also_fitted() const override {
+        return {both_.begin() + static_cast<std::ptrdiff_t>(n_), both_.end()};
+    }
+
     void reset() override { ud_.reset(); }
     double trace() const override { return ud_.trace(); }
 

@@ -45,6 +45,8 @@ public:
     virtual void covariance(double* P) const = 0;
     // Column i of P(k), or of the metric in which a bound on theta is kept.
     virtual void covariance_column(std::size_t i, double* column) const = 0;
+    // What is fitted beside theta: the coefficients d_1, d_2, ... of D_f, where there are any.
+    virtual std::vector<double> also_fitted() const { return {}; }
     // P <- P(0).
     virtual void reset() {}
     // The data that come are no longer those that P was made of: rho is how far the filtered signals

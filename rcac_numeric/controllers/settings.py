@@ -16,6 +16,7 @@ from rcac_numeric.arrays.validation import by_step, instance_of, integer, items,
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator, parallel
+from rcac_numeric.controllers.learning import require_learnable
 from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings_checks import (
     Weight,
@@ -156,7 +157,12 @@ class ControllerSettings(Value):
         set_("target_changes", by_step(target_changes, "target_changes"))
         set_("freeze", tuple(interval(pair) for pair in items(freeze, "freeze")))
         if learning is not None:
-            self._require_learnable(learning)
+            require_learnable(learning, structure, target.l_z)
+            if self.target_changes or self.freeze:
+                raise InputError(
+                    "DataDriven changes the target model itself, and no update comes before the "
+                    "first; leave target_changes and freeze out."
+                )
             k_w = learning.start if k_w is None else k_w
         for model in self.targets:
             require_target(model, structure, target)
@@ -226,19 +232,6 @@ class ControllerSettings(Value):
             )
         set_("k_update", self.k_w if k_update is None else integer(k_update, "k_update"))
         set_("k_filter", integer(k_filter, "k_filter"))
-
-    def _require_learnable(self, learning: DataDriven) -> None:
-        instance_of(learning, "learning", DataDriven)
-        widths = self.structure.l_u, self.target.l_z
-        if widths != (1, 1):
-            raise InputError(
-                f"DataDriven learns a target model for scalar u and z; here (l_u, l_z) = {widths}."
-            )
-        if self.target_changes or self.freeze:
-            raise InputError(
-                "DataDriven changes the target model itself, and no update comes before the first; "
-                "leave target_changes and freeze out."
-            )
 
     @property
     def targets(self) -> tuple[TargetModel, ...]:

@@ -31,6 +31,9 @@ class Controller:
     @property
     def P(self) -> Array: ...
     @property
+    def also_fitted(self) -> Array:
+        """Coefficients d_1, d_2, ... of D_f that the update fits beside theta; empty for most."""
+    @property
     def k(self) -> int: ...
     @property
     def forgetting_factor(self) -> float: ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Lock
@@ -10,17 +11,23 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import DivergedError, FunctionFailedError, InputError
+from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import vector
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compiled.callbacks import Failures
-from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.compiled.controllers import compiled_controller, fitted_denominator
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
+from rcac_numeric.engine.live.device_learner import DeviceLearner, require_not_learnt
 from rcac_numeric.engine.live.methods import LiveMethods
+from rcac_numeric.engine.live.step_arguments import (
+    busy,
+    failed_step,
+    refuse_u_applied,
+    step_arguments,
+)
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.targets.model import TargetModel
 
@@ -41,6 +48,7 @@ class Controller(LiveMethods):
     Parameters
     ----------
     settings : ControllerSettings
+        With `DataDriven` in the place of a target model it learns as in `simulate`, bit for bit.
 
     Examples
     --------
@@ -58,14 +66,12 @@ class Controller(LiveMethods):
     def __init__(self, settings: ControllerSettings) -> None:
         if not isinstance(settings, ControllerSettings):
             raise InputError(f"settings = {settings!r}: ControllerSettings are needed.")
-        if settings.learning is not None:
-            raise InputError(
-                "DataDriven learns its target model in simulate. At a device, let RecursiveARX "
-                "learn from u and z, and give what it finds to set_target."
-            )
         self.settings = settings
         self._failures = Failures()
         self._kernel = compiled_controller(settings, settings.target.l_z, self._failures)
+        self._learner = None if settings.learning is None else DeviceLearner(settings, self._kernel)
+        self._whole = self._learner.whole if self._learner else self._kernel
+        self._changes: deque[AppliedChange] = deque(maxlen=1000)
         self._see_targets()
         self._broken = ""
         self._at_work = Lock()
@@ -110,71 +116,58 @@ class Controller(LiveMethods):
             Where a weight that is a function failed.
         """
         if not self._at_work.acquire(blocking=False):
-            raise _busy()
+            raise busy()
         try:
             if self._broken:
                 raise DivergedError(self._broken)
             if u_applied is not None and (self.k == 0 or not self._is_strict):
-                self._refuse_u_applied(u_applied)
-            answer = self._moved(y, z, r, u_applied) or self._moved(*self._read(y, z, r, u_applied))
+                refuse_u_applied(self.settings, self.k, u_applied)
+            answer = None if self._learner else self._moved(y, z, r, u_applied)
+            if answer is None:
+                arguments = step_arguments(self.settings, y, z, r, u_applied)
+                answer = self._moved(*arguments, learner=self._learner)
             if answer is None or not answer[1] or self._failures.error is not None:
                 self._fail()
             return answer[0]
         finally:
             self._at_work.release()
 
-    def _moved(self, *arguments: object) -> tuple[Array, bool] | None:
+    def _moved(
+        self, *arguments: Any, learner: DeviceLearner | None = None
+    ) -> tuple[Array, bool] | None:
         """One step of the kernel; None where it could not read an argument and has not moved."""
         k = self.k
         try:
-            return self._kernel.step(*arguments)
+            if learner is not None:
+                learner.before(k, arguments[3], self._change)
+            answer = self._kernel.step(*arguments)
+            if learner is not None and answer is not None:
+                learner.after(answer[0], *arguments[:3])
+            return answer
+        except DivergedError:  # of a change that was not made
+            raise
         except BaseException:  # a key was pressed while a weight that is a function ran
             self._broken = (
                 f"step {k} was interrupted half-way; restore a saved state, or start anew."
             )
             raise
 
-    def _read(self, y: Any, z: Any, r: Any, u_applied: Any) -> tuple[Array | None, ...]:
-        """The arguments as arrays; raises where one is not what it should be."""
-        structure = self.settings.structure
-        if (r is None) != (structure.l_r == 0):
-            raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
-        widths = {"y": structure.l_y, "z": self.settings.target.l_z, "r": structure.l_r}
-        return (
-            vector(y, "y", widths["y"]),
-            vector(z, "z", widths["z"]),
-            None if r is None else vector(r, "r", widths["r"]),
-            None if u_applied is None else vector(u_applied, "u_applied", structure.l_u),
-        )
-
-    def _refuse_u_applied(self, u_applied: ArrayLike) -> NoReturn:
-        vector(u_applied, "u_applied", self.settings.structure.l_u)
-        if self.k == 0:
-            raise InputError("u_applied belongs to the step before; at step 0 there is none.")
-        raise InputError("u_applied needs a strictly proper target model.")
-
     def _fail(self) -> NoReturn:
         """The last step did not succeed: say why."""
-        if self._failures.error is not None:
-            self._broken = "a weight of this controller has failed; start a new one."
-            raise FunctionFailedError(
-                f"a weight that is a function failed at step {self.k - 1}: {self._failures.error}"
-            ) from self._failures.error
-        self._broken = (
-            f"the controller left the range of float64 at step {self.k - 1}; its coefficients "
-            "are no longer usable. Start a new one, with a larger R_theta or another target."
-        )
-        raise DivergedError(self._broken)
+        self._broken, error = failed_step(self.k - 1, self._failures.error)
+        raise error from self._failures.error
 
     def freeze(self) -> None:
         """Stop the adaptation: theta and P stay, signals are still recorded."""
-        with self._alone():
-            self._kernel.freeze(True)
+        self._hold(True)
 
     def resume(self) -> None:
         """Go on adapting after `freeze`."""
+        self._hold(False)
+
+    def _hold(self, frozen: bool) -> None:
         with self._alone():
-            self._kernel.freeze(False)
+            (self._learner or self._kernel).freeze(frozen)
 
     def reset_covariance(self) -> None:
         """Set P back to P(0); theta stays.
@@ -207,9 +200,19 @@ class Controller(LiveMethods):
         with self._alone():
             if self._broken:
                 raise DivergedError(self._broken)
-            applied = apply_change(self._kernel, self.settings, change, evidence)
-            self._see_targets()
-        return applied
+            if isinstance(change, ControllerChange):
+                require_not_learnt(self.settings, change)
+            return self._change(change, evidence)
+
+    def _change(self, change: ControllerChange, evidence: str) -> AppliedChange:
+        self._changes.append(apply_change(self._kernel, self.settings, change, evidence))
+        self._see_targets()
+        return self._changes[-1]
+
+    @property
+    def changes(self) -> tuple[AppliedChange, ...]:
+        """What was changed since it was made or restored, by `DataDriven` too; the last 1000."""
+        return tuple(self._changes)
 
     def _see_targets(self) -> None:
         leading = [model.numerator[0] for model in self.settings.targets]
@@ -232,7 +235,7 @@ class Controller(LiveMethods):
         if self._broken:
             raise DivergedError(self._broken)
         with self._alone():
-            values = self._kernel.save()
+            values = self._whole.save()
         return SavedState.taken("controller", self.k, values, fingerprint(self.settings))
 
     def restore(self, state: SavedState) -> None:
@@ -245,9 +248,10 @@ class Controller(LiveMethods):
         """
         with self._alone():
             saved_state(state, "state").restore_into(
-                self._kernel, "controller", fingerprint(self.settings), lambda: self._kernel.k
+                self._whole, "controller", fingerprint(self.settings), lambda: self._kernel.k
             )
             self._broken, self._failures.error = "", None
+            self._changes.clear()
             self._see_targets()
 
     @property
@@ -259,6 +263,11 @@ class Controller(LiveMethods):
     def theta(self) -> Array:
         """The controller coefficients theta(k); shape (l_theta,)."""
         return np.asarray(self._kernel.theta)
+
+    @property
+    def D_f(self) -> Array | None:
+        """1, d_1, ..., d_n of the denominator that `JointUD` fits with theta; else None."""
+        return fitted_denominator(self.settings, self._kernel)
 
     @property
     def P(self) -> Array:
@@ -282,15 +291,8 @@ class Controller(LiveMethods):
     def _alone(self) -> Iterator[None]:
         """Refuse what a weight's function or another thread does in the middle of a step."""
         if not self._at_work.acquire(blocking=False):
-            raise _busy()
+            raise busy()
         try:
             yield
         finally:
             self._at_work.release()
-
-
-def _busy() -> InputError:
-    return InputError(
-        "the controller is in the middle of a step: neither a weight that is a function "
-        "nor another thread may drive it meanwhile. Use one controller for each loop."
-    )

@@ -10,6 +10,7 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.interruption import RunInterrupted, run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.live.changes import ControllerChange
+from rcac_numeric.engine.live.device_learner import require_not_learnt
 from rcac_numeric.engine.runs import Run
 
 Hook = Callable[[Run], ControllerChange | None]
@@ -57,7 +58,10 @@ def _ask(prepared: PreparedRun, on_step: Hook, k: int) -> None:
     try:
         change = on_step(so_far)
         if change is not None:
-            prepared.change(instance_of(change, "what on_step returned", ControllerChange))
+            instance_of(change, "what on_step returned", ControllerChange)
+            if isinstance(prepared.settings, ControllerSettings):
+                require_not_learnt(prepared.settings, change)
+            prepared.change(change)
     except KeyboardInterrupt:
         raise RunInterrupted([prepared.result(interrupted=True)]) from None
     except CompensatorError as error:

@@ -23,7 +23,7 @@ from rcac_numeric.engine.compatibility import (
     require_fit,
 )
 from rcac_numeric.engine.compiled.callbacks import Failures
-from rcac_numeric.engine.compiled.controllers import compiled_controller
+from rcac_numeric.engine.compiled.controllers import compiled_controller, fitted_denominator
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.live.control import apply_change
@@ -74,6 +74,8 @@ class PreparedRun:
         self._whole: _kernel.Loop | LearningLoop = whole
         if self.learner is not None:
             self._kernels[0].freeze(True)  # until there is a target model
+        l_r = max(one.l_r for one in self._controllers)
+        self._command = command_position(plant, l_r), l_r
         self.first_step = 0
         if start is not None:
             self._continue(start)
@@ -119,7 +121,7 @@ class PreparedRun:
         k = self.first_step + self.job.done
         if self.learner.is_due(k) and self._looked_at != k:
             self._looked_at = k
-            if (asked := self.learner.look()) is not None:
+            if (asked := self.learner.look(self._kernels[0].theta)) is not None:
                 self.change(*asked)
                 self._kernels[0].freeze(False)
         self._pause()
@@ -127,7 +129,9 @@ class PreparedRun:
 
     def _learn(self, learner: DataDrivenLearner) -> None:
         new, self._learnt = slice(self._learnt, self.job.done), self.job.done
-        learner.take(self.u_applied[new], self.z[new])
+        first, width = self._command
+        r = self.w[new, first : first + width]
+        learner.take(self.u_applied[new], self.z[new], self.y[new], r)
 
     @cached_property
     def _name(self) -> str:
@@ -192,6 +196,7 @@ class PreparedRun:
             divergence_limit=self.divergence_limit,
             failure=self._failures.words,
             changes=tuple(self.changes),
+            D_f=self._fitted(outcome),
         )
 
     def require_no_failure(self, run: Run) -> None:
@@ -212,6 +217,12 @@ class PreparedRun:
     def _kept(self, done: int) -> Array:
         rows = -(-done // self.stride)
         return self._theta[:rows] if self._adapts else np.zeros((rows, 0))
+
+    def _fitted(self, outcome: int) -> Array | None:
+        """D_f that belongs to theta_final; None where a step failed half-way."""
+        if outcome != 0 or not isinstance(self.settings, ControllerSettings):
+            return None
+        return fitted_denominator(self.settings, self._kernels[0])
 
     def _last(self, outcome: int) -> Array:
         if not self._adapts:
@@ -251,7 +262,7 @@ def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None
     learning = [one.learning for one in adaptive if one.learning is not None]
     if learning and len(controllers) > 1:
         raise InputError("DataDriven learns u -> z for one controller; several would act on z.")
-    return DataDrivenLearner(learning[0]) if learning else None
+    return DataDrivenLearner(learning[0], adaptive[0].structure) if learning else None
 
 
 def divergence_limit_of(given: float | None, *from_outside: Array | None) -> float:

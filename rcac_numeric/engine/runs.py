@@ -25,8 +25,10 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.updates.forgetting import (
     ScheduledForgetting,
+    SubspaceForgetting,
     VariableRateForgetting,
 )
+from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
@@ -39,14 +41,16 @@ from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
+from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.model import TargetModel
 
 # What the file of a run may be made of; nothing else is ever constructed from it.
 RECORDS = Records(
-    AppliedChange, CoefficientBounds, Compensator, ControllerChange, ControllerSettings, Covariance,
-    CovarianceReset, Decentralized, DerivedSignal, FixedController, Gradient, Instantaneous,
-    Normalization, Plant, PlantChange, PlantSchedule, Saturation, SavedState, ScheduledForgetting,
-    SignalWeight, SlidingWindow, Structure, Tap, TargetModel, UD, VariableRateForgetting,
+    AppliedChange, CoefficientBounds, Compensator, ControllerChange, ControllerSettings,
+    Covariance, CovarianceReset, DataDriven, Decentralized, DerivedSignal, FixedController,
+    Gradient, Instantaneous, JointUD, Normalization, Plant, PlantChange, PlantSchedule,
+    Saturation, SavedState, ScheduledForgetting, SignalWeight, SlidingWindow, Structure,
+    SubspaceForgetting, Tap, TargetModel, UD, VariableRateForgetting,
 )  # fmt: skip
 
 # How a run may end, in the order of the kernel's numbers.
@@ -98,6 +102,8 @@ class Run(Value):
         What a function of the plant or of a weight raised; empty where none did.
     changes : tuple of AppliedChange
         What was changed in the controller while it ran, and why.
+    D_f : array, shape (n_d + 1,), or None
+        With `JointUD` the denominator 1, d_1, ..., d_n that was fitted with theta_final.
     """
 
     plant: AnyPlant
@@ -123,6 +129,7 @@ class Run(Value):
     divergence_limit: float = math.inf
     failure: str = ""
     changes: tuple[AppliedChange, ...] = ()
+    D_f: Array | None = None
 
     @property
     def steps(self) -> int:

@@ -59,6 +59,11 @@ def excitation_of(run: Run) -> Excitation | None:
         return None
     R_theta, R_z = getattr(settings.update, "R_theta", None), settings.R_z
     structure, target = settings.structure, settings.target
+    if settings.learning is not None:
+        told = [one.change.target for one in run.changes if one.change.target is not None]
+        if not told:
+            return None
+        target = told[-1]
     if R_theta is None or not isinstance(R_z, np.ndarray) or not _has_common_filter(target):
         return None
     if settings.fixed is not None:

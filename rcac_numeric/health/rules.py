@@ -11,7 +11,9 @@ from rcac_numeric.analysis.internal_models import drift_of
 from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.health.direction_errors import direction_errors
 from rcac_numeric.health.health import LoopHealth
+from rcac_numeric.health.learning_rules import CAUSES, learning_warnings
 from rcac_numeric.health.margin_words import small_margins
 from rcac_numeric.health.target_errors import TargetError, target_errors
 from rcac_numeric.health.warning import HealthWarning
@@ -37,7 +39,9 @@ def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarni
     """Every warning of a run, the grave ones first."""
     run = found.run
     errors = _target_errors(found)
-    mends = [error.next_step for error in errors]
+    learnt, directed = tuple(learning_warnings(run)), _direction_errors(found)
+    steps = [w.next_step for w in learnt] + [e.next_step for e in (*errors, *directed)]
+    mends = [*dict.fromkeys(steps)]
     rules = (
         _ended_badly(run, mends),
         _unstable(health, mends),
@@ -51,8 +55,10 @@ def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarni
         _slow(health),
     )
     warnings = [warning for rule in rules for warning in rule]
+    warnings += [w for w in learnt if warnings or w.code not in CAUSES]
     if warnings:  # a loop that does well with another G_f than the plant's needs no mend
-        warnings += [HealthWarning(e.code, _capital(e.sentence), e.next_step) for e in errors]
+        warnings += [_of_target(error) for error in errors]
+    warnings += [_of_target(error) for error in directed]  # what hides from z is said in any case
     return tuple(sorted(warnings, key=lambda warning: not warning.is_grave))
 
 
@@ -222,6 +228,17 @@ def _target_errors(found: AnalysedRun) -> tuple[TargetError, ...]:
         return target_errors(found.plant, found.compared_with)
     except CompensatorError:
         return ()
+
+
+def _direction_errors(found: AnalysedRun) -> tuple[TargetError, ...]:
+    try:
+        return direction_errors(found.plant, found.compared_with)
+    except CompensatorError:
+        return ()
+
+
+def _of_target(error: TargetError) -> HealthWarning:
+    return HealthWarning(error.code, _capital(error.sentence), error.next_step)
 
 
 def _first_gain(found: AnalysedRun) -> float:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.reports.sheets.numbers import power_text
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Text
 
@@ -33,6 +36,22 @@ def split_section(split: ResidualSplit | None, reason: str, is_stable: bool) -> 
         record["identity_error"] = split.identity_error
         facts.append(Text(f"the split holds to {split.identity_error:.1e} (4.14)"))
     return Section(blocks=tuple(facts), record={"residual": record})
+
+
+def fitted_section(D_f: Array | None) -> Section:
+    """The denominator of the target model that was fitted with theta; nothing where none was.
+
+    Parameters
+    ----------
+    D_f : array, shape (n_d + 1,), or None
+    """
+    if D_f is None:
+        return Section()
+    terms = [f"{d:+.6g} q^-{i}" for i, d in enumerate(D_f[1:], 1)]
+    radius = float(np.abs(np.roots(D_f)).max(initial=0.0))
+    words = " ".join(["1", *terms]) + f", largest root {radius:.6g} in modulus"
+    record = {"D_f": D_f.tolist(), "D_f_spectral_radius": radius}
+    return Section(blocks=(Fact("D_f, fitted with theta", words),), record=record)
 
 
 def joined(title: str, *sections: Section, remark: str = "") -> Section:

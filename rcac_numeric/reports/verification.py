@@ -14,7 +14,7 @@ from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.reports.comparison import comparison_section, poles_section
 from rcac_numeric.reports.estimation import estimation_health, estimation_section
 from rcac_numeric.reports.health import health_lines, health_record
-from rcac_numeric.reports.loop import joined, match_section, split_section
+from rcac_numeric.reports.loop import fitted_section, joined, match_section, split_section
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", CORRECTED: "warning", NOT_REPRODUCED: "bad"}
@@ -196,7 +196,7 @@ def _controller(main: RunResult) -> Section:
     parts.append(match_section(match, reason))
     split, reason = attempted(lambda: found.split)
     parts.append(split_section(split, reason, found.loop.is_stable))
-    parts.append(_guard(found))
+    parts += [_guard(found), fitted_section(found.run.D_f)]
     return joined("The controller", *parts, remark=f" of run {main.specification.name!r}")
 
 

@@ -9,6 +9,8 @@ from rcac_numeric.arrays.validation import integer, number, one_of
 from rcac_numeric.targets.model import TargetModel
 
 COVARIANCES = ("blend", "keep", "reset", "replay")
+INPUTS = ("u", "frozen u~")
+LITERAL = ("u~", "literal", "literal u~")
 
 
 @dataclass(frozen=True)
@@ -56,18 +58,26 @@ class DataDriven:
         wrong rather than moved, so "reset"; "replay" for zeros that cross the circle.
     seed : int
         Of the dither.
+    input : {"u", "frozen u~"}
+        What z is modelled from: u, or the virtual perturbation u - Phi theta over the last `window`
+        steps, with the theta of the look in all of them.
+    window : int
+        Steps, more than 2 order; of "frozen u~" only.
+    n : int, optional
+        The order of the plant, which "frozen u~" must be told: u~ -> z has the order n + n_c, and
+        a model of a lower one is refused.
 
     Raises
     ------
     InputError
-        Where a setting is out of range.
+        Where a setting is out of range, or the input is the literal u~.
 
     Notes
     -----
     Section 9.2.3 proposes to identify from the virtual perturbation u~(k) = u(k) - Phi(k)
-    theta(k+1). As literally generated it does not work: without dither its size falls to 1e-3 of
-    u, and it mixes as many controllers as steps. With theta frozen it holds what u holds.
-    docs/beyond-the-text.md has the figures.
+    theta(k+1). As literally generated it does not work, so it is no option: without dither its
+    size falls to 1e-3 of u, and it mixes as many controllers as steps. With theta frozen it holds
+    what u holds, no more. docs/beyond-the-text.md has the figures.
 
     Examples
     --------
@@ -95,6 +105,9 @@ class DataDriven:
     changed: float = 0.05
     covariance: str = "reset"
     seed: int = 0
+    input: str = "u"
+    window: int = 2000
+    n: int | None = None
 
     def __post_init__(self) -> None:
         integer(self.order, "order", at_least=1, at_most=200)
@@ -115,6 +128,37 @@ class DataDriven:
             if self.H == 0:
                 raise InputError("H = 0: the leading coefficient cannot be zero.")
         one_of(self.covariance, "covariance", COVARIANCES)
+        self._require_input()
+
+    def _require_input(self) -> None:
+        if self.input in LITERAL:
+            raise InputError(
+                f'input = "{self.input}": the virtual perturbation as section 9.2.3 writes it, '
+                "u(k) - Phi(k) theta(k+1), is not offered: it fades as theta converges and belongs "
+                "to another controller at every step, so that the zeros found from it are wrong "
+                '(docs/beyond-the-text.md has the runs). Use "u", or "frozen u~".'
+            )
+        one_of(self.input, "input", INPUTS)
+        integer(self.window, "window", at_least=1, at_most=10**6)
+        if not self.is_frozen:
+            if self.n is not None:
+                raise InputError(f'n = {self.n} belongs to input = "frozen u~"; leave it out.')
+            return
+        if self.n is None:
+            raise InputError(
+                'input = "frozen u~" models a loop of order n + n_c: give n, that of the plant.'
+            )
+        integer(self.n, "n", at_least=1)
+        if self.window <= 2 * self.order:
+            raise InputError(
+                f"window = {self.window}: an ARX({self.order}) has {2 * self.order} coefficients, "
+                "and more steps than that determine them."
+            )
+
+    @property
+    def is_frozen(self) -> bool:
+        """Whether z is modelled from the virtual perturbation with theta frozen."""
+        return self.input == INPUTS[1]
 
     @property
     def first_target(self) -> TargetModel:

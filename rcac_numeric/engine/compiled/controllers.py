@@ -23,6 +23,7 @@ from rcac_numeric.controllers.normalization import FUNCTIONS, Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.settings_checks import Weight
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
+from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine import _kernel
@@ -137,6 +138,20 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Cont
         events=[],
         theta_0=theta,
     )
+
+
+def fitted_denominator(settings: ControllerSettings, kernel: _kernel.Controller) -> Array | None:
+    """1, d_1, ..., d_n of D_f that `JointUD` has fitted so far; None of other updates.
+
+    Parameters
+    ----------
+    settings : ControllerSettings
+    kernel : compiled controller
+        Made of them.
+    """
+    if not isinstance(settings.update, JointUD):
+        return None
+    return np.concatenate([[1.0], kernel.also_fitted])
 
 
 def require_parts(settings: ControllerSettings, who: str = "engine") -> None:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from typing import Protocol
 
 import numpy as np
 
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.live.changes import ControllerChange
+from rcac_numeric.engine.live.perturbation import FrozenPerturbation
 from rcac_numeric.identification.online.arx import RecursiveARX
 from rcac_numeric.identification.online.zeros import PHASES, OnlineZeros
 from rcac_numeric.targets.data_driven import DataDriven
@@ -26,18 +29,29 @@ class DataDrivenLearner:
     Parameters
     ----------
     settings : DataDriven
+    structure : Structure
+        Of the controller beside which it learns.
     """
 
-    def __init__(self, settings: DataDriven) -> None:
+    def __init__(self, settings: DataDriven, structure: Structure) -> None:
         self.settings = settings
         self.model = RecursiveARX(
             settings.order, R_theta=settings.R_theta, lambda_=settings.lambda_
         )
+        self._window = FrozenPerturbation(structure, settings) if settings.is_frozen else None
         self._current = np.zeros(0)  # the numerator that was asked for last
         self._outside: ComplexArray = np.zeros(0, dtype=np.complex128)  # its zeros
 
-    def take(self, u: Array, z: Array) -> None:
-        """The next steps; a model that leaves float64, as the loop is about to, says nothing."""
+    @property
+    def has_target(self) -> bool:
+        """Whether a target model was asked for yet."""
+        return bool(self._current.size)
+
+    def take(self, u: Array, z: Array, *read: Array) -> None:
+        """The next steps of u, z, y and r; a model that leaves float64 says nothing."""
+        if self._window is not None:
+            self._window.take(u, z, *read)
+            return
         with suppress(DivergedError):
             self.model.update(u, z)
 
@@ -50,8 +64,13 @@ class DataDrivenLearner:
         """Whether the model is looked at before step k."""
         return k >= self.settings.start and (k - self.settings.start) % self.settings.every == 0
 
-    def look(self) -> tuple[ControllerChange, str] | None:
+    def look(self, theta: Array) -> tuple[ControllerChange, str] | None:
         """The change to make now and its evidence; None where the target stays."""
+        if self._window is not None:
+            try:
+                self.model = self._window.model(theta)
+            except DivergedError:
+                return None
         if not np.isfinite(self.model.b).all() or not np.isfinite(self.model.variance):
             return None
         try:
@@ -96,7 +115,8 @@ class DataDrivenLearner:
         """Everything that later looks depend on."""
         parts = [self._outside.real, self._outside.imag]
         sizes = np.array([float(self._current.size), float(self._outside.size)])
-        return np.concatenate([sizes, self._current, *parts, self.model.state])
+        model = self.model.state if self._window is None else self._window.save()
+        return np.concatenate([sizes, self._current, *parts, model])
 
     def restore(self, values: Array) -> None:
         """Go back, or forward, to what `save` gave."""
@@ -106,8 +126,19 @@ class DataDrivenLearner:
         n, m = (int(size) for size in sizes)
         ends = np.cumsum([2, n, m, m])
         _, current, real, imaginary, model = np.split(values, ends)
-        self.model.restore(np.ascontiguousarray(model))
+        keeper = self.model if self._window is None else self._window
+        keeper.restore(np.ascontiguousarray(model))
         self._current, self._outside = current.copy(), real + 1j * imaginary
+
+
+class SavesItself(Protocol):
+    """What hands out its state as numbers, and takes them back."""
+
+    def save(self) -> Array:
+        """Every number of the state."""
+
+    def restore(self, state: Array, /) -> None:
+        """Take them back; ValueError where they are something else."""
 
 
 class LearningLoop:
@@ -116,16 +147,16 @@ class LearningLoop:
     Parameters
     ----------
     compiled : compiled loop or controller
-    learner : DataDrivenLearner
+    learner : DataDrivenLearner or DeviceLearner
     """
 
-    def __init__(self, compiled: object, learner: DataDrivenLearner) -> None:
+    def __init__(self, compiled: SavesItself, learner: SavesItself) -> None:
         self._compiled, self._learner = compiled, learner
 
     def save(self) -> Array:
         """The learner's values behind those of the loop, and their number."""
         learnt = self._learner.save()
-        values = self._compiled.save()  # type: ignore[attr-defined]
+        values = self._compiled.save()
         return np.concatenate([values, learnt, [float(learnt.size)]])
 
     def restore(self, values: Array) -> None:
@@ -134,5 +165,5 @@ class LearningLoop:
         if not count:
             raise ValueError("it holds no state of a learner")
         whole = values[: -1 - count], values[-1 - count : -1]
-        self._compiled.restore(np.ascontiguousarray(whole[0]))  # type: ignore[attr-defined]
+        self._compiled.restore(np.ascontiguousarray(whole[0]))
         self._learner.restore(np.ascontiguousarray(whole[1]))

@@ -68,7 +68,7 @@ class AnalysedRun(Value):
             row = length // run.stride
             signals = {name: getattr(run, name)[:length] for name in SIGNALS}
             kept = {"theta": run.theta[:row], "theta_final": run.theta[row]}
-            cut = replace(run, **signals, **kept, outcome="completed", state=None)
+            cut = replace(run, **signals, **kept, outcome="completed", state=None, D_f=None)
             self._earlier[k] = AnalysedRun(cut, self.target)
         return self._earlier[k]
 

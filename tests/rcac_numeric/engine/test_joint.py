@@ -10,15 +10,19 @@ from rcac_numeric import (
     Controller,
     ControllerSettings,
     JointUD,
+    SimulationCase,
     TargetModel,
     fir_target,
     h2_cost,
     iir,
     joint_null_dimension,
+    load_run,
     lqg,
     simulate,
+    simulate_many,
     standard_plant,
 )
+from rcac_numeric.reports.loop import fitted_section
 
 PLANT = standard_plant("(q**2 - 1.52*q + 0.9025)/((q - 0.85)*(q**2 - 1.8*q + 1))")  # (6.1)
 
@@ -73,6 +77,37 @@ def test_the_recursion_is_the_batch_minimiser(steps):
     place |= {("y", i): n_c + i - 1 for i in range(1, n_c + 1)}
     wanted = [both[place[key]] for key in order]
     assert np.allclose(run.theta_final, wanted, rtol=1e-7, atol=1e-9)
+    assert run.D_f[0] == 1 and np.allclose(run.D_f[1:], both[2 * n_c :], rtol=1e-7, atol=1e-9)
+    controller = Controller(chosen)
+    assert controller.D_f.tolist() == [1.0, 0.0, 0.0]
+    for y, z_k in zip(run.y, run.z, strict=True):
+        controller.step(y, z_k)
+    assert np.array_equal(controller.D_f, run.D_f)
+    again = Controller(chosen)
+    again.restore(controller.state)
+    assert np.array_equal(again.D_f, run.D_f)
+
+
+def test_who_fits_no_denominator_has_none(tmp_path):
+    run = simulate(PLANT, settings(UD(0.1)), noise(0, 50))
+    assert run.D_f is None and Controller(run.settings).D_f is None
+    empty = simulate(PLANT, settings(JointUD(0.1, n_d=0, rho=1.0)), noise(0, 50))
+    assert empty.D_f.tolist() == [1.0]
+    (many,) = simulate_many([SimulationCase(PLANT, run.settings, run.w)], lanes=True)
+    assert many.D_f is None
+    joint = simulate(PLANT, settings(JointUD(0.1, n_d=2, rho=1.0)), noise(0, 50))
+    joint.save(tmp_path / "run.npz")
+    assert load_run(tmp_path / "run.npz") == joint
+
+
+def test_the_report_says_d_f():
+    """The coefficients and their largest root, in the sheet and in the record."""
+    section = fitted_section(np.array([1.0, -0.7, 0.1]))
+    assert section.record["D_f"] == [1.0, -0.7, 0.1]
+    assert abs(section.record["D_f_spectral_radius"] - 0.5) < 1e-12
+    (fact,) = section.blocks
+    assert fact.value == "1 -0.7 q^-1 +0.1 q^-2, largest root 0.5 in modulus"
+    assert not fitted_section(None).blocks
 
 
 def test_no_coefficients_is_the_standard_update_bit_for_bit():

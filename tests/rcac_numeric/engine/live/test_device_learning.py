@@ -1,0 +1,153 @@
+"""A controller that learns its target model step by step is the run of simulate; cuts, refusals."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory import FunctionFailedError, InputError
+from rcac_numeric import (
+    UD,
+    Controller,
+    ControllerChange,
+    ControllerSettings,
+    DataDriven,
+    Saturation,
+    SavedState,
+    TargetModel,
+    WhiteNoise,
+    exogenous,
+    iir,
+    simulate,
+    standard_plant,
+)
+
+PLANT = standard_plant("(q - 0.8)*(q - 1.5)/((q - 0.5)*(q**2 - 1.9*q + 1))")
+STEPS = 260
+
+
+def settings_of(start=100, every=10, **more):
+    target = DataDriven(order=6, start=start, every=every, running_dither=0.01, **more)
+    return ControllerSettings(structure=iir(6), target=target, update=UD(0.5))
+
+
+def run_of(settings, saturation=None, seed=3, steps=STEPS):
+    w = exogenous([WhiteNoise(0.01)], steps, seed)
+    return simulate(PLANT, settings, w, saturation=saturation)
+
+
+def drive(controller, run, steps, saturated=False):
+    """u of the controller at these steps, given what the run measured."""
+    u = []
+    for k in steps:
+        applied = run.u_applied[k - 1] if saturated and k else None
+        u.append(controller.step(run.y[k], run.z[k], u_applied=applied))
+    return np.array(u)
+
+
+@given(
+    st.sampled_from(["reset", "blend", "keep", "replay"]),
+    st.sampled_from([1.0, 0.99]),
+    st.sampled_from([1, 3, 10]),
+    st.booleans(),
+    st.integers(0, STEPS),
+    st.integers(0, 100),
+)
+def test_step_by_step_cut_anywhere_it_is_the_run(covariance, lambda_, every, saturates, cut, seed):
+    """u, theta, target and changes bit for bit, with what the actuator made of u told later."""
+    settings = settings_of(every=every, covariance=covariance, lambda_=lambda_)
+    saturation = Saturation(low=-0.02, high=0.02) if saturates else None
+    run = run_of(settings, saturation, seed)
+    first, second = Controller(settings), Controller(settings)
+    u = drive(first, run, range(cut), saturates)
+    second.restore(first.state)
+    assert second.state == first.state
+    rest = drive(second, run, range(cut, run.steps), saturates)
+    assert np.array_equal(np.vstack([u.reshape(-1, 1), rest.reshape(-1, 1)]), run.u)
+    assert np.array_equal(second.theta, run.theta_final)
+    assert first.changes + second.changes == run.changes
+    if run.changes:
+        assert second.target == run.changes[-1].change.target
+
+
+def test_a_state_goes_through_a_file_and_copies_are_their_own(tmp_path):
+    run, settings = run_of(settings_of()), settings_of()
+    one = Controller(settings)
+    drive(one, run, range(150))
+    one.state.save(tmp_path / "state.npz")
+    other = Controller(settings)
+    other.restore(SavedState.load(tmp_path / "state.npz"))
+    for controller in (other, copy.deepcopy(one), pickle.loads(pickle.dumps(one)), one):
+        assert np.array_equal(drive(controller, run, range(150, STEPS)), run.u[150:])
+
+
+def test_what_is_refused_moves_nothing():
+    """A step with bad numbers is neither learnt nor counted."""
+    run, settings = run_of(settings_of()), settings_of()
+    controller = Controller(settings)
+    for k in range(STEPS):
+        for wrong in ((np.nan, 0.0), (0.0, [1, 2]), ("x", 0.0)):
+            with pytest.raises(InputError):
+                controller.step(*wrong)
+        with pytest.raises(InputError, match=r"u_applied|entries"):
+            controller.step(run.y[k], run.z[k], u_applied=[1.0, 2.0])
+        assert controller.k == k
+        assert np.array_equal(controller.step(run.y[k], run.z[k]), run.u[k])
+    assert controller.changes == run.changes
+
+
+def test_freeze_holds_theta_and_not_the_model():
+    """Frozen before the first look: the target is learnt, theta waits for `resume`."""
+    run, settings = run_of(settings_of()), settings_of()
+    controller = Controller(settings)
+    controller.freeze()
+    drive(controller, run, range(130))
+    assert controller.changes[0] == run.changes[0] and not controller.theta.any()
+    again = Controller(settings)
+    again.restore(controller.state)
+    drive(again, run, range(130, 140))
+    assert not again.theta.any()
+    again.resume()
+    drive(again, run, range(140, 150))
+    assert again.theta.any()
+    early = Controller(settings)
+    early.resume()  # there is no target model yet: nothing to adapt to
+    drive(early, run, range(100))
+    assert not early.theta.any() and early.changes == ()
+
+
+def test_a_target_from_outside_is_refused():
+    settings = settings_of()
+    controller = Controller(settings)
+    before = controller.state
+    with pytest.raises(InputError, match="is learnt"):
+        controller.set_target(TargetModel([0, 1]))
+    with pytest.raises(InputError, match="is learnt"):
+        controller.change(ControllerChange(TargetModel([0, 1]), R_u=0.1))
+    assert controller.state == before
+    controller.set_weights(R_u=0.1)  # what is not learnt may change
+    assert controller.changes[-1].change == ControllerChange(R_u=0.1)
+    with pytest.raises(FunctionFailedError, match="is learnt"):
+        simulate(
+            PLANT, settings, np.zeros((20, 1)), every=5,
+            on_step=lambda run: ControllerChange(TargetModel([0, 1])),
+        )  # fmt: skip
+
+
+def test_states_of_others_are_refused():
+    settings, run = settings_of(), run_of(settings_of())
+    controller = Controller(settings)
+    drive(controller, run, range(50))
+    with pytest.raises(InputError, match="of a loop"):
+        controller.restore(run.state)
+    with pytest.raises(InputError, match="other settings"):
+        Controller(settings_of(every=20)).restore(controller.state)
+    state = controller.state
+    for values in (state.values[:-1], state.values[:3], np.r_[state.values[:-2], 0.5, 5.0]):
+        bad = SavedState.taken("controller", state.k, values, state.fingerprint)
+        with pytest.raises(InputError, match="damaged"):
+            controller.restore(bad)
+        assert controller.state == state
