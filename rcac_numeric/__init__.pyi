@@ -16,6 +16,8 @@ from .checks.logs import ControllerLog as ControllerLog
 from .checks.logs import read_log as read_log
 from .checks.replays import ControlReplay as ControlReplay
 from .checks.replays import replay as replay
+from .controllers.bounds import CoefficientBounds as CoefficientBounds
+from .controllers.bounds import coefficient_names as coefficient_names
 from .controllers.compensator import Compensator as Compensator
 from .controllers.decentralized import Decentralized as Decentralized
 from .controllers.fixed import FixedController as FixedController
@@ -25,6 +27,7 @@ from .controllers.kinds import fir_integrator as fir_integrator
 from .controllers.kinds import iir as iir
 from .controllers.kinds import pid as pid
 from .controllers.kinds import quasi_fir as quasi_fir
+from .controllers.normalization import Normalization as Normalization
 from .controllers.settings import ControllerSettings as ControllerSettings
 from .controllers.structure import DerivedSignal as DerivedSignal
 from .controllers.structure import Structure as Structure

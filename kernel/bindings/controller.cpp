@@ -16,6 +16,7 @@ namespace {
 
 using Forgetting = std::tuple<std::size_t, std::size_t, double, double>;
 using Perturbation = std::tuple<std::uint64_t, double, double, std::int64_t>;
+using Curve = std::tuple<int, double, double>;
 using Reset = std::tuple<std::int64_t, double, double, std::size_t, std::size_t>;
 
 void require_window(std::size_t steps, const char* name) {
@@ -53,13 +54,18 @@ std::unique_ptr<OwnedController> make_controller(
     std::int64_t k_filter, bool filter_form, bool reflect_poles, const nb::list& events,
     const Forgetting& forgetting, const Reset& reset, const Array& noise, const std::string& update,
     const Array& P_0, const Array& theta_0, std::size_t window, double step_size,
-    const Perturbation& dither) {
+    const Perturbation& dither, const Array& penalty, const Curve& normalization,
+    const nb::tuple& bounds, const nb::tuple& fixed) {
     ControllerPlan plan;
     require_width(l_z, 1, "l_z");
     plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
     plan.targets = targets_of(targets, plan.structure, l_z);
     plan.R_z = weight_of(R_z, plan.structure, l_z, "R_z");
     plan.R_u = weight_of(R_u, plan.structure, l_z, "R_u");
+    plan.penalty.base = square_or_zero(penalty, l_u, "penalty");
+    plan.normalization = normalization_of(std::get<0>(normalization), std::get<1>(normalization),
+                                          std::get<2>(normalization));
+    plan.fixed = fixed_of(fixed, l_u, l_y + l_r);
     require_forgetting(lambda, "lambda");
     plan.lambda = lambda;
     require_step(k_w, "k_w");
@@ -82,11 +88,15 @@ std::unique_ptr<OwnedController> make_controller(
     plan.dither = {std::get<0>(dither), std::get<1>(dither), std::get<2>(dither),
                    std::get<3>(dither)};
     const std::size_t l_theta = regressor.size() * l_u, P_size = length_of({l_theta, l_theta}, "P_0");
+    plan.bounds = bounds_of(bounds, l_theta);
     plan.noise = copied(noise, noise.size() / l_theta * l_theta, "noise");
 
     std::vector<double> theta = copied(theta_0, l_theta, "theta_0");
     const std::vector<double> P = copied(P_0, P_size, "P_0");
-    std::unique_ptr<Update> arithmetic = update_of(update, P, theta, l_z, window, step_size);
+    bool penalises = false;
+    for (const double s : plan.penalty.base) penalises = penalises || s != 0.0;
+    const std::size_t rows = penalises ? l_z + l_u : l_z;
+    std::unique_ptr<Update> arithmetic = update_of(update, P, theta, rows, window, step_size);
     return std::make_unique<OwnedController>(std::move(plan), std::move(arithmetic),
                                              std::move(theta));
 }
@@ -135,7 +145,7 @@ double set_target(OwnedController& owned, const Array& numerator, const Array& d
 }
 
 // None leaves a weight as it is.
-void set_weights(OwnedController& owned, nb::object R_z, nb::object R_u) {
+void set_weights(OwnedController& owned, nb::object R_z, nb::object R_u, nb::object penalty) {
     Controller& controller = owned.controller;
     const auto read_weight = [&](const nb::object& value, const char* name) {
         refuse_unless(!PyCallable_Check(value.ptr()), std::string(name) + " is a function");
@@ -143,9 +153,14 @@ void set_weights(OwnedController& owned, nb::object R_z, nb::object R_u) {
     };
     const Weight z = R_z.is_none() ? Weight() : read_weight(R_z, "R_z");
     const Weight u = R_u.is_none() ? Weight() : read_weight(R_u, "R_u");
+    Weight S;
+    if (!penalty.is_none())
+        S.base = copied(read<Array>(penalty, "penalty", "a matrix"),
+                        controller.l_u() * controller.l_u(), "penalty");
     const Hold hold(owned.use);
-    if (!R_z.is_none()) controller.set_R_z(z);
-    if (!R_u.is_none()) controller.set_R_u(u);
+    if (!R_z.is_none()) controller.rows().set_R_z(z);
+    if (!R_u.is_none()) controller.rows().set_R_u(u);
+    if (!penalty.is_none()) controller.rows().set_penalty(S);
 }
 
 void set_lambda(OwnedController& owned, double lambda) {
@@ -175,7 +190,8 @@ void bind_controller(nb::module_& m) {
              })
         .def("set_target", &set_target, nb::arg("numerator"), nb::arg("denominator"),
              nb::arg("past"))
-        .def("set_weights", &set_weights, nb::arg("R_z").none(), nb::arg("R_u").none())
+        .def("set_weights", &set_weights, nb::arg("R_z").none(), nb::arg("R_u").none(),
+             nb::arg("penalty").none() = nb::none())
         .def("set_lambda", &set_lambda, nb::arg("lambda_"))
         .def("save",
              [](OwnedController& self) {
@@ -213,10 +229,12 @@ void bind_controller(nb::module_& m) {
         .def_prop_ro("forgetting_factor", number([](const Controller& c) { return c.lambda(); }))
         .def_prop_ro("reflections", number([](const Controller& c) { return c.reflections(); }))
         .def_prop_ro("resets", number([](const Controller& c) { return c.resets(); }))
+        .def_prop_ro("bounded", number([](const Controller& c) { return c.bounded(); }))
         .def_prop_ro("guard_count",
                      number([](const Controller& c) { return c.update().guard().count; }))
         .def_prop_ro("guard_first_step",
                      number([](const Controller& c) { return c.update().guard().first_step; }));
+    const nb::object empty = nb::cast(to_numpy(nullptr, 0));
     m.def("controller", &make_controller, nb::kw_only(), nb::arg("l_u"), nb::arg("l_y"),
           nb::arg("l_r"), nb::arg("l_z"), nb::arg("derived"), nb::arg("regressor"),
           nb::arg("channels"), nb::arg("filtered"), nb::arg("targets"), nb::arg("R_z"),
@@ -224,7 +242,10 @@ void bind_controller(nb::module_& m) {
           nb::arg("k_filter"), nb::arg("filter_form"), nb::arg("reflect_poles"), nb::arg("events"),
           nb::arg("forgetting"), nb::arg("reset"), nb::arg("noise"), nb::arg("update"),
           nb::arg("P_0"), nb::arg("theta_0"), nb::arg("window"), nb::arg("step_size"),
-          nb::arg("dither") = Perturbation{0, 0.0, 0.0, 0});
+          nb::arg("dither") = Perturbation{0, 0.0, 0.0, 0}, nb::arg("penalty") = empty,
+          nb::arg("normalization") = Curve{0, 1.0, 1.0},
+          nb::arg("bounds") = nb::make_tuple(empty, empty, false, 0),
+          nb::arg("fixed") = nb::make_tuple(empty, empty));
 }
 
 }  // namespace rcac

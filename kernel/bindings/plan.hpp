@@ -37,10 +37,11 @@ inline Structure structure_of(std::size_t l_u, std::size_t l_y, std::size_t l_r,
     require_width(l_r, 0, "l_r");
     Structure result{l_u, l_y, l_r, {}, {}, {}, {}};
     for (nb::handle item : derived) {
-        const auto [now, before, pole] = read<std::tuple<Array, Array, double>>(
-            item, "a derived signal", "(now, before, pole)");
+        const auto [now, before, pole, limit] = read<std::tuple<Array, Array, double, double>>(
+            item, "a derived signal", "(now, before, pole, limit)");
+        refuse_unless(limit >= 0.0, "the limit of a derived signal is negative");
         result.derived.push_back(
-            {copied(now, l_y + l_r, "now"), copied(before, l_y + l_r, "before"), pole});
+            {copied(now, l_y + l_r, "now"), copied(before, l_y + l_r, "before"), pole, limit});
     }
     refuse_unless(!regressor.empty(), "the regressor is empty");
     require(filtered.size(), regressor.size(), "filtered");
@@ -99,7 +100,7 @@ inline Past past_of(const std::string& name) {
     return static_cast<Past>(found - names.begin());
 }
 
-// A matrix, or (base, z_squared), or a function R(k, y, z, u) that returns None where it failed;
+// A matrix, or (base, z_squared, nu), or a function R(k, y, z, u) that returns None where it failed;
 // then the update meets a NaN and the run ends.
 inline Weight weight_of(nb::handle value, const Structure& structure, std::size_t l_z,
                         const char* name) {
@@ -107,10 +108,11 @@ inline Weight weight_of(nb::handle value, const Structure& structure, std::size_
     Weight result;
     result.base.assign(size, 0.0);
     if (nb::isinstance<nb::tuple>(value)) {
-        const auto [base, z_squared] =
-            read<std::pair<Array, double>>(value, name, "(matrix, factor of z'z)");
+        const auto [base, z_squared, nu] = read<std::tuple<Array, double, double>>(
+            value, name, "(matrix, factor of z'z, nu)");
         result.base = copied(base, size, name);
         result.z_squared = z_squared;
+        result.nu = nu;
     } else if (PyCallable_Check(value.ptr())) {
         nb::object function = nb::borrow(value);
         result.function = [=](std::int64_t k, const double* y, const double* z, const double* u,
@@ -152,6 +154,43 @@ inline std::vector<Event> events_of(const nb::list& list, std::size_t targets) {
         result.push_back(event);
     }
     return result;
+}
+
+// A square matrix; of zeros where nothing is given.
+inline std::vector<double> square_or_zero(const Array& values, std::size_t size, const char* name) {
+    const std::size_t length = length_of({size, size}, name);
+    return values.size() == 0 ? std::vector<double>(length) : copied(values, length, name);
+}
+
+inline Normalization normalization_of(int function, double limit, double slope) {
+    require_range<int>(function, Normalization::none, Normalization::erf, "the normalisation");
+    refuse_unless(limit > 0.0 && slope > 0.0, "limit and slope of a normalisation are not positive");
+    return {static_cast<Normalization::Function>(function), limit, slope};
+}
+
+inline BoundsPlan bounds_of(const nb::tuple& given, std::size_t l_theta) {
+    const auto [low, high, in_metric, sweeps] = read<std::tuple<Array, Array, bool, std::size_t>>(
+        given, "bounds", "(low, high, in_metric, sweeps)");
+    if (low.size() == 0 && high.size() == 0) return {};
+    BoundsPlan plan{copied(low, l_theta, "low"), copied(high, l_theta, "high"), in_metric, sweeps};
+    for (std::size_t i = 0; i < l_theta; ++i)
+        refuse_unless(plan.low[i] <= plan.high[i], "a low bound exceeds the high one");
+    require_range<std::size_t>(sweeps, 0, 1000000, "sweeps");
+    if (in_metric) length_of({l_theta, l_theta}, "P");
+    return plan;
+}
+
+inline FixedPlan fixed_of(const nb::tuple& given, std::size_t l_v, std::size_t l_e) {
+    const auto [past_v, past_e] =
+        read<std::pair<Array, Array>>(given, "fixed", "(past_u, past_y)");
+    const std::size_t block = length_of({l_v, l_e}, "past_y");
+    if (past_e.size() == 0 && past_v.size() == 0) return {};
+    refuse_unless(block > 0 && past_e.size() >= block && past_e.size() % block == 0,
+                  "past_y: no whole number of l_u x (l_y + l_r) coefficients");
+    const std::size_t order = past_e.size() / block - 1;
+    length_of({l_v + l_e, 2 * order + 64}, "the past of the fixed part");
+    return {order, copied(past_v, length_of({order, l_v, l_v}, "past_u"), "past_u"),
+            copied(past_e, past_e.size(), "past_y")};
 }
 
 // The roots of D_c are those of q^n - theta_1 q^(n-1) - ...: one u, and no u(k) among its taps.

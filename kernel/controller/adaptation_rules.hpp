@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -24,15 +25,16 @@ struct Event {
 // uncertain as the share of the past that no longer holds; P(0) and the stored steps once more.
 enum class Past { keep, reset, blend, replay };
 
-// R(k) = base + z_squared z'z I, or whatever a function of the step and the signals says.
+// R(k) = (base + z_squared z'z I) / (1 + nu |z|)^2, or whatever a function of the step and the
+// signals says.
 struct Weight {
     using Function = std::function<void(std::int64_t k, const double* y, const double* z,
                                         const double* u, double* result)>;
     std::vector<double> base;  // l_z x l_z
-    double z_squared = 0.0;
+    double z_squared = 0.0, nu = 0.0;
     Function function;
 
-    bool is_constant() const { return z_squared == 0.0 && !function; }
+    bool is_constant() const { return z_squared == 0.0 && nu == 0.0 && !function; }
     void evaluate(std::int64_t k, const double* y, const double* z, const double* u,
                   std::size_t l_z, double* result) const {
         if (function) {
@@ -40,10 +42,13 @@ struct Weight {
             return;
         }
         std::copy(base.begin(), base.end(), result);
-        if (z_squared == 0.0) return;
+        if (z_squared == 0.0 && nu == 0.0) return;
         double power = 0.0;
         for (std::size_t i = 0; i < l_z; ++i) power += z[i] * z[i];
         for (std::size_t i = 0; i < l_z; ++i) result[i * l_z + i] += z_squared * power;
+        if (nu == 0.0) return;
+        const double root = 1.0 + nu * std::sqrt(power);
+        for (std::size_t i = 0; i < l_z * l_z; ++i) result[i] /= root * root;
     }
 };
 
@@ -94,6 +99,7 @@ public:
             now_.function = nullptr;
             archive(now_.base);
             archive(now_.z_squared);
+            archive(now_.nu);
         }
         if (archive.reading()) value_ = now_.base;
     }

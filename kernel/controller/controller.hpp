@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "controller/cost_rows.hpp"
 #include "controller/pole_reflection.hpp"
 #include "controller/regressor.hpp"
 #include "controller/stored_signals.hpp"
@@ -25,13 +26,12 @@ public:
           model_(plan_.targets, sources_of(structure()), regressor_.signals().depth()),
           performance_(l_z(), remembered_),
           rules_(plan_.forgetting, plan_.reset, *update_),
-          Phi_f_(l_z() * theta_.size()),
-          target_(l_z()),
-          u_(l_u()),
-          R_z_(plan_.R_z),
-          R_u_(plan_.R_u) {
+          rows_(plan_, l_z(), theta_.size()),
+          bounds_(plan_.bounds, theta_.size()),
+          fixed_(plan_.fixed, l_u(), structure().l_y + structure().l_r),
+          u_(l_u()) {
         place_taps();
-        if (regressor_.size() * l_u() != theta_.size() || filtered_.size() != Phi_f_.size())
+        if (regressor_.size() * l_u() != theta_.size() || filtered_.size() != rows_.size_of_Phi_f())
             throw std::invalid_argument("l_theta does not fit");
     }
     // The regressor refers to the plan.
@@ -43,35 +43,44 @@ public:
         signals().advance();
         filter_.advance();
         performance_.advance();
+        fixed_.advance();
         adapted_ = false;
     }
 
-    void measure(const double* y, const double* r) { regressor_.measure(y, r); }
+    void measure(const double* y, const double* r) {
+        regressor_.measure(y, r);
+        if (!fixed_.is_there()) return;
+        for (std::size_t i = 0; i < structure().l_y; ++i) fixed_.measure(i, y[i]);
+        for (std::size_t i = 0; i < structure().l_r; ++i) fixed_.measure(structure().l_y + i, r[i]);
+    }
 
-    // u(k) = Phi(k) theta(k), (2.29).
+    // u(k) = Phi(k) theta(k), (2.29), and what a fixed compensator beside it adds.
     const double* control() {
         for (double& u : u_) u = 0.0;
         if (step_ >= plan_.k_w) regressor_.control(theta_, u_);
         if (plan_.dither.is_on())
             for (std::size_t i = 0; i < l_u(); ++i) u_[i] += plan_.dither(step_, i);
-        apply(u_.data());
+        for (std::size_t i = 0; i < l_u(); ++i) signals().now(i) = u_[i];
+        fixed_.add_to(u_.data());
         return u_.data();
     }
 
-    // What the actuator made of u(k) takes its place in every later regressor.
+    // What the actuator made of u(k), without the fixed part, takes its place in every later
+    // regressor.
     void apply(const double* u) {
-        for (std::size_t i = 0; i < l_u(); ++i) signals().now(i) = u[i];
+        for (std::size_t i = 0; i < l_u(); ++i) signals().now(i) = u[i] - fixed_.now(i);
     }
 
     // The same one step later, for a device that learns afterwards what was applied; G_f must be
     // strictly proper, so that nothing has used u(k-1) yet.
     void correct_previous(const double* u) {
         for (std::size_t i = 0; i < l_u(); ++i) {
-            signals().before(i) = u[i];
+            const double own = u[i] - fixed_.before(i);
+            signals().before(i) = own;
             for (std::size_t c = 0; c < structure().channels.size(); ++c) {
                 const Tap& tap = structure().channels[c];
                 if (tap.source == i && tap.delay == 0 && step_ > plan_.k_filter)
-                    filter_.correct_previous_input(c, u[i]);
+                    filter_.correct_previous_input(c, own);
             }
         }
     }
@@ -87,13 +96,14 @@ public:
         update_->see(z);
         if (step_ < plan_.k_update || frozen_) return false;
 
-        filtered_.read(filter_.outputs().values(), Phi_f_.data());
+        filtered_.read(filter_.outputs().values(), rows_.Phi_f());
         for (std::size_t r = 0; r < l_z(); ++r) {
-            target_[r] = z[r];
+            rows_.set_target(r, z[r]);
             for (std::size_t i = 0; i < l_u(); ++i)
-                target_[r] -= filter_.outputs()(filter_.index(i, r, i), 0);
+                rows_.target()[r] -= filter_.outputs()(filter_.index(i, r, i), 0);
         }
-        weigh(z, 0);
+        rows_.penalise(regressor_, 0);
+        rows_.weigh(z, signals(), step_, 0);
         if (rules_.forgets()) lambda_ = rules_.forgetting_factor();
         if (rules_.reset_is_due(step_, plan_.k_update, last_reset_, *update_)) {
             last_reset_ = step_;
@@ -102,23 +112,20 @@ public:
         return true;
     }
 
-    Data data() const {
-        return {l_z(), theta_.size(), Phi_f_.data(), target_.data(), R_z_.value(), R_u_.value(), lambda_};
-    }
-
-    // What follows an update: process noise and pole reflection.
+    // What follows an update: process noise, pole reflection and bounds.
     void conclude() {
         if (!plan_.noise.empty())
             update_->inflate(plan_.noise.data(), plan_.noise.size() / theta_.size());
         if (plan_.reflect_poles && reflect(structure().regressor, theta_, polynomial_))
             ++reflections_;
+        if (bounds_.are_there() && bounds_.apply(*update_, theta_)) ++bounded_;
     }
 
     // theta(k+1) from theta(k); false where that left the range of float64.
     bool adapt(const double* z) {
         adapted_ = true;
         if (!prepare(z)) return true;
-        if (!(*update_)(data(), step_, theta_.data())) return false;
+        if (!(*update_)(rows_.data(lambda_), step_, theta_.data())) return false;
         conclude();
         return true;
     }
@@ -148,10 +155,10 @@ public:
     std::size_t longest_order() const { return signals().depth() - 1 - regressor_.reach(); }
 
     void set_lambda(double lambda) { lambda_ = lambda; }
-    void set_R_z(const Weight& weight) { R_z_.set(weight); }
-    void set_R_u(const Weight& weight) { R_u_.set(weight); }
+    CostRows& rows() { return rows_; }
+    const CostRows& rows() const { return rows_; }
     // Whether the plan no longer says what this controller does.
-    bool has_left_its_plan() const { return model_.is_own() || R_z_.is_own() || R_u_.is_own(); }
+    bool has_left_its_plan() const { return model_.is_own() || rows_.has_left_its_plan(); }
 
     void set_frozen(bool frozen) { frozen_ = frozen; }
     void reset_covariance() {
@@ -173,6 +180,7 @@ public:
     double lambda() const { return lambda_; }
     std::int64_t reflections() const { return reflections_; }
     std::int64_t resets() const { return resets_; }
+    std::int64_t bounded() const { return bounded_; }
     bool frozen() const { return frozen_; }
     // For whoever makes its steps elsewhere (lanes/state.hpp).
     History& signals() { return regressor_.signals(); }
@@ -182,7 +190,7 @@ public:
     TargetFilter& filter() { return filter_; }
     void has_stepped(std::int64_t steps) { step_ += steps; }
     bool measures_first() const {
-        if (plan_.filter_form) return true;
+        if (plan_.filter_form || fixed_.is_direct()) return true;
         for (const Tap& tap : structure().regressor)
             if (tap.delay == 0) return true;
         return false;
@@ -196,14 +204,15 @@ public:
         archive(reflections_, 0, Archive::longest);
         archive(resets_, 0, Archive::longest);
         archive(last_reset_, -1, Archive::longest);
+        archive(bounded_, 0, Archive::longest);
         archive(frozen_);
         auto order = static_cast<std::int64_t>(filter_.order());
         archive(order, 0, static_cast<std::int64_t>(longest_order()));
         if (archive.reading() && as_size(order) != filter_.order()) resize_filter(as_size(order));
         model_.visit(archive, filter_.order());
         if (archive.reading()) filter_.replace(model_.model());
-        R_z_.visit(archive);
-        R_u_.visit(archive);
+        rows_.visit(archive);
+        fixed_.visit(archive);
         signals().visit(archive);
         performance_.visit(archive);
         filter_.visit(archive);
@@ -226,19 +235,6 @@ private:
                 filter_.replace(model_.take_planned(event.index));
                 break;
         }
-    }
-
-    // R_z and R_u of `age` steps ago, where they are not constant.
-    void weigh(const double* z, std::size_t age) {
-        if (R_z_.is_constant() && R_u_.is_constant()) return;
-        for (std::size_t i = 0; i < l_u(); ++i)
-            u_[i] = signals()(i, age + (plan_.filter_form ? 1 : 0));
-        y_.resize(structure().l_y);
-        for (std::size_t i = 0; i < y_.size(); ++i) y_[i] = signals()(l_u() + i, age);
-        const double* y = y_.empty() ? z : y_.data();
-        const std::int64_t k = step_ - static_cast<std::int64_t>(age);
-        R_z_.evaluate(k, y, z, u_.data(), l_z());
-        R_u_.evaluate(k, y, z, u_.data(), l_z());
     }
 
     void place_taps() {
@@ -269,9 +265,11 @@ private:
         bool fine = true;
         for (std::int64_t age = known; fine && age-- > 0;) {
             for (std::size_t i = 0; i < z.size(); ++i) z[i] = performance_(i, as_size(age));
-            data_of_age(model_.past(), structure(), as_size(age), z.data(), Phi_f_.data(), target_.data());
-            weigh(z.data(), as_size(age));
-            fine = (*update_)(data(), step_ - age, theta_.data());
+            for (std::size_t i = 0; i < z.size(); ++i) rows_.set_target(i, z[i]);
+            data_of_age(model_.past(), structure(), as_size(age), rows_.Phi_f(), rows_.target());
+            rows_.penalise(regressor_, as_size(age));
+            rows_.weigh(z.data(), signals(), step_, as_size(age));
+            fine = (*update_)(rows_.data(lambda_), step_ - age, theta_.data());
             if (fine) conclude();
         }
         ++step_;
@@ -290,9 +288,12 @@ private:
     PerformanceRules rules_;
     bool frozen_ = false, adapted_ = false;
     TapReader filtered_;
-    std::vector<double> Phi_f_, target_, u_, y_, polynomial_;
-    CurrentWeight R_z_, R_u_;
-    std::int64_t step_ = 0, next_event_ = 0, reflections_ = 0, resets_ = 0, last_reset_ = -1;
+    CostRows rows_;
+    CoefficientBounds bounds_;
+    FixedPart fixed_;
+    std::vector<double> u_, polynomial_;
+    std::int64_t step_ = 0, next_event_ = 0, reflections_ = 0, resets_ = 0, bounded_ = 0,
+                 last_reset_ = -1;
 };
 
 }  // namespace rcac

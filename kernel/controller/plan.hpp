@@ -1,16 +1,22 @@
 // Everything that determines a controller, beside theta(0) and the arithmetic of its update.
 #pragma once
 
+#include <limits>
+
 #include "controller/adaptation_rules.hpp"
+#include "controller/coefficient_bounds.hpp"
+#include "controller/fixed_part.hpp"
+#include "controller/normalization.hpp"
 #include "controller/performance_rules.hpp"
 #include "controller/target_filter.hpp"
 
 namespace rcac {
 
-// s(k) = pole s(k-1) + now [y; r](k) + before [y; r](k-1)
+// s(k) = pole s(k-1) + now [y; r](k) + before [y; r](k-1), held within +-limit
 struct DerivedSignal {
     std::vector<double> now, before;
     double pole;
+    double limit = std::numeric_limits<double>::infinity();
 };
 
 // The structure of a controller is nothing but tables of taps on scalar signals, numbered
@@ -29,6 +35,10 @@ struct ControllerPlan {
     Structure structure;
     std::vector<TargetModel> targets;  // of one order; the first one is there from step 0
     Weight R_z, R_u;
+    Weight penalty;  // S, l_u x l_u, with S' S = R_u_unfiltered
+    Normalization normalization;
+    BoundsPlan bounds;
+    FixedPlan fixed;
     double lambda;
     std::int64_t k_w;       // u = 0 before it (2.29)
     std::int64_t k_update;  // first step of the update

@@ -31,7 +31,7 @@ public:
             for (std::size_t i = 0; i < l_y + l_r; ++i)
                 value += signal.now[i] * signals_.now(first + i) +
                          signal.before[i] * signals_.before(first + i);
-            signals_.now(number++) = value;
+            signals_.now(number++) = std::clamp(value, -signal.limit, signal.limit);
         }
     }
 
@@ -43,6 +43,13 @@ public:
         else
             for (std::size_t j = 0; j < phi_.size(); ++j)
                 for (std::size_t i = 0; i < u.size(); ++i) u[i] += theta[j * u.size() + i] * phi_[j];
+    }
+
+    // phi(k) of so many steps ago.
+    const double* at_age(std::size_t age) {
+        past_phi_.resize(taps_.size());
+        taps_.read(signals_.values() + age, past_phi_.data());
+        return past_phi_.data();
     }
 
     std::size_t size() const { return taps_.size(); }
@@ -70,7 +77,7 @@ private:
     std::size_t reach_;
     History signals_;
     TapReader taps_;
-    std::vector<double> phi_;
+    std::vector<double> phi_, past_phi_;
 };
 
 }  // namespace rcac

@@ -169,9 +169,9 @@ inline void refill_inputs(TargetFilter& filter, const History& signals, const St
     }
 }
 
-// Phi_f and z - u_f of so many steps ago, in the order of the ordinary step.
+// Phi_f of so many steps ago, and u_f taken from `target`, in the order of the ordinary step.
 inline void data_of_age(const FilteredPast& past, const Structure& structure, std::size_t age,
-                        const double* z, double* Phi_f, double* target) {
+                        double* Phi_f, double* target) {
     for (std::size_t row = 0; row < past.l_z(); ++row) {
         for (const Tap& tap : structure.filtered) {
             const Tap& channel = structure.channels[tap.source];
@@ -179,7 +179,6 @@ inline void data_of_age(const FilteredPast& past, const Structure& structure, st
             for (std::size_t i = 0; i < past.l_u(); ++i)
                 *Phi_f++ = past(s, row, i, age + channel.delay + tap.delay);
         }
-        target[row] = z[row];
         for (std::size_t i = 0; i < past.l_u(); ++i)
             target[row] -= past(past.number_of(i), row, i, age);
     }

@@ -79,6 +79,9 @@ public:
     }
 
     void covariance(double* P) const override { std::copy(P_.begin(), P_.end(), P); }
+    void covariance_column(std::size_t i, double* column) const override {
+        for (std::size_t j = 0; j < n_; ++j) column[j] = P_[j * n_ + i];
+    }
 
     void reset() override { P_ = P_0_; }
 

@@ -49,6 +49,12 @@ public:
         for (std::size_t i = 0; i < n_; ++i) std::copy_n(&all[i * whole], n_, P + i * n_);
     }
 
+    // d would have to move with theta: a metric is refused above, and bounds are cut off.
+    void covariance_column(std::size_t i, double* column) const override {
+        std::fill_n(column, n_, 0.0);
+        column[i] = 1.0;
+    }
+
     void visit(Archive& archive) override {
         Update::visit(archive);
         ud_.visit(archive);

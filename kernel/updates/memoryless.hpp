@@ -49,6 +49,9 @@ public:
     }
 
     void covariance(double* P) const override { std::copy(P_.begin(), P_.end(), P); }
+    void covariance_column(std::size_t i, double* column) const override {
+        for (std::size_t j = 0; j < n_; ++j) column[j] = P_[j * n_ + i];
+    }
 
 private:
     std::size_t n_;
@@ -80,6 +83,10 @@ public:
     void covariance(double* P) const override {
         std::fill_n(P, n_ * n_, 0.0);
         for (std::size_t j = 0; j < n_; ++j) P[j * n_ + j] = step_size_;
+    }
+    void covariance_column(std::size_t i, double* column) const override {
+        std::fill_n(column, n_, 0.0);
+        column[i] = step_size_;
     }
 
 private:

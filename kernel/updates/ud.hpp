@@ -114,6 +114,15 @@ public:
             }
     }
 
+    // U (D (U' e_i)).
+    void covariance_column(std::size_t i, double* column) const override {
+        std::fill_n(column, n_, 0.0);
+        for (std::size_t m = i; m < n_; ++m) {
+            const double weight = D_[m] * u(i, m);
+            for (std::size_t j = 0; weight != 0.0 && j <= m; ++j) column[j] += weight * u(j, m);
+        }
+    }
+
     // P = U D U'; a diagonal P costs nothing.
     void factorise(const double* P0) {
         std::vector<double> P(P0, P0 + n_ * n_);

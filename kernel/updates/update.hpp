@@ -43,6 +43,8 @@ public:
     virtual void see(const double* /*z*/) {}
     // P(k), l_theta x l_theta row-major.
     virtual void covariance(double* P) const = 0;
+    // Column i of P(k), or of the metric in which a bound on theta is kept.
+    virtual void covariance_column(std::size_t i, double* column) const = 0;
     // P <- P(0).
     virtual void reset() {}
     // The data that come are no longer those that P was made of: rho is how far the filtered signals

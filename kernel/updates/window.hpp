@@ -50,6 +50,9 @@ public:
     void reset() override { count_ = 0; }
 
     void covariance(double* P) const override { arithmetic_.covariance(P); }
+    void covariance_column(std::size_t i, double* column) const override {
+        arithmetic_.covariance_column(i, column);
+    }
 
     void visit(Archive& archive) override {
         Update::visit(archive);

@@ -30,7 +30,8 @@ def regressor_of(structure: Structure, signals: Mapping[str, Array | None], sign
         drive[1:] += inputs[:-1] @ sign(np.array(signal.before))
         pole, before = float(sign(signal.pole)), 0.0
         for k in range(steps):
-            before = derived[k, i] = pole * before + drive[k]
+            free = pole * before + drive[k]
+            before = derived[k, i] = min(max(free, -signal.limit), signal.limit)
     known = {"u": u, "y": y, "r": r, "derived": derived}
     phi = np.zeros((steps, len(structure.taps)))
     for j, tap in enumerate(structure.taps):

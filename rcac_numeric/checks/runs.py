@@ -17,8 +17,8 @@ from rcac_numeric.plants.functions import FunctionPlant
 def check_arguments(run: Run, source: str = "run") -> dict[str, Any]:
     """The arguments of `check_controller` that a run knows by itself.
 
-    Behind a saturation, and for several controllers or a fixed one, the controller is handed over
-    as a compensator: no single theta makes the logged u.
+    Behind a saturation, and for several controllers or a fixed one, in parallel too, it is handed
+    over as a compensator: no single theta makes the logged u.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def check_arguments(run: Run, source: str = "run") -> dict[str, Any]:
     if isinstance(settings, ControllerSettings):
         changes = [model for k, model in sorted(settings.target_changes.items()) if k <= last]
         known["target"] = [settings.target, *changes][-1]
-        if run.saturation is None and not run.first_step:
+        if run.saturation is None and settings.fixed is None and not run.first_step:
             known |= {"structure": settings.structure, "k_w": settings.k_w}
             signals["theta"] = run.theta if run.stride == 1 else run.theta_final
     if "structure" not in known:

@@ -131,3 +131,31 @@ class Compensator(Value):
                 f"the compensator has {self.l_y} inputs and {self.l_u} outputs; numerator and "
                 "denominator polynomials exist for a scalar one. Use state_space() instead."
             )
+
+
+def parallel(a: Compensator, b: Compensator) -> Compensator:
+    """The sum of two compensators with one output, N_a / D_a + N_b / D_b.
+
+    Parameters
+    ----------
+    a, b : Compensator
+        With the same inputs, and l_u = 1 (any l_u where neither reads past u).
+
+    Raises
+    ------
+    InputError
+        Where there are several outputs with a denominator.
+    """
+    if a.l_u > 1:
+        if a.past_u.any() or b.past_u.any():
+            raise InputError("one difference equation for the sum is formed for l_u = 1 only.")
+        order = max(a.n_c, b.n_c)
+        padded = [np.pad(c.past_y, [(0, order - c.n_c), (0, 0), (0, 0)]) for c in (a, b)]
+        return Compensator(np.zeros((order, a.l_u, a.l_u)), padded[0] + padded[1])
+    D_a, D_b = (np.concatenate([[1.0], -c.past_u[:, 0, 0]]) for c in (a, b))
+    inputs = [
+        np.convolve(a.past_y[:, 0, i], D_b) + np.convolve(b.past_y[:, 0, i], D_a)
+        for i in range(a.l_y)
+    ]
+    denominator = np.convolve(D_a, D_b)
+    return Compensator(-denominator[1:, None, None], np.stack(inputs, axis=1)[:, None, :])

@@ -12,7 +12,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, items, real_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.compensator import Compensator, parallel
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.targets.model import TargetModel
@@ -53,6 +53,11 @@ class Decentralized(Value):
         widths = {(c.structure.l_u, c.structure.l_y, c.target.l_z) for c in controllers}
         if len(widths) > 1:
             raise InputError(f"the controllers differ in (l_u, l_y, l_z): {sorted(widths)}.")
+        if any(c.fixed is not None for c in controllers):
+            raise InputError(
+                "one of several controllers has a fixed compensator in parallel; give that to a "
+                "controller that is alone."
+            )
         commands = {c.structure.l_r for c in controllers} - {0}
         if len(commands) > 1:
             raise InputError(f"the controllers differ in l_r: {sorted(commands)}.")
@@ -85,11 +90,9 @@ class Decentralized(Value):
             _with_commands(c.structure.compensator(part), self.l_r - c.structure.l_r)
             for c, part in zip(self.controllers, coefficients, strict=True)
         ]
-        if parts[0].l_u > 1:
-            raise InputError("one difference equation for the sum is formed for l_u = 1 only.")
         total = parts[0]
         for part in parts[1:]:
-            total = _parallel(total, part)
+            total = parallel(total, part)
         return total
 
 
@@ -120,21 +123,3 @@ def _sum_of_one_u(structures: list[Structure], coefficients: list[Array]) -> Com
     n_c = max(structure.n_c for structure in structures)
     whole = Structure(tuple(columns), first.l_u, first.l_y, n_c, "sum", l_r, derived)
     return whole.compensator(np.concatenate(list(columns.values())))
-
-
-def _parallel(a: Compensator, b: Compensator) -> Compensator:
-    """N_a / D_a + N_b / D_b over the product of the denominators."""
-    inputs = [
-        _convolved(a.past_y[:, 0, i], b) + _convolved(b.past_y[:, 0, i], a)
-        for i in range(a.past_y.shape[2])
-    ]
-    denominator = np.convolve(_denominator(a), _denominator(b))
-    return Compensator(-denominator[1:, None, None], np.stack(inputs, axis=1)[:, None, :])
-
-
-def _convolved(numerator: Array, other: Compensator) -> Array:
-    return np.convolve(numerator, _denominator(other))
-
-
-def _denominator(compensator: Compensator) -> Array:
-    return np.concatenate([[1.0], -compensator.past_u[:, 0, 0]])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -71,7 +73,14 @@ def quasi_fir(n_c: int, free_poles: int = 2, l_u: int = 1, l_y: int = 1, k_c: in
     return Structure(taps, inputs, outputs, order, "quasi-FIR")
 
 
-def pid(terms: str = "PID", l_u: int = 1, l_y: int = 1) -> Structure:
+def pid(
+    terms: str = "PID",
+    l_u: int = 1,
+    l_y: int = 1,
+    *,
+    k_c: int = 1,
+    integral_limit: float = math.inf,
+) -> Structure:
     """The strictly proper PID structure (2.58)-(2.62), or some of its terms.
 
     u(k) = K_P y(k-1) + K_I gamma(k-1) + K_D [y(k-1) - y(k-2)], gamma(k) = gamma(k-1) + y(k-1)
@@ -82,6 +91,11 @@ def pid(terms: str = "PID", l_u: int = 1, l_y: int = 1) -> Structure:
     ----------
     terms : str
         Any of "P", "I" and "D" in any order, each once.
+    k_c : {1, 0}
+        0: every term is one step newer, K_P y(k) + K_I gamma(k) + K_D [y(k) - y(k-1)], as in most
+        published implementations; needs D_0 = 0.
+    integral_limit : float
+        The integrator state is held within +-integral_limit.
 
     Examples
     --------
@@ -101,21 +115,31 @@ def pid(terms: str = "PID", l_u: int = 1, l_y: int = 1) -> Structure:
             f"terms = {terms!r}: name each of the terms P, I and D at most once, such as 'PI'."
         )
     outputs = integer(l_y, "l_y", at_least=1)
+    lag = integer(k_c, "k_c", at_most=1)
     derived: list[DerivedSignal] = []
     taps: list[Tap] = []
     for term in terms:
         if term == "P":
-            taps += [Tap("y", i, 1) for i in range(outputs)]
+            taps += [Tap("y", i, lag) for i in range(outputs)]
             continue
         # gamma of (2.62) is one step behind the running sum, so K_I reads it two steps back.
-        make, delay = (integral, 2) if term == "I" else (difference, 1)
+        delay = lag + 1 if term == "I" else lag
         taps += [Tap("derived", len(derived) + i, delay) for i in range(outputs)]
-        derived += [make(list(row)) for row in np.eye(outputs)]
+        rows = [list(row) for row in np.eye(outputs)]
+        derived += [
+            integral(row, integral_limit) if term == "I" else difference(row) for row in rows
+        ]
     return Structure(taps, integer(l_u, "l_u", at_least=1), outputs, 2, terms, derived=derived)
 
 
 def fir_integrator(
-    n_c: int, F: ArrayLike | None = None, l_u: int = 1, l_y: int = 1, k_c: int = 1
+    n_c: int,
+    F: ArrayLike | None = None,
+    l_u: int = 1,
+    l_y: int = 1,
+    k_c: int = 1,
+    *,
+    integral_limit: float = math.inf,
 ) -> Structure:
     """An FIR controller with an integrator in parallel, (6.4)-(6.5).
 
@@ -127,6 +151,8 @@ def fir_integrator(
     ----------
     F : array, shape (l_gamma, l_y), optional
         Selects the components of y to integrate; all of them by default.
+    integral_limit : float
+        The integrator states are held within +-integral_limit.
 
     Examples
     --------
@@ -142,7 +168,7 @@ def fir_integrator(
         *_past("y", outputs, first, order),
         *(Tap("derived", i, 0) for i in range(len(rows))),
     )
-    derived = [integral(list(row)) for row in rows]
+    derived = [integral(list(row), integral_limit) for row in rows]
     return Structure(taps, inputs, outputs, order, "FIR + integrator", derived=derived)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,18 +14,27 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import by_step, instance_of, integer, items, one_of, real_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.bounds import CoefficientBounds
+from rcac_numeric.controllers.compensator import Compensator, parallel
+from rcac_numeric.controllers.normalization import Normalization
+from rcac_numeric.controllers.settings_checks import (
+    Weight,
+    WeightFunction,
+    interval,
+    require_bounds,
+    require_fixed,
+    require_reflectable,
+    require_target,
+    weight,
+)
 from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.targets.data_driven import DataDriven
 from rcac_numeric.targets.model import TargetModel
 
 FORMS = ("predictor", "filter")
-
-# R(k, y, z, u), a number or a matrix.
-WeightFunction = Callable[[int, Array, Array, Array], ArrayLike]
-Weight = Array | SignalWeight | WeightFunction
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -63,6 +72,17 @@ class ControllerSettings(Value):
     reflect_poles : bool
         Replace unstable controller poles by their reciprocals after every update (section
         6.2.2); l_u = 1.
+    R_u_unfiltered : float or array of shape (l_u, l_u)
+        Weight of Phi(k) theta, (Phi(k) theta)' R_u_unfiltered (Phi(k) theta), added to the cost of
+        step k beside that of Phi_f theta, which R_u weighs; zero by default.
+    z_normalization : Normalization, optional
+        z in the cost becomes f(z); rules and weights see z itself.
+    bounds : CoefficientBounds, optional
+        Of theta, kept after every update.
+    fixed : Compensator, optional
+        From [y; r], in parallel and from step 0 on: u = v + Phi theta. The regressor and the
+        target-model filter hold Phi theta, or what an actuator left of it, u_applied - v: for RCAC
+        v belongs to the plant.
     learning : DataDriven, optional
         The other way to say it: `target` then is what stands there until the first look.
 
@@ -95,6 +115,10 @@ class ControllerSettings(Value):
     target_changes: Mapping[int, TargetModel]
     freeze: tuple[tuple[int, int | None], ...]
     reflect_poles: bool
+    R_u_unfiltered: Array
+    z_normalization: Normalization | None
+    bounds: CoefficientBounds | None
+    fixed: Compensator | None
     learning: DataDriven | None
 
     def __init__(
@@ -113,6 +137,10 @@ class ControllerSettings(Value):
         target_changes: Mapping[int, TargetModel] | None = None,
         freeze: Sequence[tuple[int, int | None]] = (),
         reflect_poles: bool = False,
+        R_u_unfiltered: ArrayLike = 0.0,
+        z_normalization: Normalization | None = None,
+        bounds: CoefficientBounds | None = None,
+        fixed: Compensator | None = None,
         learning: DataDriven | None = None,
     ) -> None:
         set_ = partial(object.__setattr__, self)
@@ -126,17 +154,19 @@ class ControllerSettings(Value):
         set_("target", target)
         set_("learning", learning)
         set_("target_changes", by_step(target_changes, "target_changes"))
-        set_("freeze", tuple(_interval(pair) for pair in items(freeze, "freeze")))
+        set_("freeze", tuple(interval(pair) for pair in items(freeze, "freeze")))
         if learning is not None:
             self._require_learnable(learning)
             k_w = learning.start if k_w is None else k_w
         for model in self.targets:
-            _require_target(model, structure, target)
+            require_target(model, structure, target)
         update.require_size(structure.l_theta)
         set_("update", update)
-        set_("R_z", _weight(R_z, "R_z", target.l_z, definite=True))
-        set_("R_u", _weight(R_u, "R_u", target.l_z, definite=False))
-        penalises = not isinstance(self.R_u, np.ndarray) or bool(self.R_u.any())
+        set_("R_z", weight(R_z, "R_z", target.l_z, definite=True))
+        set_("R_u", weight(R_u, "R_u", target.l_z, definite=False))
+        penalty = constant_weight(R_u_unfiltered, "R_u_unfiltered", structure.l_u, definite=False)
+        set_("R_u_unfiltered", penalty)
+        penalises = not isinstance(self.R_u, np.ndarray) or bool(self.R_u.any() or penalty.any())
         update.require_problem(self.targets, structure.n_c, penalises)
         self._read_start(k_w, k_update, k_filter)
         start = np.zeros(structure.l_theta) if theta_0 is None else theta_0
@@ -154,7 +184,29 @@ class ControllerSettings(Value):
             )
         set_("reflect_poles", instance_of(reflect_poles, "reflect_poles", bool))
         if reflect_poles:
-            _require_reflectable(structure)
+            require_reflectable(structure)
+        self._read_additions(z_normalization, bounds, fixed)
+
+    def _read_additions(
+        self,
+        z_normalization: Normalization | None,
+        bounds: CoefficientBounds | None,
+        fixed: Compensator | None,
+    ) -> None:
+        """What published settings have beside the text's."""
+        set_ = partial(object.__setattr__, self)
+        if z_normalization is not None:
+            instance_of(z_normalization, "z_normalization", Normalization)
+            if isinstance(self.update, JointUD):
+                raise InputError("JointUD fits D_f to z itself; leave z_normalization out.")
+        set_("z_normalization", z_normalization)
+        if bounds is not None:
+            instance_of(bounds, "bounds", CoefficientBounds)
+            require_bounds(bounds, self.structure, self.update, self.theta_0, self.reflect_poles)
+        set_("bounds", bounds)
+        if fixed is not None:
+            require_fixed(instance_of(fixed, "fixed", Compensator), self.structure)
+        set_("fixed", fixed)
 
     def _read_start(self, k_w: int | None, k_update: int | None, k_filter: int) -> None:
         set_ = partial(object.__setattr__, self)
@@ -194,6 +246,12 @@ class ControllerSettings(Value):
         return (self.target, *self.target_changes.values())
 
     @property
+    def measures_first(self) -> bool:
+        """Whether u(k) uses y(k), by a tap or by the fixed compensator beside it."""
+        direct = self.fixed is not None and bool(self.fixed.past_y[0].any())
+        return direct or self.structure.measures_first
+
+    @property
     def l_theta(self) -> int:
         """Number of coefficients that are adapted."""
         return self.structure.l_theta
@@ -204,63 +262,6 @@ class ControllerSettings(Value):
         return self.structure.l_r
 
     def compensator_of(self, theta: ArrayLike) -> Compensator:
-        """The fixed compensator that the coefficients `theta` describe."""
-        return self.structure.compensator(theta)
-
-
-def _weight(
-    value: ArrayLike | SignalWeight | WeightFunction, name: str, l_z: int, *, definite: bool
-) -> Weight:
-    if isinstance(value, SignalWeight):
-        if definite and value.constant == 0:
-            raise InputError(
-                f"{name} = z_squared z'z is not positive definite at z = 0; give constant."
-            )
-        return value
-    if callable(value):
-        return value
-    return constant_weight(value, name, l_z, definite=definite)
-
-
-def _require_target(model: object, structure: Structure, first: TargetModel) -> None:
-    """Raise where a target model does not fit the structure, or the first of several."""
-    if not isinstance(model, TargetModel):
-        raise InputError(
-            f"target = {model!r}: use fir_target, pole_placement_target or target_model."
-        )
-    if model.l_u != structure.l_u:
-        raise InputError(
-            f"the target model has {model.l_u} columns and the structure {structure.l_u} "
-            "control inputs; G_f must be l_z x l_u."
-        )
-    if model.l_z != first.l_z:
-        raise InputError(f"the target models have {first.l_z} and {model.l_z} rows.")
-
-
-def _require_reflectable(structure: Structure) -> None:
-    """Raise where the poles of a structure do not determine its coefficients of u."""
-    if structure.l_u != 1:
-        raise InputError(
-            f"reflect_poles needs l_u = 1; this structure has l_u = {structure.l_u}, "
-            "where reflecting the roots of det D_c does not determine the coefficients."
-        )
-    lags = sorted(tap.delay for tap in structure.taps if tap.signal == "u")
-    if not lags or lags != list(range(1, len(lags) + 1)):
-        raise InputError(
-            "reflect_poles needs the taps u(k-1), ..., u(k-n) without gaps; this "
-            f"{structure.name} structure has the lags {lags} of u."
-        )
-
-
-def _interval(pair: tuple[int, int | None]) -> tuple[int, int | None]:
-    """A pair (start, stop) of steps; stop may be None."""
-    try:
-        start, stop = pair
-    except (TypeError, ValueError):
-        raise InputError(
-            f"freeze has the entry {pair!r}; pairs (start, stop) are needed."
-        ) from None
-    first = integer(start, "start of freeze")
-    if stop is not None and integer(stop, "stop of freeze") <= first:
-        raise InputError(f"freeze has the empty interval ({start}, {stop}).")
-    return first, stop
+        """The compensator that the coefficients `theta` describe, `fixed` included."""
+        adaptive = self.structure.compensator(theta)
+        return adaptive if self.fixed is None else parallel(self.fixed, adaptive)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -39,20 +40,25 @@ class Tap:
 class DerivedSignal:
     """A first-order filter of the measurements that the controller runs itself.
 
-    s(k) = pole s(k-1) + now [y; r](k) + before [y; r](k-1)
+    s(k) = pole s(k-1) + now [y; r](k) + before [y; r](k-1), held within +-limit
 
     Pole 1 and before = 0 integrate, (6.5); pole 0 and before = -now take the difference, (2.61).
+    A limit on an integrator is the anti-windup that published RCAC runs: its state is clamped at
+    every step.
 
     Attributes
     ----------
     now, before : tuples of l_y + l_r numbers
     pole : float
         In [-1, 1]; 0 where s is a moving average.
+    limit : float
+        Positive; infinite by default.
     """
 
     now: tuple[float, ...]
     before: tuple[float, ...]
     pole: float = 0.0
+    limit: float = math.inf
 
     def __post_init__(self) -> None:
         for name in ("now", "before"):
@@ -68,10 +74,18 @@ class DerivedSignal:
         object.__setattr__(self, "pole", number(self.pole, "pole"))
         if abs(self.pole) > 1:
             raise InputError(f"the pole {self.pole} of a derived signal is outside [-1, 1].")
+        if self.limit != math.inf:
+            object.__setattr__(self, "limit", number(self.limit, "limit"))
+        if self.limit <= 0:
+            raise InputError(f"limit = {self.limit:g} of a derived signal must be positive.")
+
+    def __repr__(self) -> str:
+        limit = "" if self.limit == math.inf else f", limit={self.limit}"
+        return f"DerivedSignal(now={self.now}, before={self.before}, pole={self.pole}{limit})"
 
 
-def integral(weights: Sequence[float]) -> DerivedSignal:
-    """The running sum gamma(k) = gamma(k-1) + F [y; r](k) of (6.5), F a row.
+def integral(weights: Sequence[float], limit: float = math.inf) -> DerivedSignal:
+    """The running sum gamma(k) = gamma(k-1) + F [y; r](k) of (6.5), F a row, within +-limit.
 
     Examples
     --------
@@ -80,7 +94,7 @@ def integral(weights: Sequence[float]) -> DerivedSignal:
     DerivedSignal(now=(1.0, 0.0), before=(0.0, 0.0), pole=1.0)
     """
     row = items(weights, "weights")
-    return DerivedSignal(row, (0.0,) * len(row), 1.0)
+    return DerivedSignal(row, (0.0,) * len(row), 1.0, limit)
 
 
 def difference(weights: Sequence[float]) -> DerivedSignal:
@@ -203,7 +217,8 @@ class Structure:
     def compensator(self, theta: ArrayLike) -> Compensator:
         """The fixed compensator (2.32) from [y; r] to u that the coefficients `theta` describe.
 
-        Derived signals are multiplied out, so that an integrator shows as a pole at 1.
+        Derived signals are multiplied out, so that an integrator shows as a pole at 1; their limits
+        are not met.
         """
         values = real_array(theta, "theta").reshape(-1)
         if values.size != self.l_theta:

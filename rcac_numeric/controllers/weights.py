@@ -10,22 +10,43 @@ from rcac_numeric.arrays.validation import number
 
 @dataclass(frozen=True)
 class SignalWeight:
-    """A weight that follows z: R(k) = (constant + z_squared z(k)'z(k)) I, evaluated in the kernel.
+    """A weight that follows z, evaluated in the kernel.
+
+    R(k) = (constant + z_squared z(k)'z(k)) / (1 + nu |z(k)|)^2 I
 
     The text uses R_u = e_0(k)^2 so that a large error slows the adaptation down (section 2.3.4).
+    As R_z, nu makes the row of a step weigh less the larger z is: the normalisation to prefer.
+
+    Parameters
+    ----------
+    z_squared, constant : float
+        Not negative; one of them positive.
+    nu : float
+        Not negative; 1/nu is the size of z (Euclidean, where there are several) at which the
+        weight is a quarter.
+
+    Raises
+    ------
+    InputError
+        Where a number is negative, or there is nothing that nu could scale.
 
     Examples
     --------
     >>> from rcac_numeric import SignalWeight
     >>> SignalWeight(z_squared=0.1)
-    SignalWeight(z_squared=0.1, constant=0.0)
+    SignalWeight(z_squared=0.1, constant=0.0, nu=0.0)
+    >>> SignalWeight(constant=1, nu=0.3)
+    SignalWeight(z_squared=0.0, constant=1.0, nu=0.3)
     """
 
-    z_squared: float
+    z_squared: float = 0.0
     constant: float = 0.0
+    nu: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("z_squared", "constant"):
+        for name in ("z_squared", "constant", "nu"):
             object.__setattr__(self, name, number(getattr(self, name), name))
             if getattr(self, name) < 0:
                 raise InputError(f"{name} = {getattr(self, name)} must not be negative.")
+        if self.nu and not (self.z_squared or self.constant):
+            raise InputError(f"nu = {self.nu:g} scales a weight of zero; give constant.")

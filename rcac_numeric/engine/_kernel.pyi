@@ -18,7 +18,7 @@ class Controller:
     def reset_covariance(self) -> None: ...
     def set_target(self, numerator: Array, denominator: Array, past: str) -> float:
         """How far the filtered signals moved; nothing has changed where it raises."""
-    def set_weights(self, R_z: Any, R_u: Any) -> None: ...
+    def set_weights(self, R_z: Any, R_u: Any, penalty: Array | None = ...) -> None: ...
     def set_lambda(self, lambda_: float) -> None: ...
     @property
     def target(self) -> tuple[Array, Array]: ...
@@ -38,6 +38,8 @@ class Controller:
     def reflections(self) -> int: ...
     @property
     def resets(self) -> int: ...
+    @property
+    def bounded(self) -> int: ...
     @property
     def guard_count(self) -> int: ...
     @property
@@ -103,7 +105,7 @@ def controller(
     l_y: int,
     l_r: int,
     l_z: int,
-    derived: Sequence[tuple[Array, Array, float]],
+    derived: Sequence[tuple[Array, Array, float, float]],
     regressor: Pairs,
     channels: Pairs,
     filtered: Pairs,
@@ -126,6 +128,10 @@ def controller(
     window: int,
     step_size: float,
     dither: tuple[int, float, float, int] = ...,
+    penalty: Array = ...,
+    normalization: tuple[int, float, float] = ...,
+    bounds: tuple[Array, Array, bool, int] = ...,
+    fixed: tuple[Array, Array] = ...,
 ) -> Controller: ...
 
 class Arx:

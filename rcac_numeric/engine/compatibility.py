@@ -70,7 +70,7 @@ def require_stepwise_fits(plant: AnyPlant, controller: StepwiseController) -> No
 def _require_settings_fit(plant: AnyPlant, controller: ControllerSettings) -> None:
     structure = controller.structure
     _require_sizes(plant, l_u=structure.l_u, l_y=structure.l_y, l_z=controller.target.l_z)
-    if structure.measures_first and plant.y_needs_u:
+    if controller.measures_first and plant.y_needs_u:
         raise _algebraic_loop()
     if controller.form == "filter" and (plant.y_needs_u or plant.z_needs_u):
         raise ImproperError(

@@ -184,6 +184,7 @@ class PreparedRun:
             u_applied=self.u_applied[:done],
             reflections=sum(kernel.reflections for kernel in kernels),
             resets=sum(kernel.resets for kernel in kernels),
+            bounded=sum(kernel.bounded for kernel in kernels),
             first_step=self.first_step,
             state=state,
             saturation=self.saturation,

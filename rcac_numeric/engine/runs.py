@@ -16,9 +16,11 @@ from rcac_numeric.arrays.record_files import read_record, write_record
 from rcac_numeric.arrays.records import Records
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.updates.forgetting import (
@@ -41,11 +43,10 @@ from rcac_numeric.targets.model import TargetModel
 
 # What the file of a run may be made of; nothing else is ever constructed from it.
 RECORDS = Records(
-    AppliedChange, Compensator, ControllerChange, ControllerSettings, Covariance, CovarianceReset,
-    Decentralized, DerivedSignal,
-    FixedController, Gradient, Instantaneous, Plant, PlantChange, PlantSchedule, Saturation,
-    SavedState, ScheduledForgetting, SignalWeight, SlidingWindow, Structure, Tap, TargetModel, UD,
-    VariableRateForgetting,
+    AppliedChange, CoefficientBounds, Compensator, ControllerChange, ControllerSettings, Covariance,
+    CovarianceReset, Decentralized, DerivedSignal, FixedController, Gradient, Instantaneous,
+    Normalization, Plant, PlantChange, PlantSchedule, Saturation, SavedState, ScheduledForgetting,
+    SignalWeight, SlidingWindow, Structure, Tap, TargetModel, UD, VariableRateForgetting,
 )  # fmt: skip
 
 # How a run may end, in the order of the kernel's numbers.
@@ -89,6 +90,8 @@ class Run(Value):
         support this R_theta in this arithmetic.
     reflections, resets : int
         Updates after which poles were reflected (6.2.2), and covariance resets.
+    bounded : int
+        Updates after which theta was outside its bounds and was moved to them.
     state : SavedState, optional
         From which `simulate` continues bit for bit; None where the run failed.
     failure : str
@@ -112,6 +115,7 @@ class Run(Value):
     u_applied: Array
     reflections: int = 0
     resets: int = 0
+    bounded: int = 0
     first_step: int = 0
     state: SavedState | None = None
     saturation: Saturation | None = None

@@ -74,6 +74,7 @@ def _of_run(found: AnalysedRun) -> LoopHealth:
         free=None if free is None else SignalSize.of(free[-max(len(free) // 10, 1) :]),
         guard_count=run.guard_count,
         guard_first_step=run.guard_first_step,
+        bounded=run.bounded,
         excitation=excitation_of(run),
         **_of_loop(lambda: found.loop),
     )

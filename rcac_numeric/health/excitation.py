@@ -45,6 +45,8 @@ class Excitation:
 def excitation_of(run: Run) -> Excitation | None:
     """The excitation of a run with recursive least squares and constant weights; else None.
 
+    None too with a fixed compensator in parallel, whose part of u the run does not tell apart.
+
     Examples
     --------
     >>> from rcac_numeric import load_example
@@ -58,6 +60,8 @@ def excitation_of(run: Run) -> Excitation | None:
     R_theta, R_z = getattr(settings.update, "R_theta", None), settings.R_z
     structure, target = settings.structure, settings.target
     if R_theta is None or not isinstance(R_z, np.ndarray) or not _has_common_filter(target):
+        return None
+    if settings.fixed is not None:
         return None
     start = max(settings.k_update - run.first_step, 0)
     rows = slice(0, start + ROWS)

@@ -32,6 +32,8 @@ class LoopHealth(Value):
     margins : mapping from components of u to Margins
     guard_count, guard_first_step : int
         Updates decided by rounding, and the first of them (-1: none).
+    bounded : int
+        Updates after which theta was moved to its bounds.
     excitation : Excitation or None
     warnings : tuple of HealthWarning
         The grave ones first.
@@ -58,6 +60,7 @@ class LoopHealth(Value):
     margins: Mapping[str, Margins] = field(default_factory=dict)
     guard_count: int = 0
     guard_first_step: int = -1
+    bounded: int = 0
     excitation: Excitation | None = None
     warnings: tuple[HealthWarning, ...] = ()
     obstacle: str = ""

@@ -45,6 +45,9 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
         if health.guard_count:
             guard = f"{health.guard_count} updates were decided by rounding"
         lines.append(Text(f"adaptation: {health.excitation}; {guard}"))
+    if health.bounded:
+        steps = f"{health.bounded} of {health.steps} steps"
+        lines.append(Text(f"bounds: theta was moved to its bounds in {steps}"))
     return tuple(lines)
 
 
@@ -61,6 +64,7 @@ def health_record(health: LoopHealth) -> dict[str, Any]:
         "without_control": _size(health.free),
         "margins": {name: _margins(found) for name, found in health.margins.items()},
         "updates_decided_by_rounding": health.guard_count,
+        "updates_moved_to_bounds": health.bounded,
         "excitation": health.excitation and {
             "l_theta": health.excitation.l_theta,
             "outweighed": health.excitation.outweighed,

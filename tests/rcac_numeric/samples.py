@@ -99,8 +99,19 @@ def settings(seed):
         {"update": rcac.Gradient(1e-3), "freeze": [(3, 5), (9, None)]},
         {"update": rcac.SlidingWindow(1.0, window=5), "R_u": rcac.SignalWeight(0.5)},
         {"update": rcac.UD(2.0, reset=reset(seed)), "target_changes": {7: target(seed + 1)}},
-    ][seed % 4]
+        {
+            "R_u_unfiltered": 0.5,
+            "z_normalization": rcac.Normalization(1.0 + seed),
+            "bounds": bounds(seed),
+            "fixed": rcac.Compensator([[[0.5]]], [[[0.0]], [[0.25]]]),
+        },
+    ][seed % 5]
+    more = {"update": rcac.UD(1.5), **more}
     return rcac.ControllerSettings(structure=structure(seed), target=target(seed), **more)
+
+
+def bounds(seed):
+    return rcac.CoefficientBounds(-1 - seed, [2.0] * 4, gains={"Q": (-3, None)}, sweeps=7)
 
 
 def adaptive(seed):
@@ -110,7 +121,8 @@ def adaptive(seed):
 
 
 def controller_change(seed):
-    return rcac.ControllerChange(target(seed), lambda_=0.9, R_z=symmetric(seed))
+    change = {"lambda_": 0.9, "R_z": symmetric(seed), "R_u_unfiltered": symmetric(seed, 1)}
+    return rcac.ControllerChange(target(seed), **change)
 
 
 def scheduled(seed):
@@ -287,6 +299,8 @@ SAMPLES = {
     rcac.VariableRateForgetting: lambda seed: rcac.VariableRateForgetting(1, seed + 2, 0.5),
     rcac.CovarianceReset: reset,
     rcac.SignalWeight: lambda seed: rcac.SignalWeight(abs(random(seed)[()]), 0.5),
+    rcac.Normalization: lambda seed: rcac.Normalization(1 + seed, 0.5, "erf"),
+    rcac.CoefficientBounds: bounds,
     rcac.ControllerSettings: settings,
     rcac.Decentralized: lambda seed: rcac.Decentralized(
         [adaptive(seed), adaptive(seed + 1)], shared_u=seed % 2 == 0

@@ -15,10 +15,13 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.definite_matrices import constant_weight
+from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_columns
+from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
-from rcac_numeric.controllers.settings import ControllerSettings, Weight
+from rcac_numeric.controllers.normalization import FUNCTIONS, Normalization
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.settings_checks import Weight
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight
@@ -79,7 +82,7 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Con
         l_y=structure.l_y,
         l_r=structure.l_r,
         l_z=target.l_z,
-        derived=[(np.array(s.now), np.array(s.before), s.pole) for s in structure.derived],
+        derived=[(np.array(s.now), np.array(s.before), s.pole, s.limit) for s in structure.derived],
         regressor=regressor,
         channels=channels,
         filtered=filtered,
@@ -94,6 +97,7 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Con
         events=_events(settings, update),
         theta_0=settings.theta_0,
         dither=_dither(settings.learning),
+        **_additions(settings),
     )
 
 
@@ -146,6 +150,14 @@ def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
         require_kind(model, "target", (TargetModel,), who)
     if settings.learning is not None:
         require_kind(settings.learning, "learning", (DataDriven,), who)
+    parts = {
+        "z_normalization": (Normalization,),
+        "bounds": (CoefficientBounds,),
+        "fixed": (Compensator,),
+    }
+    for name, kinds in parts.items():
+        if (part := getattr(settings, name)) is not None:
+            require_kind(part, name, kinds, who)
     for name in ("R_z", "R_u"):
         if isinstance(weight := getattr(settings, name), SignalWeight):
             require_kind(weight, name, (SignalWeight,), who)
@@ -188,6 +200,29 @@ def _merged(intervals: Sequence[tuple[int, int | None]]) -> list[tuple[int, int 
     return [(start, None if stop == np.inf else int(stop)) for start, stop in merged]
 
 
+def penalty_rows(R: Array) -> Array:
+    """S with S'S = R, of as many rows as R has."""
+    S = np.zeros_like(R)
+    roots = square_root_columns(R).T
+    S[: len(roots)] = roots
+    return S
+
+
+def _additions(settings: ControllerSettings) -> dict[str, Any]:
+    """What published settings have beside the text's; nothing where there is none."""
+    found: dict[str, Any] = {}
+    if settings.R_u_unfiltered.any():
+        found["penalty"] = penalty_rows(settings.R_u_unfiltered)
+    if (f := settings.z_normalization) is not None:
+        found["normalization"] = (1 + FUNCTIONS.index(f.function), f.limit, f.slope)
+    if (bounds := settings.bounds) is not None:
+        low, high = bounds.box(settings.structure)
+        found["bounds"] = (low, high, bounds.method == "metric", bounds.sweeps)
+    if (fixed := settings.fixed) is not None:
+        found["fixed"] = (fixed.past_u, fixed.past_y)
+    return found
+
+
 def _dither(learning: DataDriven | None) -> tuple[int, float, float, int]:
     if learning is None:
         return (0, 0.0, 0.0, 0)
@@ -201,7 +236,7 @@ def _padded(model: TargetModel, order: int) -> tuple[Array, Array]:
 
 def _weight(value: Weight, name: str, l_z: int, failures: Failures, *, definite: bool) -> Any:
     if isinstance(value, SignalWeight):
-        return value.constant * np.eye(l_z), value.z_squared
+        return value.constant * np.eye(l_z), value.z_squared, value.nu
     if isinstance(value, np.ndarray):
         return value
     function = value

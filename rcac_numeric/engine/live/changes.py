@@ -17,6 +17,7 @@ from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.targets.model import TargetModel
 
 COVARIANCES = ("blend", "keep", "reset", "replay")
+NUMBERS = ("lambda_", "R_z", "R_u", "R_u_unfiltered")
 LiveWeight = float | Array | SignalWeight
 
 
@@ -34,6 +35,7 @@ class ControllerChange(Value):
     lambda_ : float, optional
         Forgetting factor, in (0, 1].
     R_z, R_u : float, array of shape (l_z, l_z), or SignalWeight, optional
+    R_u_unfiltered : float or array of shape (l_u, l_u), optional
 
     Raises
     ------
@@ -52,6 +54,7 @@ class ControllerChange(Value):
     lambda_: float | None
     R_z: LiveWeight | None
     R_u: LiveWeight | None
+    R_u_unfiltered: float | Array | None
 
     def __init__(
         self,
@@ -61,6 +64,7 @@ class ControllerChange(Value):
         lambda_: float | None = None,
         R_z: ArrayLike | SignalWeight | None = None,
         R_u: ArrayLike | SignalWeight | None = None,
+        R_u_unfiltered: ArrayLike | None = None,
     ) -> None:
         set_ = partial(object.__setattr__, self)
         if target is not None:
@@ -70,8 +74,13 @@ class ControllerChange(Value):
         set_("lambda_", None if lambda_ is None else forgetting_factor(lambda_))
         for name, value in (("R_z", R_z), ("R_u", R_u)):
             set_(name, _weight(value, name))
-        if target is None and self.lambda_ is None and self.R_z is None and self.R_u is None:
-            raise InputError("nothing is to change: give target, lambda_, R_z or R_u.")
+        if isinstance(R_u_unfiltered, SignalWeight):
+            raise InputError("R_u_unfiltered does not follow signals; give a number or a matrix.")
+        set_("R_u_unfiltered", _weight(R_u_unfiltered, "R_u_unfiltered"))
+        if target is None and all(getattr(self, name) is None for name in NUMBERS):
+            raise InputError(
+                "nothing is to change: give target, lambda_, R_z, R_u or R_u_unfiltered."
+            )
 
     def __repr__(self) -> str:
         words = [f"{self.target!r}, covariance={self.covariance!r}"] if self.target else []
@@ -79,7 +88,7 @@ class ControllerChange(Value):
             f"{name}=<{value.shape[0]} x {value.shape[1]}>"
             if isinstance(value, np.ndarray)
             else f"{name}={value!r}"
-            for name in ("lambda_", "R_z", "R_u")
+            for name in NUMBERS
             if (value := getattr(self, name)) is not None
         ]
         return f"ControllerChange({', '.join(words)})"

@@ -15,6 +15,7 @@ from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine import _kernel
+from rcac_numeric.engine.compiled.controllers import penalty_rows
 from rcac_numeric.engine.compiled.updates import require_kind
 from rcac_numeric.engine.live.changes import (
     AppliedChange,
@@ -24,7 +25,7 @@ from rcac_numeric.engine.live.changes import (
 )
 from rcac_numeric.targets.model import TargetModel
 
-KernelWeight = Array | tuple[Array, float] | None
+KernelWeight = Array | tuple[Array, float, float] | None
 
 
 def apply_change(
@@ -62,6 +63,7 @@ def apply_change(
         _kernel_weight(getattr(change, name), name, l_z, definite=name == "R_z")
         for name in ("R_z", "R_u")
     ]
+    penalty = _penalty(change.R_u_unfiltered, settings)
     if change.lambda_ is not None:
         _require_forgets(settings, change.lambda_)
     covariance, distance = "", 0.0
@@ -69,7 +71,7 @@ def apply_change(
         covariance, distance = _apply_target(kernel, settings, change.target, change.covariance)
     if change.lambda_ is not None:
         kernel.set_lambda(change.lambda_)
-    kernel.set_weights(*weights)
+    kernel.set_weights(weights[0], weights[1], penalty)
     return AppliedChange(int(kernel.k), change, covariance, distance, evidence)
 
 
@@ -146,6 +148,19 @@ def _require_forgets(settings: ControllerSettings, lambda_: float) -> None:
         raise InputError("process_noise belongs to (2.46), that is to lambda_ = 1.")
 
 
+def _penalty(value: float | Array | None, settings: ControllerSettings) -> Array | None:
+    """The rows that the kernel makes of R_u_unfiltered."""
+    if value is None:
+        return None
+    R = constant_weight(value, "R_u_unfiltered", settings.structure.l_u, definite=False)
+    if isinstance(settings.update, SlidingWindow) and not settings.R_u_unfiltered.any():
+        raise InputError(
+            "the window of this controller holds no rows for R_u_unfiltered; start it with one "
+            "that is not zero."
+        )
+    return penalty_rows(R)
+
+
 def _kernel_weight(
     value: LiveWeight | None, name: str, l_z: int, *, definite: bool
 ) -> KernelWeight:
@@ -157,5 +172,5 @@ def _kernel_weight(
             raise InputError(
                 f"{name} = z_squared z'z is not positive definite at z = 0; give constant."
             )
-        return value.constant * np.eye(l_z), value.z_squared
+        return value.constant * np.eye(l_z), value.z_squared, value.nu
     return constant_weight(value, name, l_z, definite=definite)

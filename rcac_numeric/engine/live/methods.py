@@ -7,12 +7,20 @@ from abc import ABC, abstractmethod
 from numpy.typing import ArrayLike
 
 from rcac_numeric.controllers.weights import SignalWeight
+from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.targets.model import TargetModel
 
 
 class LiveMethods(ABC):
     """Changes of a running controller; a saved state holds them too."""
+
+    _kernel: _kernel.Controller
+
+    @property
+    def bounded(self) -> int:
+        """Updates so far after which theta was moved to its bounds."""
+        return int(self._kernel.bounded)
 
     @abstractmethod
     def change(self, change: ControllerChange, evidence: str = "") -> AppliedChange:
@@ -90,6 +98,7 @@ class LiveMethods(ABC):
         self,
         R_z: ArrayLike | SignalWeight | None = None,
         R_u: ArrayLike | SignalWeight | None = None,
+        R_u_unfiltered: ArrayLike | None = None,
     ) -> AppliedChange:
         """Other weights of (2.41) from the next step on; None leaves one as it is.
 
@@ -97,10 +106,11 @@ class LiveMethods(ABC):
         ----------
         R_z, R_u : float, array of shape (l_z, l_z), or SignalWeight
             A function is refused, because a saved state could not hold it.
+        R_u_unfiltered : float or array of shape (l_u, l_u)
 
         Raises
         ------
         InputError
             Where a weight has another shape, or is not definite as it should be.
         """
-        return self.change(ControllerChange(R_z=R_z, R_u=R_u))
+        return self.change(ControllerChange(R_z=R_z, R_u=R_u, R_u_unfiltered=R_u_unfiltered))

@@ -9,10 +9,12 @@ from __future__ import annotations
 import numpy as np
 from flint import arb, arb_mat
 
-from rcac_numeric.controllers.settings import ControllerSettings, Weight
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.settings_checks import Weight
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.reference.ball_updates import BallData, ball_update
-from rcac_numeric.engine.reference.balls import balls, latest
+from rcac_numeric.engine.reference.balls import balls, held, latest, normalized
 
 
 class BallController:
@@ -22,7 +24,7 @@ class BallController:
         self.settings, self.k = settings, 0
         self.theta = balls(settings.theta_0.reshape(-1, 1))
         self._update = ball_update(settings.update, settings.l_theta)
-        names = ("u", "y", "r", "derived", "Phi", "Phi_f", "u_f")
+        names = ("u", "y", "r", "derived", "Phi", "Phi_f", "u_f", "v")
         self._past: dict[str, list[arb_mat]] = {name: [] for name in names}
 
     def measure(self, y: arb_mat, r: arb_mat) -> None:
@@ -38,6 +40,7 @@ class BallController:
                     value[i, 0] += arb(weight) * v
             if self.k > 0:
                 value[i, 0] += arb(signal.pole) * past["derived"][-1][i, 0]
+            value[i, 0] = held(value[i, 0], -signal.limit, signal.limit, self.k)
         past["derived"].append(value)
 
     def control(self) -> arb_mat:
@@ -46,7 +49,19 @@ class BallController:
         if self.k >= self.settings.k_w:
             u = self._regressor() * self.theta
         self._past["u"].append(u)
-        return u
+        return u if self.settings.fixed is None else u + self._beside(self.settings.fixed)
+
+    def _beside(self, fixed: Compensator) -> arb_mat:
+        """What the fixed compensator in parallel adds to u(k), (2.28)."""
+        past, v = self._past, arb_mat(fixed.l_u, 1)
+        for lag, P in enumerate(fixed.past_u[: self.k], start=1):
+            v = v + balls(P) * past["v"][self.k - lag]
+        for lag, Q in enumerate(fixed.past_y[: self.k + 1]):
+            if Q.any():  # where Q_0 is zero y(k) need not be there yet
+                e = past["y"][self.k - lag].entries() + past["r"][self.k - lag].entries()
+                v = v + balls(Q) * arb_mat(len(e), 1, e)
+        past["v"].append(v)
+        return v
 
     def adapt(self, z: arb_mat) -> None:
         """theta(k+1), or theta(k) in the filter form, and the covariance that goes with it."""
@@ -60,9 +75,20 @@ class BallController:
             return
         R_z = self._weight(s.R_z, z)
         W = R_z + self._weight(s.R_u, z)
-        residual = z - self._past["u_f"][k]
-        data = BallData(k, k - s.k_update, self._past["Phi_f"][k], R_z, W, residual)
+        if s.z_normalization is not None:
+            f = s.z_normalization
+            z = arb_mat(z.nrows(), 1, [normalized(value, f) for value in z.entries()])
+        residual, Phi_f = z - self._past["u_f"][k], self._past["Phi_f"][k]
+        if s.R_u_unfiltered.any():  # Phi(k) theta + 0 = 0 as further rows
+            R, zero = balls(s.R_u_unfiltered), arb_mat(s.structure.l_u, 1)
+            Phi_f, residual = _stacked(Phi_f, self._past["Phi"][k]), _stacked(residual, zero)
+            R_z, W = _diagonal(R_z, R), _diagonal(W, R)
+        data = BallData(k, k - s.k_update, Phi_f, R_z, W, residual)
         self.theta = self._update.step(data, self.theta)
+        if s.bounds is not None:  # entry by entry: `require_supported` has asked
+            rows = zip(self.theta.entries(), *s.bounds.box(s.structure), strict=True)
+            theta = [held(value, float(low), float(high), k) for value, low, high in rows]
+            self.theta = arb_mat(len(theta), 1, theta)
 
     def finish(self) -> None:
         """Go to the next step."""
@@ -96,5 +122,23 @@ class BallController:
         if isinstance(R, np.ndarray):
             return balls(R)
         assert isinstance(R, SignalWeight)  # no function: `require_supported` has asked
-        power = (z.transpose() * z)[0, 0] * arb(R.z_squared) + arb(R.constant)
+        square = (z.transpose() * z)[0, 0]
+        power = square * arb(R.z_squared) + arb(R.constant)
+        if R.nu:
+            power = power / (1 + arb(R.nu) * square.sqrt()) ** 2
         return balls(np.eye(z.nrows())) * power
+
+
+def _stacked(above: arb_mat, below: arb_mat) -> arb_mat:
+    rows = above.nrows() + below.nrows()
+    return arb_mat(rows, above.ncols(), above.entries() + below.entries())
+
+
+def _diagonal(first: arb_mat, second: arb_mat) -> arb_mat:
+    m, n = first.nrows(), second.nrows()
+    whole = arb_mat(m + n, m + n)
+    for block, size, start in ((first, m, 0), (second, n, m)):
+        for i in range(size):
+            for j in range(size):
+                whole[start + i, start + j] = block[i, j]
+    return whole

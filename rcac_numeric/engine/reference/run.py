@@ -67,7 +67,7 @@ def simulate_reference(
     InputError
         Where sizes do not fit, or for what the reference does not do: functions as plants or
         weights, several controllers, the sliding window, variable-rate forgetting, resets that
-        watch the run, pole reflection.
+        watch the run, pole reflection, bounds with method = "metric".
     DivergedError
         Where the balls have grown until nothing is certain.
 
@@ -115,6 +115,14 @@ def require_supported(
         raise InputError("the reference learns no target model; give it one.")
     if controller.reflect_poles:
         raise InputError("the reference does not know reflect_poles; leave it out.")
+    if controller.bounds is not None and controller.bounds.method == "metric":
+        raise InputError(
+            'the reference does not know bounds with method = "metric"; use "clip", or leave them '
+            "out."
+        )
+    R = controller.R_u_unfiltered
+    if R.any() and np.linalg.matrix_rank(R) < len(R):
+        raise InputError("the reference needs R_u_unfiltered to be positive definite, or zero.")
     require_linear(plant, "reference")
     require_kind(controller, "settings", (ControllerSettings,), "reference")
     require_parts(controller, "reference")
@@ -128,7 +136,7 @@ def _run(
     controller, body = BallController(settings), BallPlant(plant, x_0)
     position, l_r = command_position(plant, settings.structure.l_r), settings.structure.l_r
     filter_form = settings.form == "filter"
-    y_first = settings.structure.measures_first or filter_form
+    y_first = settings.measures_first or filter_form
     record: dict[str, list[arb_mat]] = {name: [] for name in ("u", "y", "z", "theta")}
     unknown = arb_mat(plant.l_u, 1)  # in place of u(k) where nothing depends on it
     for k, row in enumerate(w):

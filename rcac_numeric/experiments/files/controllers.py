@@ -8,8 +8,11 @@ from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.bounds import CoefficientBounds
+from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController
@@ -21,7 +24,7 @@ from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf,
 from rcac_numeric.experiments.format.parts import Later, Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Raw, Table, Variant
-from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schema
+from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Real, Schema
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
@@ -45,6 +48,8 @@ class _Interval(Form):
 
 
 NOISE = MapOf(Numbers())
+BOUND = Row((Real(), Real()), "[low, high]")
+OF_BOUNDS = {"gains": MapOf(BOUND)}
 
 
 def _lqg(
@@ -83,6 +88,10 @@ FORMS: Mapping[str, Form] = {
     "update": UPDATES,
     "R_z": WEIGHT,
     "R_u": WEIGHT,
+    "R_u_unfiltered": Numbers(),
+    "z_normalization": Table(Normalization),
+    "bounds": Table(CoefficientBounds, forms=OF_BOUNDS),
+    "fixed": Table(Compensator),
     "theta_0": Numbers(),
     "k_w": Integer(),
     "k_update": Integer(),
@@ -92,8 +101,11 @@ FORMS: Mapping[str, Form] = {
 DOCS = {
     "structure": "What the regressor is made of.",
     "update": "How theta is adapted; as `arithmetic` in [run] where it is left out.",
-    "R_z": "Weights of (2.41): numbers, matrices, or `{ z_squared = c, constant = b }` for "
-    "(b + c z'z) I.",
+    "R_z": "Weights of (2.41): numbers, matrices, or `{ z_squared = c, constant = b, nu = a }` "
+    "for (b + c z'z)/(1 + a |z|)^2 I.",
+    "z_normalization": "f(z) in the place of z in the cost: `{ limit = 5 }`.",
+    "bounds": "Of theta: `{ low = 0, high = 5, gains = { K_D = [0, 1] } }`.",
+    "fixed": "A compensator in parallel: `{ past_u = [[[1]]], past_y = [[[0]], [[0.5]]] }`.",
     "R_u": "Likewise.",
     "target_changes": "`[[step, { model = ... }], ...]`: G_f from that step on.",
     "freeze": "`[[start, stop], ...]` without update; `[start]` alone: to the end.",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Protocol
 
 from compensator_theory.errors import InputError
@@ -29,7 +30,9 @@ class Sizes(Protocol):
         """Widths of the blocks of w."""
 
 
-def _derived(now: Any, before: Any = None, pole: float = 0.0) -> DerivedSignal:
+def _derived(
+    now: Any, before: Any = None, pole: float = 0.0, limit: float | None = None
+) -> DerivedSignal:
     """A filter s(k) = pole s(k-1) + now e(k) + before e(k-1), e = [y; r], of the controller's own.
 
     Parameters
@@ -38,8 +41,11 @@ def _derived(now: Any, before: Any = None, pole: float = 0.0) -> DerivedSignal:
         A weight for each component of e; `before` is zero where it is left out.
     pole : number
         In [-1, 1].
+    limit : number
+        s is held within +-limit.
     """
-    return DerivedSignal(tuple(now), tuple([0.0] * len(now) if before is None else before), pole)
+    past = tuple([0.0] * len(now) if before is None else before)
+    return DerivedSignal(tuple(now), past, pole, math.inf if limit is None else limit)
 
 
 def _taps(

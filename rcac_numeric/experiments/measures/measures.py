@@ -124,6 +124,12 @@ def coefficient(r: AnalysedRun, index: int, k: int | None = None) -> float:
 
 
 @measure
+def updates_at_bounds(r: AnalysedRun) -> float:
+    """Updates after which theta was moved to its bounds."""
+    return float(r.run.bounded)
+
+
+@measure
 def reflections(r: AnalysedRun) -> float:
     """Number of updates after which controller poles were reflected (6.2.2)."""
     return float(r.run.reflections)

@@ -8,12 +8,15 @@ import pytest
 from compensator_theory import InputError
 from rcac_numeric import (
     UD,
+    CoefficientBounds,
+    Compensator,
     Controller,
     Covariance,
     CovarianceReset,
     FixedController,
     Gradient,
     Instantaneous,
+    Normalization,
     PlantChange,
     PlantSchedule,
     ScheduledForgetting,
@@ -188,6 +191,9 @@ STRANGERS = {
     "later target": replace(GOOD, target_changes={4: derived(GOOD.target)}),
     "R_z": replace(GOOD, R_z=derived(SignalWeight(0.1, 1.0))),
     "R_u": replace(GOOD, R_u=derived(SignalWeight(0.1))),
+    "z_normalization": replace(GOOD, z_normalization=derived(Normalization(1.0))),
+    "bounds": replace(GOOD, bounds=derived(CoefficientBounds(-1.0, method="clip"))),
+    "fixed": replace(GOOD, fixed=derived(Compensator([[[0.5]]], [[[0.0]], [[0.1]]]))),
 }
 
 
