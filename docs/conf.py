@@ -8,7 +8,8 @@ from pathlib import Path
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
 from docs.cross_references import intersphinx, resolve_public, skip_foreign, type_links
-from docs.equation_index import equations, equations_page, setup_equations
+from docs.equation_index import equations, equations_page
+from docs.equation_links import setup_equations
 from docs.errata_page import CHAPTERS, errata_page
 from docs.notebook_pages import copy_notebooks, write_settings
 from docs.reference_pages import changed, write_reference
@@ -16,7 +17,8 @@ from tests.house.layers import LAYERS
 
 REFERENCE = Path(__file__).resolve().parent / "reference"
 write_reference(REFERENCE, LAYERS)
-changed(REFERENCE / "equations.md", equations_page())
+index = equations()
+changed(REFERENCE / "equations.md", equations_page(index))
 copy_notebooks(Path(__file__).resolve().parent / "notebooks")
 
 # SymPy's own docstrings, which are read on the way to ours.
@@ -65,7 +67,7 @@ numpydoc_xref_ignore = "all"  # of the words of a type, those of this list are l
 numpydoc_xref_aliases = type_links()
 nitpicky = True
 intersphinx_mapping = intersphinx(REFERENCE / "inventories")
-equation_numbers = frozenset(equations())
+equation_numbers = frozenset(index)
 
 
 def insert_ledger(app, name, source):

@@ -2,10 +2,9 @@
 
 import importlib
 import inspect
+import zlib
 from pathlib import Path
 from typing import Any
-
-import sphobjinv
 
 from docs.reference_pages import PACKAGES, public_names
 
@@ -58,8 +57,9 @@ def intersphinx(target: Path) -> dict[str, tuple[str, tuple[str]]]:
     """Where other projects' names are: committed lists, so that no build asks the network."""
     target.mkdir(parents=True, exist_ok=True)
     for name in PROJECTS:
-        text = sphobjinv.Inventory(str(INVENTORIES / f"{name}.txt")).data_file()
-        sphobjinv.writebytes(str(target / f"{name}.inv"), sphobjinv.compress(text))
+        lines = (INVENTORIES / f"{name}.txt").read_bytes().splitlines(keepends=True)
+        packed = b"".join(lines[:4]) + zlib.compress(b"".join(lines[4:]))
+        (target / f"{name}.inv").write_bytes(packed)
     return {name: (url, (str(target / f"{name}.inv"),)) for name, url in PROJECTS.items()}
 
 
@@ -91,7 +91,7 @@ def public_target(target: str, module: str | None) -> str | None:
             if f"{target}.".startswith(f"{home}.{name}."):
                 return f"{package}.{name}" + target.removeprefix(f"{home}.{name}")
     package = (module or "").split(".")[0]
-    if target.split(".")[0] in HOMES.get(package, {}):
+    if target.partition(".")[0] in HOMES.get(package, {}):
         return f"{package}.{target}"
     return None
 

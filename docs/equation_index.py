@@ -1,8 +1,4 @@
-"""The dissertation's equations by number: which code computes each, and what is wrong with it.
-
-`equation` is a kind of object of the docs. Where a page or a docstring says (2.43), the words become a
-link to its entry, so that the way back is as short.
-"""
+"""The dissertation's equations by number: which code computes each, and what is wrong with it."""
 
 import ast
 import io
@@ -10,12 +6,6 @@ import re
 import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
-
-from docutils import nodes
-from sphinx import addnodes
-from sphinx.transforms import SphinxTransform
 
 from docs.reference_pages import PACKAGES, ROOT, public_names
 from proofs.ledger.ledger import ledger
@@ -23,12 +13,11 @@ from rcac_numeric.errata.reading import find_errata
 
 CHAPTERS = {c: f"Chapter {c}" for c in "123456789"} | {c: f"Appendix {c}" for c in "AB"}
 NUMBER = re.compile(r"\(([1-9AB])\.([1-9]\d?)\)(?:-\(([1-9AB])\.([1-9]\d?)\))?")
-SINGLE = re.compile(r"\(([1-9AB]\.[1-9]\d?)\)")
 HEAD = """# From an equation to the code
 
-The dissertation's equations by number: the public names whose documentation cites each, the modules
-that mention it elsewhere, entries of the [ledger of proofs](../proofs.md), [errata](../errata.md), and
-pages. A number in parentheses on any page leads here.
+The dissertation's equations by number: the public names whose documentation cites each, the
+modules that mention it elsewhere, entries of the [ledger of proofs](../proofs.md),
+[errata](../errata.md), and pages. A number in parentheses on any page leads here.
 """
 
 
@@ -70,7 +59,7 @@ def equations() -> dict[str, Places]:
         for path in sorted((ROOT / package).rglob("*.py")):
             module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
             module = module.removesuffix(".__init__")
-            for owner, text in _texts(path.read_text()):
+            for owner, text in texts(path.read_text()):
                 for number in cited(text):
                     name = public.get((module, owner))
                     if name:
@@ -94,10 +83,10 @@ def equations() -> dict[str, Places]:
     return dict(sorted(found.items(), key=lambda pair: _order(pair[0])))
 
 
-def equations_page() -> str:
+def equations_page(index: dict[str, Places]) -> str:
     """The index as a page."""
     parts, chapter = [HEAD], ""
-    for number, places in equations().items():
+    for number, places in index.items():
         if number[0] != chapter:
             chapter = number[0]
             parts.append(f"## {CHAPTERS[chapter]}\n")
@@ -130,7 +119,7 @@ def _home(name: str) -> str:
     return public_names(package)[short]
 
 
-def _texts(source: str) -> Iterator[tuple[str | None, str]]:
+def texts(source: str) -> Iterator[tuple[str | None, str]]:
     """(top-level owner, words): docstrings without their examples, and comments."""
     tree = ast.parse(source)
     for node in tree.body:
@@ -152,64 +141,3 @@ def _words(docstring: str) -> str:
 def _order(number: str) -> tuple[str, int]:
     chapter, _, index = number.partition(".")
     return chapter, int(index)
-
-
-class LinkEquations(SphinxTransform):
-    """Make a link of every number of an equation in the words of a page."""
-
-    default_priority = 850
-    skipped = (
-        nodes.FixedTextElement,
-        nodes.Invisible,
-        nodes.literal,
-        nodes.math,
-        nodes.raw,
-        nodes.reference,
-        nodes.title,
-        addnodes.desc_signature,
-        addnodes.pending_xref,
-    )
-
-    def apply(self, **kwargs: Any) -> None:
-        """Replace the words, but not within links, code, formulas and headings."""
-        known = self.config.equation_numbers
-        for text in list(self.document.findall(nodes.Text)):
-            parent, words = text.parent, text.astext()
-            if not SINGLE.search(words) or self._within(parent):
-                continue
-            made: list[nodes.Node] = []
-            end = 0
-            for match in SINGLE.finditer(words):
-                if match[1] not in known:
-                    continue
-                link = addnodes.pending_xref(
-                    "", nodes.inline("", match[0]), refdomain="std", reftype="eqn",
-                    reftarget=match[1], refdoc=self.env.docname, refexplicit=True, refwarn=True,
-                )  # fmt: skip
-                made += [nodes.Text(words[end : match.start()]), link]
-                end = match.end()
-            if made:
-                parent.replace(text, [*made, nodes.Text(words[end:])])
-
-    def _within(self, node: nodes.Node | None) -> bool:
-        while node is not None:
-            if isinstance(node, self.skipped):
-                return True
-            node = node.parent
-        return False
-
-
-def parse_equation(env: Any, sig: str, signode: Any) -> str:
-    """Show a number as the text does."""
-    signode += addnodes.desc_name(sig, f"({sig})")
-    return sig
-
-
-def setup_equations(app: Any) -> None:
-    """Tell Sphinx of equations."""
-    app.add_config_value("equation_numbers", frozenset(), "")
-    app.add_object_type(
-        "equation", "eqn", objname="equation", indextemplate="pair: equation; %s",
-        parse_node=parse_equation,
-    )  # fmt: skip
-    app.add_transform(LinkEquations)

@@ -10,7 +10,7 @@ c.InlineBackend.figure_formats = {"retina"}
 
 
 def copy_notebooks(target: Path) -> None:
-    """Put the lectures of the folder notebooks where Sphinx reads them; they run as other pages do."""
+    """Put the lectures of the folder notebooks where Sphinx reads them; they run as pages do."""
     target.mkdir(exist_ok=True)
     lectures = sorted((ROOT / "notebooks").glob("*.ipynb"))
     for path in lectures:

@@ -1,8 +1,8 @@
 """The reference, made from the packages themselves.
 
 Every public name has a page under the name by which it is imported, and a place in a group of its
-task (``reference_groups``); every folder of the packages has a page with its public names and all that
-is not public.
+task (``reference_groups``); every folder of the packages has a page with its public names and all
+that is not public.
 """
 
 import ast
@@ -158,19 +158,20 @@ def _folder_page(folder: str, homes: dict[str, str]) -> str | None:
     modules = list(_modules(folder))
     if not modules:
         return None
+    package = folder.partition(".")[0]
     parts = [f"{ORPHAN}# `{folder}`", "[The folders](folders.md)", _sentence(folder)]
     public = {
         module: [name for name, home in sorted(homes.items()) if home == module]
         for module in modules
     }
     rows = [
-        (f"[`{name}`]({page_of(folder.split('.')[0], name)}.md)", _summary(module, name))
+        (f"[`{name}`]({page_of(package, name)}.md)", _summary(module, name))
         for module, names in public.items()
         for name in names
     ]
     if folder in PACKAGES or folder == "compensator_theory.strategies":
         rows += [
-            (f"[`{name}`]({page_of(folder.split('.')[0], name)}.md)", _sentence(f"{folder}.{name}"))
+            (f"[`{name}`]({page_of(package, name)}.md)", _sentence(f"{folder}.{name}"))
             for name, home in homes.items()
             if home == folder
         ]
@@ -196,13 +197,15 @@ def _automodule(module: str, public: list[str]) -> str:
 
 def _documented(module: str) -> Iterator[str]:
     """What a module itself makes and describes: no imported name, no alias of a type."""
-    body = _parsed(ROOT.joinpath(*module.split(".")).with_suffix(".py")).body
+    path = ROOT.joinpath(*module.split("."))
+    body = _parsed(path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).body
     for node, after in zip(body, [*body[1:], None], strict=True):
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
             if not node.name.startswith("_") and ast.get_docstring(node):
                 yield node.name
         elif isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
-            targets = node.targets if isinstance(node, ast.Assign) else []
+            data = isinstance(node, ast.Assign) and not isinstance(node.value, ast.Subscript)
+            targets = node.targets if data else []
             yield from (t.id for t in targets if isinstance(t, ast.Name) and t.id[0] != "_")
 
 
@@ -210,8 +213,9 @@ def _modules(folder: str) -> Iterator[str]:
     directory = ROOT.joinpath(*folder.split("."))
     init = directory / "__init__.py"
     if folder not in PACKAGES and len(init.read_text().splitlines()) > 3:
-        yield folder  # it gathers what its files make, as the public strategies do
-        return
+        yield folder
+        if "__all__" in init.read_text():  # it gathers what its files make, as the strategies do
+            return
     for path in sorted(directory.glob("*.py")):
         if path.name != "__init__.py":
             yield f"{folder}.{path.stem}"
