@@ -1,32 +1,73 @@
+import os
 import sys
+import tempfile
+import warnings
 from pathlib import Path
 
 # Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
 sys.path.append(str(Path(__file__).resolve().parents[1]))
-sys.path.append(str(Path(__file__).resolve().parent))
 
-from errata_page import CHAPTERS, errata_page
-from reference_pages import write_reference
-
+from docs.cross_references import intersphinx, resolve_public, skip_foreign, type_links
+from docs.equation_index import equations, equations_page
+from docs.equation_links import setup_equations
+from docs.errata_page import CHAPTERS, errata_page
+from docs.notebook_pages import copy_notebooks, write_settings
+from docs.reference_pages import changed, write_reference
 from tests.house.layers import LAYERS
 
-write_reference(Path(__file__).resolve().parent / "reference", LAYERS)
+REFERENCE = Path(__file__).resolve().parent / "reference"
+write_reference(REFERENCE, LAYERS)
+index = equations()
+changed(REFERENCE / "equations.md", equations_page(index))
+copy_notebooks(Path(__file__).resolve().parent / "notebooks")
+
+# SymPy's own docstrings, which are read on the way to ours.
+warnings.filterwarnings("ignore", message="Unknown section .*sympy", category=UserWarning)
 
 project = "compensator-theory"
 author = "The compensator-theory developers"
 copyright = "2026, the compensator-theory developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
-myst_enable_extensions = ["dollarmath"]
+extensions = [
+    "myst_nb",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.intersphinx",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "sphinx_design",
+]
+source_suffix = {".md": "myst-nb"}
+exclude_patterns = ["_build", "_static"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
-source_suffix = {".md": "markdown"}
-exclude_patterns = ["_build"]
 smartquotes_action = "De"  # dashes and dots; a quote after a letter is a transpose
+
+# A page with code cells runs whenever it is read, in a folder of its own, so that what it prints is
+# what today's code prints; a cell that fails fails the build.
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+nb_merge_streams = True
+# Figures as a notebook shows them, twice as fine; and no setting of whoever builds.
+os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
+
 html_theme = "furo"
 html_title = "compensator-theory"
+html_static_path = ["_static"]
+html_css_files = ["pictures.css"]
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-napoleon_use_rtype = False
-suppress_warnings = ["ref.python"]
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = True
+numpydoc_xref_ignore = "all"  # of the words of a type, those of this list are links and no others
+numpydoc_xref_aliases = type_links()
+nitpicky = True
+intersphinx_mapping = intersphinx(REFERENCE / "inventories")
+equation_numbers = frozenset(index)
 
 
 def insert_ledger(app, name, source):
@@ -50,5 +91,8 @@ def insert_errata(app, name, source):
 
 
 def setup(app):
+    setup_equations(app)
+    app.connect("autodoc-skip-member", skip_foreign)
+    app.connect("missing-reference", resolve_public)
     app.connect("source-read", insert_ledger)
     app.connect("source-read", insert_errata)

@@ -1,100 +1,93 @@
-"""The reference, one page for each folder of the packages, made from the packages themselves.
+"""The reference, made from the packages themselves.
 
-A page begins with the folder's sentence and a table of its public names; then comes every module.
+Every public name has a page under the name by which it is imported, and a place in a group of its
+task (``reference_groups``); every folder of the packages has a page with its public names and all
+that is not public.
 """
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
-from rcac_numeric.errata.reading import find_errata
-
 ROOT = Path(__file__).resolve().parents[1]
+GROUPS = Path(__file__).resolve().parent / "reference_groups"
 PACKAGES = {
-    "compensator_theory": "The exact half: integers, rationals and symbols, never a float.",
     "rcac_numeric": "The numeric half: run RCAC in float64, and hold it against exact theory.",
+    "compensator_theory": "The exact half: integers, rationals and symbols, never a float.",
 }
 INDEX = """# Reference
 
-Every public name is imported from its package, `from rcac_numeric import simulate`; the pages say
-in which folder it lives. Folders stand in the order of their layers, from the ground up. Whoever
-has the dissertation beside them begins with [its equations](equations.md).
+Every public name is imported from its package, `from rcac_numeric import simulate`, and has a page
+under that name. The groups are by task. Whoever has the dissertation beside them begins with
+[its equations](equations.md); whoever changes the code, with [the folders](folders.md).
 
 {tables}
 ```{{toctree}}
 :hidden:
 
-equations
 {pages}
+equations
+folders
 ```
 """
+FOLDERS = """# The folders of the packages
+
+In the order of their layers, from the ground up: a folder imports only what stands above it. Each
+page has the public names of the folder and what is not public.
+
+{tables}
+"""
+# Their pages stand in no table of contents: the sidebar of every page would list them all.
+ORPHAN = "---\norphan: true\n---\n\n"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Public names of one task, in their order."""
+
+    package: str
+    page: str
+    title: str
+    says: str
+    names: tuple[str, ...]
 
 
 def write_reference(target: Path, layers: dict[str, list[str]]) -> None:
     """Write the pages into a folder; `layers` gives each package's folders in their order."""
-    target.mkdir(exist_ok=True)
-    tables, names = [], []
+    (target / "api").mkdir(parents=True, exist_ok=True)
+    pages = dict(_grouped())
+    tables = []
     for package, sentence in PACKAGES.items():
         homes = public_names(package)
         rows = []
         for folder in ["", *layers[package]]:
             name = f"{package}.{folder}".rstrip(".")
-            page = _page(name, homes)
+            page = _folder_page(name, homes)
             if page is None:
                 continue
-            changed(target / f"{name}.md", page)
-            names.append(name)
-            rows.append(f"| [`{name}`]({name}.md) | {_sentence(name)} |")
-        tables.append(
-            f"## `{package}`\n\n{sentence}\n\n| folder | |\n|---|---|\n" + "\n".join(rows)
-        )
-    index = INDEX.format(tables="\n\n".join(tables) + "\n", pages="\n".join(names))
-    changed(target / "index.md", index)
-    changed(target / "equations.md", equations_page())
-    for page in target.glob("*.md"):
-        if page.stem not in (*names, "index", "equations"):
-            page.unlink()
+            pages[name] = page
+            rows.append((f"[`{name}`]({name}.md)", _sentence(name)))
+        tables.append(f"## `{package}`\n\n{sentence}\n\n{_table('folder', rows)}")
+    pages["folders"] = FOLDERS.format(tables="\n\n".join(tables) + "\n")
+    for name, text in pages.items():
+        changed(target / f"{name}.md", text)
+    for path in target.rglob("*.md"):
+        name = path.relative_to(target).with_suffix("").as_posix()
+        if name not in pages and name != "equations":
+            path.unlink()
 
 
-def equations_page() -> str:
-    """Where each numbered equation, example and section of the dissertation is in the code."""
-    found: dict[str, set[str]] = {}
-    for package in PACKAGES:
-        for path in sorted((ROOT / package).rglob("*.py")):
-            module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
-            for number in _cited(path.read_text()):
-                found.setdefault(number, set()).add(module.removesuffix(".__init__"))
-    wrong: dict[str, list[str]] = {}
-    for erratum in find_errata():
-        for number in erratum.equations:
-            link = f"[{erratum.name}](#erratum-{erratum.name})"
-            wrong.setdefault(number, []).append(link)
-    rows = [
-        f"| ({number}) | {', '.join(f'{{py:mod}}`{m}`' for m in sorted(found.get(number, ())))} "
-        f"| {', '.join(wrong.get(number, ()))} |"
-        for number in sorted({*found, *wrong}, key=_order)
-    ]
-    head = (
-        "# From an equation to the code\n\nWhat the docstrings cite of the dissertation, and what "
-        "is wrong in its [text](../errata.md).\n\n"
-    )
-    return head + "| equation | modules | errata |\n|---|---|---|\n" + "\n".join(rows) + "\n"
+def groups(package: str) -> Iterator[Group]:
+    """The public names of a package by task."""
+    for group in tomllib.loads((GROUPS / f"{package}.toml").read_text())["group"]:
+        yield Group(package=package, **{**group, "names": tuple(group["names"])})
 
 
-def _cited(text: str) -> Iterator[str]:
-    """Numbers such as (2.43) and all of (2.42)-(2.45)."""
-    for first, last in re.findall(r"\(([1-9AB]\.\d+)\)(?:-\(([1-9AB]\.\d+)\))?", text):
-        chapter, start = first.split(".")
-        stop = last.split(".")[1] if last.startswith(f"{chapter}.") else start
-        yield from (f"{chapter}.{i}" for i in range(int(start), int(stop) + 1))
-
-
-def _order(number: str) -> tuple[str, int]:
-    chapter, _, index = number.partition(".")
-    return chapter, int(index)
-
-
+@cache
 def public_names(package: str) -> dict[str, str]:
     """The module in which each public name of a package lives."""
     stub = ast.parse((ROOT / package / "__init__.pyi").read_text())
@@ -106,60 +99,152 @@ def public_names(package: str) -> dict[str, str]:
     }
 
 
+def page_of(package: str, name: str) -> str:
+    """The page of a public name; lqg and LQG differ on every file system."""
+    twins = [n for n in public_names(package) if n.lower() == name.lower()]
+    suffix = "-class" if len(twins) > 1 and name[0].isupper() else ""
+    return f"api/{package}.{name}{suffix}"
+
+
 def changed(path: Path, text: str) -> None:
     """Write a page only where it differs, so that an unchanged one is not read again."""
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
 
 
-def _page(folder: str, homes: dict[str, str]) -> str | None:
+def _grouped() -> Iterator[tuple[str, str]]:
+    """The index, the pages of the groups, and those of the names."""
+    tables, pages = [], []
+    for package, sentence in PACKAGES.items():
+        homes = public_names(package)
+        rows = []
+        for group in groups(package):
+            pages.append(group.page)
+            rows.append((f"[{group.title}]({group.page}.md)", group.says))
+            yield group.page, _group_page(group, homes)
+            for name in group.names:
+                yield page_of(package, name), _name_page(group, name, homes[name])
+        tables.append(f"## `{package}`\n\n{sentence}\n\n{_table('task', rows)}")
+    yield "index", INDEX.format(tables="\n\n".join(tables) + "\n", pages="\n".join(pages))
+
+
+def _group_page(group: Group, homes: dict[str, str]) -> str:
+    rows = [
+        (f"[`{name}`]({page_of(group.package, name)}.md)", _summary(homes[name], name))
+        for name in group.names
+    ]
+    return f"# {group.title}\n\n{group.says} All of `{group.package}`.\n\n{_table('name', rows)}\n"
+
+
+def _name_page(group: Group, name: str, home: str) -> str:
+    if home == group.package:  # a module of its own, as the strategies are
+        directive = f".. automodule:: {group.package}.{name}\n   :members:"
+        home = f"{group.package}.{name}"
+    elif name[0].isupper():
+        directive = f".. currentmodule:: {group.package}\n\n.. autoclass:: {name}\n"
+        directive += "   :members:\n   :inherited-members:"
+    else:
+        directive = f".. currentmodule:: {group.package}\n\n.. autofunction:: {name}"
+    is_folder = ROOT.joinpath(*home.split(".")).is_dir()
+    folder = home if is_folder else home.rpartition(".")[0]
+    return (
+        f"{ORPHAN}# {group.package}.{name}\n\n[Reference](../index.md) / "
+        f"[{group.title}](../{group.page}.md)\n\n```{{eval-rst}}\n{directive}\n```\n\n"
+        f"Written in `{home}`; [its folder](../{folder}.md).\n"
+    )
+
+
+def _folder_page(folder: str, homes: dict[str, str]) -> str | None:
     modules = list(_modules(folder))
     if not modules:
         return None
-    parts = [f"# `{folder}`", _sentence(folder)]
+    package = folder.partition(".")[0]
+    parts = [f"{ORPHAN}# `{folder}`", "[The folders](folders.md)", _sentence(folder)]
+    public = {
+        module: [name for name, home in sorted(homes.items()) if home == module]
+        for module in modules
+    }
     rows = [
-        f"| {{py:obj}}`{name} <{module}.{name}>` | {_summary(module, name)} |"
-        for name, module in sorted(homes.items(), key=lambda pair: modules_first(modules, pair))
-        if module in modules
+        (f"[`{name}`]({page_of(package, name)}.md)", _summary(module, name))
+        for module, names in public.items()
+        for name in names
     ]
+    if folder in PACKAGES or folder == "compensator_theory.strategies":
+        rows += [
+            (f"[`{name}`]({page_of(package, name)}.md)", _sentence(f"{folder}.{name}"))
+            for name, home in homes.items()
+            if home == folder
+        ]
+    if folder not in modules:
+        parts.append(f"```{{eval-rst}}\n.. py:module:: {folder}\n```")
     if rows:
-        parts.append("| public name | |\n|---|---|\n" + "\n".join(rows))
+        parts.append(_table("public name", rows))
     for module in modules:
         head = module.removeprefix(folder).lstrip(".") or module
-        parts.append(f"## {head}\n\n```{{eval-rst}}\n.. automodule:: {module}\n   :members:\n```")
+        rest = _automodule(module, public[module])
+        parts.append(f"## {head}\n\n```{{eval-rst}}\n{rest}\n```")
     return "\n\n".join(parts) + "\n"
 
 
-def modules_first(modules: list[str], pair: tuple[str, str]) -> tuple[int, str]:
-    """Public names in the order of their modules."""
-    name, module = pair
-    return (modules.index(module) if module in modules else -1, name)
+def _automodule(module: str, public: list[str]) -> str:
+    """What a module says, and its members that have no page of their own."""
+    if module == "compensator_theory.strategies":
+        return f"All of :mod:`{module}` are public."
+    members = [name for name in _documented(module) if name not in public]
+    directive = f".. automodule:: {module}"
+    return directive + (f"\n   :members: {', '.join(members)}" if members else "")
+
+
+def _documented(module: str) -> Iterator[str]:
+    """What a module itself makes and describes: no imported name, no alias of a type."""
+    path = ROOT.joinpath(*module.split("."))
+    body = _parsed(path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).body
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            if not node.name.startswith("_") and ast.get_docstring(node):
+                yield node.name
+        elif isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+            data = isinstance(node, ast.Assign) and not isinstance(node.value, ast.Subscript)
+            targets = node.targets if data else []
+            yield from (t.id for t in targets if isinstance(t, ast.Name) and t.id[0] != "_")
 
 
 def _modules(folder: str) -> Iterator[str]:
     directory = ROOT.joinpath(*folder.split("."))
     init = directory / "__init__.py"
     if folder not in PACKAGES and len(init.read_text().splitlines()) > 3:
-        yield folder  # it gathers what its files make, as the public strategies do
-        return
+        yield folder
+        if "__all__" in init.read_text():  # it gathers what its files make, as the strategies do
+            return
     for path in sorted(directory.glob("*.py")):
         if path.name != "__init__.py":
             yield f"{folder}.{path.stem}"
 
 
+@cache
+def _parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text())
+
+
+def _table(head: str, rows: list[tuple[str, str]]) -> str:
+    return f"| {head} | |\n|---|---|\n" + "\n".join(f"| {a} | {b} |" for a, b in rows)
+
+
 def _sentence(folder: str) -> str:
-    init = ROOT.joinpath(*folder.split("."), "__init__.py")
-    return (
-        (ast.get_docstring(ast.parse(init.read_text())) or "").split("\n\n")[0].replace("\n", " ")
-    )
+    path = ROOT.joinpath(*folder.split("."))
+    text = (path / "__init__.py" if path.is_dir() else path.with_suffix(".py")).read_text()
+    return (ast.get_docstring(ast.parse(text)) or "").split("\n\n")[0].replace("\n", " ")
 
 
 def _summary(module: str, name: str) -> str:
     """The first sentence of what stands under a name."""
     path = ROOT.joinpath(*module.split("."))
+    if (path / name).is_dir():
+        return _sentence(f"{module}.{name}")
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    for node in ast.parse(path.read_text()).body:
+    for node in _parsed(path).body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
-            text = (ast.get_docstring(node) or "").split("\n\n")[0]
-            return re.sub(r"([|\[\]])", r"\\\1", " ".join(text.split()))
+            text = " ".join((ast.get_docstring(node) or "").split("\n\n")[0].split())
+            text = re.sub(r":\w+:`~?([^`<]+)`", r"`\1`", text)
+            return re.sub(r"([|\[\]*])", r"\\\1", text)
     return ""

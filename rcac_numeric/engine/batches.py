@@ -65,7 +65,7 @@ def simulate_many(
         grows without bound or with data that leave theta open (`Run.guard_count`), the digits of
         `simulate` are as uncertain.
 
-        Eligible is: one controller with update = UD(R_theta, lambda_), lambda_ a number, in the
+        Eligible is: one controller with ``update = UD(R_theta, lambda_)``, a number each, in the
         predictor form, without process_noise, reset, stop_where_unsupported, freeze,
         target_changes, reflect_poles, R_u_unfiltered, z_normalization, bounds and fixed,
         k_filter = 0, no derived signals (PID, integrators), l_z <= 3; R_z and R_u constant or, for

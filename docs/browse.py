@@ -1,0 +1,109 @@
+"""Look at the built docs in Chromium: search, console, width, light and dark.
+
+``python docs/browse.py docs/_build`` fails where a search does not find its page first, where a
+page scrolls sideways at 360 or 1280 pixels, or where the console has an error. Without a browser
+it says that nothing was checked, and ends with status 69.
+"""
+
+import argparse
+import shutil
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+# What is searched for, and the pages of which one is to come first.
+TOPICS = {
+    "RCAC": ("guide/my-plant",),
+    "margin": ("reference/margins",),
+    "Sylvester": ("reference/exact-resultants",),
+    "saturation": ("guide/three-plants", "reference/api/rcac_numeric.Saturation"),
+    "log": ("guide/log-to-verdict",),
+    "pole placement": ("reference/exact-placement",),
+}
+LOOKED_AT = (
+    "index",
+    "install",
+    "guide/my-plant",
+    "guide/log-to-verdict",
+    "gallery/index",
+    "experiment-files",
+    "constructions",
+    "notebooks/what_rcac_fits",
+    "reference/index",
+    "reference/controllers",
+    "reference/api/rcac_numeric.ControllerSettings",
+    "reference/api/compensator_theory.strategies",
+    "reference/equations",
+    "citations",
+    "changelog",
+)
+WIDTHS = (360, 1280)
+NOT_CHECKED = 69
+
+
+def main() -> int:
+    """Check a built site; the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("site", type=Path)
+    parser.add_argument("--pictures", type=Path, help="a folder for pictures of each page")
+    options = parser.parse_args()
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        chromium = None
+    if chromium is None:
+        print("NOT CHECKED: the docs were not opened; that needs Chromium and Playwright")
+        return NOT_CHECKED
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        site = options.site.resolve()
+        wrong = [*searches(browser, site), *views(browser, site, options.pictures)]
+        browser.close()
+    print("\n".join(wrong) or f"docs in Chromium: {len(TOPICS)} searches, {len(LOOKED_AT)} pages")
+    return 1 if wrong else 0
+
+
+def searches(browser: Any, site: Path) -> Iterator[str]:
+    """What is not found first."""
+    page = browser.new_page()
+    for words, wanted in TOPICS.items():
+        page.goto(f"{site.as_uri()}/search.html?q={words.replace(' ', '+')}")
+        page.wait_for_selector("#search-results ul.search li a", timeout=20_000)
+        page.wait_for_function("document.querySelector('#search-results p.search-summary')"
+                               "?.textContent.match(/\\d/)")  # fmt: skip
+        links = page.eval_on_selector_all(
+            "#search-results ul.search > li > a", "found => found.slice(0, 5).map(a => a.href)"
+        )
+        found = [link.removeprefix(f"{site.as_uri()}/").split("?")[0] for link in links]
+        first = found[0].split("#")[0].removesuffix(".html")
+        if first not in wanted:
+            yield f'search for "{words}": {wanted[0]} is not first but {", ".join(found)}'
+
+
+def views(browser: Any, site: Path, pictures: Path | None) -> Iterator[str]:
+    """Pages that scroll sideways, and what their consoles say."""
+    for width in WIDTHS:
+        for scheme in ("light", "dark"):
+            page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+            said: list[str] = []
+            page.on("pageerror", lambda error, said=said: said.append(str(error)))
+            page.on("console", lambda m, said=said: m.type == "error" and said.append(m.text))
+            for name in LOOKED_AT:
+                page.goto(f"{site.as_uri()}/{name}.html", wait_until="load")
+                wide = page.evaluate("document.documentElement.scrollWidth")
+                if wide > width:
+                    yield f"{name} is {wide} pixels wide at {width}, {scheme}"
+                # Formulas are drawn by a script of the network, which a build does not need.
+                yield from (f"{name}: {words}" for words in said if "ERR_" not in words)
+                said.clear()
+                if pictures:
+                    file = f"{name.replace('/', '-')}-{width}-{scheme}.png"
+                    pictures.mkdir(exist_ok=True)
+                    page.screenshot(path=pictures / file)
+            page.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,143 @@
+"""The dissertation's equations by number: which code computes each, and what is wrong with it."""
+
+import ast
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from docs.reference_pages import PACKAGES, ROOT, public_names
+from proofs.ledger.ledger import ledger
+from rcac_numeric.errata.reading import find_errata
+
+CHAPTERS = {c: f"Chapter {c}" for c in "123456789"} | {c: f"Appendix {c}" for c in "AB"}
+NUMBER = re.compile(r"\(([1-9AB])\.([1-9]\d?)\)(?:-\(([1-9AB])\.([1-9]\d?)\))?")
+HEAD = """# From an equation to the code
+
+The dissertation's equations by number: the public names whose documentation cites each, the
+modules that mention it elsewhere, entries of the [ledger of proofs](../proofs.md),
+[errata](../errata.md), and pages. A number in parentheses on any page leads here.
+"""
+
+
+@dataclass
+class Places:
+    """Where an equation is cited."""
+
+    names: dict[str, None] = field(default_factory=dict)
+    modules: dict[str, None] = field(default_factory=dict)
+    kernel: dict[str, None] = field(default_factory=dict)
+    ledger: dict[str, str] = field(default_factory=dict)
+    errata: dict[str, str] = field(default_factory=dict)
+    pages: dict[str, None] = field(default_factory=dict)
+
+
+def cited(text: str) -> Iterator[str]:
+    """Numbers such as (2.43) and all of (2.42)-(2.45).
+
+    Examples
+    --------
+    >>> from docs.equation_index import cited
+    >>> list(cited("the update (2.42)-(2.44), from (A.7)"))
+    ['2.42', '2.43', '2.44', 'A.7']
+    """
+    for chapter, first, other, last in NUMBER.findall(text):
+        stop = int(last) if last and other == chapter else int(first)
+        yield from (f"{chapter}.{i}" for i in range(int(first), stop + 1))
+
+
+def equations() -> dict[str, Places]:
+    """Every equation that is cited, in its order."""
+    found: dict[str, Places] = {}
+
+    def at(number: str) -> Places:
+        return found.setdefault(number, Places())
+
+    for package in PACKAGES:
+        public = {(home, name): f"{package}.{name}" for name, home in public_names(package).items()}
+        for path in sorted((ROOT / package).rglob("*.py")):
+            module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
+            module = module.removesuffix(".__init__")
+            for owner, text in texts(path.read_text()):
+                for number in cited(text):
+                    name = public.get((module, owner))
+                    if name:
+                        at(number).names[name] = None
+                    else:
+                        at(number).modules[module] = None
+    for path in sorted((ROOT / "kernel").rglob("*.?pp")):
+        for number in cited(path.read_text()):
+            at(number).kernel[path.relative_to(ROOT).as_posix()] = None
+    for entry in ledger():
+        for number in cited(f"{entry.source} {entry.text} {entry.difference or ''}"):
+            at(number).ledger[entry.name] = entry.title
+    for erratum in find_errata():
+        for number in erratum.equations:
+            at(number).errata[erratum.name] = erratum.where
+    for path in sorted((ROOT / "docs").rglob("*.md")):
+        name = path.relative_to(ROOT / "docs").with_suffix("").as_posix()
+        if not name.startswith(("reference/", "_build/")):
+            for number in cited(path.read_text()):
+                at(number).pages[name] = None
+    return dict(sorted(found.items(), key=lambda pair: _order(pair[0])))
+
+
+def equations_page(index: dict[str, Places]) -> str:
+    """The index as a page."""
+    parts, chapter = [HEAD], ""
+    for number, places in index.items():
+        if number[0] != chapter:
+            chapter = number[0]
+            parts.append(f"## {CHAPTERS[chapter]}\n")
+        parts.append("```{eval-rst}\n" + "\n".join(_entry(number, places)) + "\n```\n")
+    return "\n".join(parts)
+
+
+def _entry(number: str, places: Places) -> Iterator[str]:
+    own = set(places.modules) - {_home(name) for name in places.names}
+    yield f".. equation:: {number}"
+    yield ""
+    for words, links in (
+        ("Computed by", [f":py:obj:`{name}`" for name in places.names]),
+        ("Mentioned in", [f":py:mod:`{name}`" for name in places.modules if name in own]),
+        ("Kernel", [f"``{name}``" for name in places.kernel]),
+        ("Proofs", [f":ref:`{_plain(t)} <{name}>`" for name, t in places.ledger.items()]),
+        ("Errata", [f":ref:`{_plain(w)} <erratum-{n}>`" for n, w in places.errata.items()]),
+        ("Pages", [f":doc:`/{name}`" for name in places.pages]),
+    ):
+        if links:
+            yield f"   | {words}: {', '.join(links)}"
+
+
+def _plain(text: str) -> str:
+    return re.sub(r"[`<>\\*]", "", text)
+
+
+def _home(name: str) -> str:
+    package, _, short = name.partition(".")
+    return public_names(package)[short]
+
+
+def texts(source: str) -> Iterator[tuple[str | None, str]]:
+    """(top-level owner, words): docstrings without their examples, and comments."""
+    tree = ast.parse(source)
+    for node in tree.body:
+        owner = node.name if isinstance(node, ast.ClassDef | ast.FunctionDef) else None
+        for inner in ast.walk(node):
+            if isinstance(inner, ast.ClassDef | ast.FunctionDef):
+                yield owner, _words(ast.get_docstring(inner) or "")
+    yield None, _words(ast.get_docstring(tree) or "")
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type == tokenize.COMMENT:
+            yield None, token.string
+
+
+def _words(docstring: str) -> str:
+    paragraphs = re.split(r"\n\s*\n", docstring)
+    return "\n\n".join(p for p in paragraphs if ">>>" not in p)
+
+
+def _order(number: str) -> tuple[str, int]:
+    chapter, _, index = number.partition(".")
+    return chapter, int(index)
