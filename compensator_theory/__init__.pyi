@@ -26,6 +26,20 @@ from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
 from .errors import RoundingWarning as RoundingWarning
 from .errors import UnitCircleError as UnitCircleError
+from .geometry.decoupling import Decoupling as Decoupling
+from .geometry.decoupling import decouple as decouple
+from .geometry.disturbance_decoupling import DisturbanceDecoupling as DisturbanceDecoupling
+from .geometry.disturbance_decoupling import decouple_disturbance as decouple_disturbance
+from .geometry.fixed_modes import FixedModes as FixedModes
+from .geometry.fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes
+from .geometry.interactors import Interactor as Interactor
+from .geometry.interactors import interactor as interactor
+from .geometry.invariant_subspaces import (
+    ControlledInvariantSubspaces as ControlledInvariantSubspaces,
+)
+from .geometry.invariant_subspaces import (
+    controlled_invariant_subspaces as controlled_invariant_subspaces,
+)
 from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polynomial
 from .loops.closed_loop_maps import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .loops.closed_loop_maps import closed_loop_zero_polynomial as closed_loop_zero_polynomial
@@ -70,6 +84,16 @@ from .matrices.resultants import resultant as resultant
 from .matrices.sylvester import sylvester_m as sylvester_m
 from .matrices.sylvester import sylvester_m1 as sylvester_m1
 from .matrices.sylvester import sylvester_m2 as sylvester_m2
+from .matrix_equations.gramians import Gramians as Gramians
+from .matrix_equations.gramians import gramians as gramians
+from .matrix_equations.regulator_equations import RegulatorSolution as RegulatorSolution
+from .matrix_equations.regulator_equations import (
+    solve_regulator_equations as solve_regulator_equations,
+)
+from .matrix_equations.solutions import MatrixSolution as MatrixSolution
+from .matrix_equations.sylvester_equations import solve_lyapunov as solve_lyapunov
+from .matrix_equations.sylvester_equations import solve_stein as solve_stein
+from .matrix_equations.sylvester_equations import solve_sylvester as solve_sylvester
 from .observers.counting import count_observer_forms as count_observer_forms
 from .observers.decisions import ObserverDecision as ObserverDecision
 from .observers.design import ObserverBasedCompensator as ObserverBasedCompensator
