@@ -6,6 +6,12 @@ from .bezout.null_spaces import NullSpaceGCD as NullSpaceGCD
 from .bezout.null_spaces import gcd_from_null_space as gcd_from_null_space
 from .bezout.subresultants import Subresultants as Subresultants
 from .bezout.subresultants import subresultants as subresultants
+from .canonical_forms.frobenius import FrobeniusForm as FrobeniusForm
+from .canonical_forms.frobenius import frobenius_form as frobenius_form
+from .canonical_forms.kronecker import KroneckerForm as KroneckerForm
+from .canonical_forms.kronecker import kronecker_form as kronecker_form
+from .canonical_forms.popov import PopovForm as PopovForm
+from .canonical_forms.popov import popov_form as popov_form
 from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDiophantineSolution
 from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
 from .diophantine.minimal_bases import MinimalBasis as MinimalBasis
@@ -26,6 +32,11 @@ from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
 from .errors import RoundingWarning as RoundingWarning
 from .errors import UnitCircleError as UnitCircleError
+from .frequency.norms import HInfinityNorm as HInfinityNorm
+from .frequency.norms import h_infinity_norm as h_infinity_norm
+from .frequency.passivity import RealnessDecision as RealnessDecision
+from .frequency.passivity import decide_bounded_real as decide_bounded_real
+from .frequency.passivity import decide_positive_real as decide_positive_real
 from .geometry.decoupling import Decoupling as Decoupling
 from .geometry.decoupling import decouple as decouple
 from .geometry.disturbance_decoupling import DisturbanceDecoupling as DisturbanceDecoupling
