@@ -51,6 +51,12 @@ from .geometry.invariant_subspaces import (
 from .geometry.invariant_subspaces import (
     controlled_invariant_subspaces as controlled_invariant_subspaces,
 )
+from .interpolation.nevanlinna_pick import PickInterpolation as PickInterpolation
+from .interpolation.nevanlinna_pick import nevanlinna_pick as nevanlinna_pick
+from .interpolation.pade import PadeApproximant as PadeApproximant
+from .interpolation.pade import pade_approximant as pade_approximant
+from .interpolation.partial_realisations import PartialRealisation as PartialRealisation
+from .interpolation.partial_realisations import partial_realisation as partial_realisation
 from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polynomial
 from .loops.closed_loop_maps import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .loops.closed_loop_maps import closed_loop_zero_polynomial as closed_loop_zero_polynomial
@@ -166,10 +172,25 @@ from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
 from .stabilisation.conditions import stability_conditions as stability_conditions
+from .stabilisation.interval_polynomials import IntervalStability as IntervalStability
+from .stabilisation.interval_polynomials import (
+    decide_interval_stability as decide_interval_stability,
+)
+from .stabilisation.simultaneous import (
+    SimultaneousStabilisability as SimultaneousStabilisability,
+)
+from .stabilisation.simultaneous import (
+    decide_simultaneous_stabilisability as decide_simultaneous_stabilisability,
+)
 from .stabilisation.stabilising_gains import stabilising_gains as stabilising_gains
 from .stabilisation.stability_intervals import StabilityCell as StabilityCell
 from .stabilisation.stability_intervals import StabilityIntervals as StabilityIntervals
 from .stabilisation.stability_intervals import stability_intervals as stability_intervals
+from .stabilisation.stability_regions import StabilityRegion as StabilityRegion
+from .stabilisation.stability_regions import StabilitySlab as StabilitySlab
+from .stabilisation.stability_regions import stability_region as stability_region
+from .stabilisation.stable_compensators import StableCompensator as StableCompensator
+from .stabilisation.stable_compensators import stable_compensator as stable_compensator
 from .stabilisation.strong_stabilisability import StrongStabilisability as StrongStabilisability
 from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRealZero
 from .stabilisation.strong_stabilisability import (
