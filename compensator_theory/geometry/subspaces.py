@@ -59,7 +59,7 @@ class Subspaces:
 
     def contains(self, space: Matrix, vectors: Matrix) -> bool:
         """Tell whether a space contains vectors, with symbols for generic values."""
-        return self.sum(space, vectors).cols == space.cols
+        return bool(self.sum(space, vectors).cols == space.cols)
 
     def canonical(self, space: Matrix) -> ImmutableMatrix:
         """Return the basis whose transpose is in reduced row echelon form: one for each space."""

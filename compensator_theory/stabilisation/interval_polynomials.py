@@ -128,7 +128,7 @@ def _interval(item: NumberLike | Sequence[NumberLike]) -> tuple[Rational, Ration
             raise InputError(f"{item!r} is no interval; write (lower, upper)")
         ends = [sympy.sympify(exact_number(end)) for end in item]
     else:
-        ends = [sympy.sympify(exact_number(item))] * 2  # type: ignore[arg-type]
+        ends = [sympy.sympify(exact_number(item))] * 2
     if not all(end.is_Rational for end in ends):
         raise InputError(f"the ends {ends} of an interval must be rational numbers")
     if ends[0] > ends[1]:

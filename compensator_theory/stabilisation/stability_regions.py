@@ -55,7 +55,7 @@ class StabilityRegion(ExactValue):
     polynomial : sympy.Poly
         As asked.
     parameters : tuple of sympy.Symbol
-    boundaries : tuple of sympy.Poly
+    boundaries : tuple of sympy.Expr
         Irreducible, in both parameters: a root can reach the boundary of stability only on these
         curves.
     slabs : tuple of StabilitySlab
@@ -64,7 +64,7 @@ class StabilityRegion(ExactValue):
 
     polynomial: Poly
     parameters: tuple[Symbol, Symbol]
-    boundaries: tuple[Poly, ...]
+    boundaries: tuple[Expr, ...]
     slabs: tuple[StabilitySlab, ...]
 
     @property
@@ -128,7 +128,7 @@ def stability_region(
     Notes
     -----
     Source: the parameter plane of D. Mitrovic (1959) and D. D. Siljak (1969), here with proof: no
-    isolated component is missed. ``rcac_numeric.plot_stability_region`` draws it.
+    isolated component is missed. each slab is a column of its picture.
 
     Examples
     --------
@@ -168,7 +168,9 @@ def stability_region(
                 _section(p, (k_1, k_2), sample),
             )
         )
-    return StabilityRegion(p, (k_1, k_2), tuple(boundaries), tuple(slabs))
+    return StabilityRegion(
+        p, (k_1, k_2), tuple(curve.as_expr() for curve in boundaries), tuple(slabs)
+    )
 
 
 def _section(p: Poly, parameters: tuple[Symbol, Symbol], value: Rational) -> StabilityIntervals:
