@@ -6,6 +6,12 @@ from .bezout.null_spaces import NullSpaceGCD as NullSpaceGCD
 from .bezout.null_spaces import gcd_from_null_space as gcd_from_null_space
 from .bezout.subresultants import Subresultants as Subresultants
 from .bezout.subresultants import subresultants as subresultants
+from .canonical_forms.frobenius import FrobeniusForm as FrobeniusForm
+from .canonical_forms.frobenius import frobenius_form as frobenius_form
+from .canonical_forms.kronecker import KroneckerForm as KroneckerForm
+from .canonical_forms.kronecker import kronecker_form as kronecker_form
+from .canonical_forms.popov import PopovForm as PopovForm
+from .canonical_forms.popov import popov_form as popov_form
 from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDiophantineSolution
 from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
 from .diophantine.minimal_bases import MinimalBasis as MinimalBasis
@@ -26,6 +32,31 @@ from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
 from .errors import RoundingWarning as RoundingWarning
 from .errors import UnitCircleError as UnitCircleError
+from .frequency.norms import HInfinityNorm as HInfinityNorm
+from .frequency.norms import h_infinity_norm as h_infinity_norm
+from .frequency.passivity import RealnessDecision as RealnessDecision
+from .frequency.passivity import decide_bounded_real as decide_bounded_real
+from .frequency.passivity import decide_positive_real as decide_positive_real
+from .geometry.decoupling import Decoupling as Decoupling
+from .geometry.decoupling import decouple as decouple
+from .geometry.disturbance_decoupling import DisturbanceDecoupling as DisturbanceDecoupling
+from .geometry.disturbance_decoupling import decouple_disturbance as decouple_disturbance
+from .geometry.fixed_modes import FixedModes as FixedModes
+from .geometry.fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes
+from .geometry.interactors import Interactor as Interactor
+from .geometry.interactors import interactor as interactor
+from .geometry.invariant_subspaces import (
+    ControlledInvariantSubspaces as ControlledInvariantSubspaces,
+)
+from .geometry.invariant_subspaces import (
+    controlled_invariant_subspaces as controlled_invariant_subspaces,
+)
+from .interpolation.nevanlinna_pick import PickInterpolation as PickInterpolation
+from .interpolation.nevanlinna_pick import nevanlinna_pick as nevanlinna_pick
+from .interpolation.pade import PadeApproximant as PadeApproximant
+from .interpolation.pade import pade_approximant as pade_approximant
+from .interpolation.partial_realisations import PartialRealisation as PartialRealisation
+from .interpolation.partial_realisations import partial_realisation as partial_realisation
 from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polynomial
 from .loops.closed_loop_maps import closed_loop_transfer_matrix as closed_loop_transfer_matrix
 from .loops.closed_loop_maps import closed_loop_zero_polynomial as closed_loop_zero_polynomial
@@ -70,6 +101,16 @@ from .matrices.resultants import resultant as resultant
 from .matrices.sylvester import sylvester_m as sylvester_m
 from .matrices.sylvester import sylvester_m1 as sylvester_m1
 from .matrices.sylvester import sylvester_m2 as sylvester_m2
+from .matrix_equations.gramians import Gramians as Gramians
+from .matrix_equations.gramians import gramians as gramians
+from .matrix_equations.regulator_equations import RegulatorSolution as RegulatorSolution
+from .matrix_equations.regulator_equations import (
+    solve_regulator_equations as solve_regulator_equations,
+)
+from .matrix_equations.solutions import MatrixSolution as MatrixSolution
+from .matrix_equations.sylvester_equations import solve_lyapunov as solve_lyapunov
+from .matrix_equations.sylvester_equations import solve_stein as solve_stein
+from .matrix_equations.sylvester_equations import solve_sylvester as solve_sylvester
 from .observers.counting import count_observer_forms as count_observer_forms
 from .observers.decisions import ObserverDecision as ObserverDecision
 from .observers.design import ObserverBasedCompensator as ObserverBasedCompensator
@@ -131,10 +172,25 @@ from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
 from .stabilisation.conditions import stability_conditions as stability_conditions
+from .stabilisation.interval_polynomials import IntervalStability as IntervalStability
+from .stabilisation.interval_polynomials import (
+    decide_interval_stability as decide_interval_stability,
+)
+from .stabilisation.simultaneous import (
+    SimultaneousStabilisability as SimultaneousStabilisability,
+)
+from .stabilisation.simultaneous import (
+    decide_simultaneous_stabilisability as decide_simultaneous_stabilisability,
+)
 from .stabilisation.stabilising_gains import stabilising_gains as stabilising_gains
 from .stabilisation.stability_intervals import StabilityCell as StabilityCell
 from .stabilisation.stability_intervals import StabilityIntervals as StabilityIntervals
 from .stabilisation.stability_intervals import stability_intervals as stability_intervals
+from .stabilisation.stability_regions import StabilityRegion as StabilityRegion
+from .stabilisation.stability_regions import StabilitySlab as StabilitySlab
+from .stabilisation.stability_regions import stability_region as stability_region
+from .stabilisation.stable_compensators import StableCompensator as StableCompensator
+from .stabilisation.stable_compensators import stable_compensator as stable_compensator
 from .stabilisation.strong_stabilisability import StrongStabilisability as StrongStabilisability
 from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRealZero
 from .stabilisation.strong_stabilisability import (

@@ -11,12 +11,15 @@ from sympy import Expr, Poly
 from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.matrices.resultants import resultant
 from compensator_theory.placement.rounding_effects import rounding_effect
 from compensator_theory.polynomials.budget import long_integers
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.structure.echelon import exceptional_factors
+from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, denominators
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 if TYPE_CHECKING:
@@ -71,6 +74,18 @@ class PolePlacement(ExactValue):
     def is_unique(self) -> bool:
         """Whether there is no other compensator within the degrees asked for."""
         return not self.homogeneous
+
+    @property
+    def exceptional(self) -> tuple[Expr, ...]:
+        """Irreducible polynomials in the symbols; the answer holds where none of them is zero.
+
+        They divide the resultant of N and D or a denominator of the answer. Where one is zero there
+        may be no compensator or a family: substitute, and place again. Empty without symbols.
+        """
+        answers = [(self.numerator, self.denominator), *self.homogeneous]
+        matrices = [PolynomialMatrix((pair,)) for pair in answers]
+        common = resultant(self.plant.denominator, self.plant.numerator)
+        return exceptional_factors([common, *denominators(*matrices)])
 
     @property
     def compensator(self) -> TransferFunction:

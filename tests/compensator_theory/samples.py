@@ -7,6 +7,7 @@ import compensator_theory as exact
 from compensator_theory.strategies import (
     compensators,
     coprime_pairs,
+    matrices,
     minimal_plants,
     nonzero_rationals,
     polynomials,
@@ -119,7 +120,63 @@ FAMILIES = st.builds(
     st.sampled_from(["1/(s - 1)", "2*s/(s + 3)", "1/(s - a)"]), SIGNS
 )  # fmt: skip
 
+UNSTABLE = st.sampled_from(["(s - 2)/(s**2 - 1)", "1/s", "(s - 1)/(s*(s - 2))"])
+REGIONS = nonzero_rationals().map(
+    lambda c: exact.stability_region(f"s**2 + a*s + b*({c})", "a", "b")
+)
+
 SAMPLES = {
+    exact.MatrixSolution: matrices(2, 2).map(lambda A: exact.solve_stein(A / 7, [[1, 0], [0, 1]]))
+    | st.just(exact.solve_sylvester([["a"]], [["-a"]], [[0]])),
+    exact.Gramians: st.sampled_from(["1/(s + 1)", "1/(s**2 + a*s + b)", "(z + 1)/(z - 1/2)"]).map(
+        lambda text: (
+            exact.gramians(text, text[3] if text[3] == "z" else None)
+            if text[0] == "("
+            else exact.gramians(text, "s")
+        )
+    ),
+    exact.RegulatorSolution: SYMBOLS.map(
+        lambda a: exact.solve_regulator_equations(f"1/(s + {a})", [[0]], [[-1]])
+    ),
+    exact.ControlledInvariantSubspaces: STATE_SPACES.map(exact.controlled_invariant_subspaces),
+    exact.DisturbanceDecoupling: st.sampled_from([[[1], [0]], [[0], [1]]]).map(
+        lambda E: exact.decouple_disturbance(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E)
+    ),
+    exact.FixedModes: minimal_plants(2).map(
+        lambda plant: exact.decentralised_fixed_modes(plant, [([0], [0])])
+    ),
+    exact.Decoupling: strictly_proper_plants(max_order=2).map(exact.decouple),
+    exact.Interactor: strictly_proper_plants(max_order=2).map(exact.interactor)
+    | st.just(exact.interactor("a/(s + 1)", "s")),
+    exact.HInfinityNorm: st.sampled_from(
+        ["1/(s + 1)", "(s + 1)/(s**2 + s + 2)", "z/(z - 1/3)"]
+    ).map(exact.h_infinity_norm),
+    exact.RealnessDecision: st.sampled_from(["1/(s + 1)", "s", "-s", "2/(s + 1)"]).map(
+        exact.decide_positive_real
+    ),
+    exact.FrobeniusForm: st.sampled_from([[[1, 0], [0, 1]], [["a", 1], [0, 0]]]).map(
+        exact.frobenius_form
+    ),
+    exact.KroneckerForm: matrices(2, 2).map(lambda A: exact.kronecker_form(A, [["a", 0], [0, 0]])),
+    exact.PopovForm: POLYNOMIAL_MATRICES.map(exact.popov_form),
+    exact.PadeApproximant: nonzero_rationals().map(
+        lambda c: exact.pade_approximant([1, c, "a"], 1, 1)
+    ),
+    exact.PartialRealisation: nonzero_rationals().map(
+        lambda c: exact.partial_realisation([1, c, "a", 0], "z")
+    ),
+    exact.PickInterpolation: nonzero_rationals().map(
+        lambda w: exact.nevanlinna_pick([1, 2], [w, 1], 3)
+    ),
+    exact.IntervalStability: rationals().map(
+        lambda c: exact.decide_interval_stability([1, (c, c + 1), 2])
+    ),
+    exact.StabilityRegion: REGIONS,
+    exact.StabilitySlab: REGIONS.map(lambda found: found.slabs[0]),
+    exact.StableCompensator: UNSTABLE.map(lambda G: exact.stable_compensator(G, feedback=-1)),
+    exact.SimultaneousStabilisability: UNSTABLE.map(
+        lambda G: exact.decide_simultaneous_stabilisability(G, "1/(s + 1)", feedback=-1)
+    ),
     exact.MatrixPlacement: spectra(2).map(
         lambda roots: exact.place_matrix_poles([["1/(s - a)"]], [roots], 1, "s", feedback=-1)
     ),

@@ -1,0 +1,1 @@
+"""Canonical forms of matrices, pencils and polynomial matrices: Frobenius, Kronecker, Popov."""

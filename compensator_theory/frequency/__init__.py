@@ -1,0 +1,1 @@
+"""Properties along the imaginary axis or the unit circle: norms, passivity."""

@@ -1,0 +1,1 @@
+"""Geometric control: controlled invariant subspaces, decoupling, fixed modes."""

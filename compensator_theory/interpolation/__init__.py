@@ -1,0 +1,1 @@
+"""Rational functions from data: Pade approximants, partial realisations, Nevanlinna and Pick."""

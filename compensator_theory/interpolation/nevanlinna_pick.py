@@ -1,0 +1,160 @@
+"""Nevanlinna-Pick interpolation: how large a stable function with given values must be."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy
+from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.roots.enclosures import Enclosure
+from compensator_theory.stabilisation.critical_values import real_roots
+
+LEVEL = Symbol("g")
+
+
+@dataclass(frozen=True)
+class PickInterpolation(ExactValue):
+    r"""Whether a stable function of bounded size takes given values, and the least bound.
+
+    Attributes
+    ----------
+    matrix : sympy.ImmutableMatrix
+        Pick's matrix for `bound`, Hermitian.
+    bound : sympy.Expr
+    is_feasible : bool
+        Whether it is positive semidefinite.
+    is_unique : bool
+        Whether there is one interpolating function only: it is feasible and singular.
+    least_squared : sympy.Expr
+        The least bound, squared: exact, the largest root of `polynomial`.
+    enclosure : Enclosure
+        Of `least_squared`, certified.
+    polynomial : sympy.Poly
+        In g: the determinant of Pick's matrix with bound squared g, up to a factor.
+    """
+
+    matrix: ImmutableMatrix
+    bound: Expr
+    is_feasible: bool
+    is_unique: bool
+    least_squared: Expr
+    enclosure: Enclosure
+    polynomial: Poly
+
+    def __str__(self) -> str:
+        verdict = "feasible" if self.is_feasible else "not feasible"
+        least = sympy.sqrtdenest(sympy.sqrt(self.least_squared))
+        return f"{verdict} with bound {self.bound}; the least bound is {least}"
+
+
+def nevanlinna_pick(
+    points: Sequence[NumberLike],
+    values: Sequence[NumberLike],
+    bound: NumberLike = 1,
+    variable: str | Symbol = "s",
+) -> PickInterpolation:
+    r"""Decide whether a stable function with H-infinity norm at most gamma takes given values.
+
+    .. math:: f(s_i) = w_i, \quad \|f\|_\infty \le \gamma \qquad\Longleftrightarrow\qquad \left[
+              \frac{\gamma^2 - \bar w_i w_j}{\bar s_i + s_j} \right]_{i,j} \ge 0
+
+    In discrete time the denominators are :math:`1 - 1/(\bar z_i z_j)`.
+
+    Parameters
+    ----------
+    points : sequence of numbers
+        Different, right of the imaginary axis (s) or outside of the unit circle (z, q), where f is
+        analytic: rational, or complex with rational parts. For a real function give complex points
+        together with their conjugates.
+    values : sequence of numbers
+        As many.
+    bound : number
+        gamma, rational, at least 0.
+    variable : str or Symbol
+        s, z or q: which region.
+
+    Raises
+    ------
+    InputError, BudgetError
+        If a point is in the wrong region or there twice, a number is not rational, or the numbers
+        of points and values differ.
+
+    Notes
+    -----
+    The least bound solves a generalised eigenvalue problem; its polynomial has real coefficients.
+    It is what no sensitivity of a plant with these zeros and values there can fall below. Source:
+    G. Pick (1916), R. Nevanlinna (1919); J. C. Doyle, B. A. Francis, A. R. Tannenbaum, Feedback
+    Control Theory (1992), Chapter 9.
+
+    Examples
+    --------
+    >>> from compensator_theory import nevanlinna_pick
+    >>> print(nevanlinna_pick([1, 2], [1, -1], 5))
+    not feasible with bound 5; the least bound is 2*sqrt(2) + 3
+    >>> nevanlinna_pick([1, 2], ["1/2", "1/3"]).is_feasible
+    True
+    """
+    discrete = is_discrete(as_symbol(variable), "interpolation")
+    where, w = (_numbers(listed, name) for listed, name in ((points, "points"), (values, "values")))
+    gamma = sympy.sympify(exact_number(bound))
+    if not gamma.is_Rational or gamma < 0:
+        raise InputError(f"the bound {gamma} must be a rational number, at least 0")
+    n = len(where)
+    if len(w) != n:
+        raise InputError(f"there are {n} points and {len(w)} values; give as many")
+    if len(set(where)) < n:
+        raise InputError("a point is there twice; values of derivatives are not read here")
+    ask("entries", n**3, "Pick's matrix")
+    for point in where:
+        size = sympy.expand(point * sympy.conjugate(point)) - 1 if discrete else sympy.re(point)
+        if size <= 0:
+            region = "outside of the unit circle" if discrete else "right of the imaginary axis"
+            raise InputError(f"the point {point} does not lie {region}")
+
+    def kernel(i: int, j: int) -> Expr:
+        a, b = sympy.conjugate(where[i]), where[j]
+        bottom = sympy.expand(1 - 1 / sympy.expand(a * b)) if discrete else sympy.expand(a + b)
+        mirrored = sympy.conjugate(bottom)
+        return sympy.expand(mirrored / sympy.expand(bottom * mirrored))
+
+    A = ImmutableMatrix(n, n, kernel)
+    B = ImmutableMatrix(n, n, lambda i, j: sympy.expand(sympy.conjugate(w[i]) * w[j] * A[i, j]))
+    polynomial = _pencil(A, B)
+    matrix = ImmutableMatrix((gamma**2 * A - B).applyfunc(sympy.expand))
+    roots = real_roots([polynomial])
+    largest = roots[-1]
+    there = polynomial.eval(gamma**2)
+    above = all(root.enclosure.upper < gamma**2 for root in roots)
+    on = there == 0 and all(
+        root.value == gamma**2 or root.enclosure.upper < gamma**2 for root in roots
+    )
+    return PickInterpolation(
+        matrix, gamma, above or on, on, largest.value, largest.enclosure, polynomial
+    )
+
+
+def _numbers(listed: Sequence[NumberLike], name: str) -> list[Expr]:
+    if isinstance(listed, str):
+        raise InputError(f"the {name} {listed!r} are to be given in a list")
+    found = [sympy.expand(number) for number in read_coefficients(listed)]
+    for number in found:
+        if not all(part.is_Rational for part in number.as_real_imag()):
+            raise InputError(
+                f"the {name} must be rational or complex rational, and {number} is not"
+            )
+    return found
+
+
+def _pencil(A: ImmutableMatrix, B: ImmutableMatrix) -> Poly:
+    """Return det(g I - A^-1 B), with real coefficients because A and B are Hermitian."""
+    a, b = DomainMatrix.from_Matrix(A).unify(DomainMatrix.from_Matrix(B), fmt="dense")
+    field = a.domain.get_field()
+    product = a.convert_to(field).inv() * b.convert_to(field)
+    coefficients = [sympy.expand(field.to_sympy(c)) for c in product.charpoly()]
+    return Poly(coefficients, LEVEL, domain=QQ)

@@ -1,0 +1,1 @@
+"""Linear equations for matrices: Sylvester, Lyapunov, Stein, Gramians, the regulator equations."""

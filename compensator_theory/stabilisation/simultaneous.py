@@ -1,0 +1,162 @@
+"""One compensator for two plants: strong stabilisability of an auxiliary plant decides."""
+
+from dataclasses import dataclass
+
+from sympy import QQ, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.loops.siso import require_sign
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.stabilisation.stable_compensators import stable_compensator
+from compensator_theory.stabilisation.strong_stabilisability import (
+    StrongStabilisability,
+    decide_strong_stabilisability,
+)
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+
+
+@dataclass(frozen=True)
+class SimultaneousStabilisability(ExactValue):
+    """Whether one compensator stabilises both of two plants, and one that does.
+
+    Attributes
+    ----------
+    is_stabilisable : bool
+        The answer, decided.
+    auxiliary : TransferFunction or None
+        Its strong stabilisability is the question; None where the plants are equal.
+    decision : StrongStabilisability or None
+        The answer to it with its evidence.
+    compensator : TransferFunction or None
+        One that stabilises both, where the search found one; None does not say that there is none.
+    characteristic_polynomials : tuple of sympy.Poly
+        Of both loops with it, both stable; empty without it.
+    """
+
+    is_stabilisable: bool
+    auxiliary: TransferFunction | None
+    decision: StrongStabilisability | None
+    compensator: TransferFunction | None
+    characteristic_polynomials: tuple[Poly, ...]
+
+    def __str__(self) -> str:
+        if not self.is_stabilisable:
+            return "no compensator stabilises both plants"
+        if self.compensator is None:
+            return "some compensator stabilises both plants"
+        return f"{self.compensator} stabilises both plants"
+
+
+def decide_simultaneous_stabilisability(
+    first: TransferFunctionLike, second: TransferFunctionLike, *, feedback: int
+) -> SimultaneousStabilisability:
+    r"""Decide whether one compensator stabilises two plants, and search one.
+
+    With :math:`P_i = N_i M_i^{-1}` and :math:`M_1 V + N_1 U = 1` over the stable proper functions,
+    all compensators of the first are :math:`(U + M_1 Q)/(V - N_1 Q)`, and one of them stabilises
+    the second if and only if a stable Q stabilises
+
+    .. math:: P = \frac{N_2 M_1 - N_1 M_2}{M_2 V + N_2 U}
+
+    Parameters
+    ----------
+    first, second : transfer function
+        Strictly proper, rational, in one variable s, z or q, without unstable hidden modes;
+        anything :func:`transfer_function` reads.
+    feedback : {+1, -1}
+        The sign with which the loops are closed.
+
+    Returns
+    -------
+    SimultaneousStabilisability
+        The compensator comes from :func:`stable_compensator` of P.
+
+    Raises
+    ------
+    InputError
+        If a plant is not strictly proper, symbolic, zero or has a hidden unstable mode, the
+        variables differ, or `feedback` is neither +1 nor -1.
+
+    Notes
+    -----
+    For three plants no procedure with rational operations and signs decides (V. Blondel, M. Gevers,
+    Math. Control Signals Systems 6 (1993) 135-145). Source: M. Vidyasagar, N. Viswanadham, IEEE
+    Transactions on Automatic Control 27 (1982) 1085-1094.
+
+    Examples
+    --------
+    >>> from compensator_theory import decide_simultaneous_stabilisability
+    >>> print(decide_simultaneous_stabilisability("1/(s - 1)", "1/(s - 2)", feedback=-1))
+    (3*s + 1)/(s) stabilises both plants
+    >>> print(decide_simultaneous_stabilisability("1/(s - 1)", "-1/(s - 1)", feedback=-1))
+    no compensator stabilises both plants
+    """
+    require_sign(feedback)
+    plants = [transfer_function(plant) for plant in (first, second)]
+    s = plants[0].variable
+    discrete = is_discrete(s, "stabilisability")
+    if plants[1].variable != s:
+        raise InputError(f"one plant is in {s} and the other in {plants[1].variable}")
+    pairs = [_pair(plant) for plant in plants]
+    (n_1, d_1), (n_2, d_2) = pairs
+    h = Poly(s if discrete else s + 1, s, domain=QQ)
+    size = int(d_1.degree())
+    # d_1 v + n_1 u = h^(2 size), deg u < size = deg v
+    u = (h ** (2 * size) * n_1.invert(d_1)).rem(d_1) if size else Poly(0, s, domain=QQ)
+    v = (h ** (2 * size) - n_1 * u).exquo(d_1)
+    top, bottom = n_2 * d_1 - n_1 * d_2, d_2 * v + n_2 * u
+    if top.is_zero:
+        return _result(True, None, None, pairs, (u, v), feedback, s, discrete)
+    auxiliary = TransferFunction(canonical(top), canonical(bottom))
+    if auxiliary.numerator.degree() > auxiliary.denominator.degree():
+        raise InputError("the auxiliary plant is improper, which strictly proper plants exclude")
+    decision = decide_strong_stabilisability(auxiliary)
+    possible = decision.is_strongly_stabilisable
+    if not possible:
+        return SimultaneousStabilisability(False, auxiliary, decision, None, ())
+    size = max(0, auxiliary.reduced().order - 1)
+    found = stable_compensator(auxiliary, size, feedback=-1).compensator
+    if found is None:
+        return SimultaneousStabilisability(True, auxiliary, decision, None, ())
+    # C = (U + M_1 Q)/(V - N_1 Q) with U = u/h^size, V = v/h^size, M_1 = d_1/h^size
+    a, b = found.numerator, found.denominator
+    chosen = u * b + d_1 * a, v * b - n_1 * a
+    return _result(True, auxiliary, decision, pairs, chosen, feedback, s, discrete)
+
+
+def _pair(plant: TransferFunction) -> tuple[Poly, Poly]:
+    if not plant.is_strictly_proper or plant.numerator.is_zero:
+        raise InputError(f"the plant {plant} must be strictly proper and not zero")
+    decision = decide_strong_stabilisability(plant)
+    if not decision.is_stabilisable:
+        raise InputError(f"{decision}; nothing stabilises it")
+    reduced = plant.reduced()
+    return reduced.numerator, reduced.denominator
+
+
+def _result(
+    answer: bool,
+    auxiliary: TransferFunction | None,
+    decision: StrongStabilisability | None,
+    pairs: list[tuple[Poly, Poly]],
+    compensator: tuple[Poly, Poly],
+    feedback: int,
+    s: Symbol,
+    discrete: bool,
+) -> SimultaneousStabilisability:
+    top, bottom = compensator
+    C = TransferFunction(canonical(-feedback * top), canonical(bottom), feedback=feedback).reduced()
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    loops = []
+    for n, d in pairs:
+        loop = canonical(d * C.denominator - feedback * n * C.numerator)
+        location = count(loop)
+        if location.stable < location.total or not C.is_proper:
+            return SimultaneousStabilisability(answer, auxiliary, decision, None, ())
+        loops.append(loop)
+    return SimultaneousStabilisability(answer, auxiliary, decision, C, tuple(loops))

@@ -1,0 +1,191 @@
+"""A stable compensator for a plant that has one, searched by its order."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import permutations
+
+import flint
+from sympy import QQ, Poly, Rational
+
+from compensator_theory.errors import InputError
+from compensator_theory.loops.siso import require_sign
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.stabilisation.stabilising_gains import stabilising_gains
+from compensator_theory.stabilisation.strong_stabilisability import (
+    StrongStabilisability,
+    decide_strong_stabilisability,
+)
+from compensator_theory.structure.rings import RationalRing
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+
+CONTINUOUS_GRID = tuple(Rational(2) ** k for k in (0, 1, -1, 2, -2, 3, -3, 4, 5, -4, 6, -5, 8))
+DISCRETE_GRID = tuple(Rational(k, 10) for k in (0, 3, -3, 5, -5, 7, -7, 8, -8, 9, -9))
+
+
+@dataclass(frozen=True)
+class StableCompensator(ExactValue):
+    """A stable compensator that stabilises a plant, or how far it was looked for.
+
+    Attributes
+    ----------
+    compensator : TransferFunction or None
+        Stable and proper; None where none was found, for the reason in `reason`.
+    characteristic_polynomial : sympy.Poly or None
+        Of the loop, of the unreduced plant.
+    decision : StrongStabilisability
+        Whether one exists at all: the parity interlacing property.
+    searched : int
+        The largest order that was searched.
+    reason : str
+        Why there is none: "" if there is one.
+    """
+
+    compensator: TransferFunction | None
+    characteristic_polynomial: Poly | None
+    decision: StrongStabilisability
+    searched: int
+    reason: str
+
+    def __str__(self) -> str:
+        if self.compensator is None:
+            return self.reason
+        return f"{self.compensator} is stable and stabilises {self.decision.plant}"
+
+
+def stable_compensator(
+    plant: TransferFunctionLike, max_order: int | None = None, *, feedback: int
+) -> StableCompensator:
+    r"""Search a stable compensator, order by order.
+
+    .. math:: D D_c - f\,N N_c = \tilde D, \qquad N_c = -f\,\tilde D\,N^{-1} \bmod D
+
+    Order 0 is decided by :func:`stabilising_gains`. From order n - 1 on, closed-loop polynomials
+    with up to two different real roots on a grid are placed, and the first whose :math:`D_c` is
+    stable is taken. In between nothing is searched.
+
+    Parameters
+    ----------
+    plant : transfer function
+        Strictly proper, rational; in s, or in z or q. Anything :func:`transfer_function` reads.
+    max_order : int, optional
+        Default: n + 2.
+    feedback : {+1, -1}
+        The sign f.
+
+    Returns
+    -------
+    StableCompensator
+        None where there is none, by :func:`decide_strong_stabilisability`, or none was found up to
+        that order: the order that is needed has no bound in n (as an unstable pole and zero come
+        close to those that would forbid it, it grows without limit).
+
+    Raises
+    ------
+    InputError, BudgetError
+        If the plant is not strictly proper, is symbolic, or says nothing about time; or `feedback`
+        is neither +1 nor -1.
+
+    Notes
+    -----
+    Source: D. C. Youla, J. J. Bongiorno, C. N. Lu, Automatica 10 (1974); on the order M. C. Smith,
+    K. P. Sondergeld, Systems and Control Letters 7 (1986) 9-13.
+
+    Examples
+    --------
+    >>> from compensator_theory import stable_compensator
+    >>> print(stable_compensator("(s - 2)/(s**2 - 1)", feedback=-1))
+    (-4*s - 4)/(s + 7) is stable and stabilises (s - 2)/(s**2 - 1)
+    >>> stable_compensator("(s - 1)/(s*(s - 2))", feedback=-1).compensator is None
+    True
+    """
+    require_sign(feedback)
+    G = transfer_function(plant)
+    discrete = is_discrete(G.variable, "strong stabilisability")
+    decision = decide_strong_stabilisability(G)
+    if not G.is_strictly_proper:
+        raise InputError(f"the plant {G} is not strictly proper; take its direct part out first")
+    highest = G.order + 2 if max_order is None else max_order
+    if isinstance(highest, bool) or not isinstance(highest, int) or highest < 0:
+        raise InputError(f"max_order is an integer and at least 0, not {max_order!r}")
+    ask("degree", highest, "the order of the compensator")
+    if not decision.is_strongly_stabilisable:
+        return StableCompensator(None, None, decision, 0, str(decision))
+    gains = stabilising_gains(G, feedback=feedback)
+    if gains.intervals:
+        gain = min((cell.sample for cell in gains.intervals), key=lambda k: (abs(k), k))
+        one = Poly(1, G.variable, domain=QQ)
+        return _found(G, Poly(gain, G.variable, domain=QQ), one, feedback, decision, 0)
+    reduced = G.reduced()
+    N, D = reduced.numerator, reduced.denominator
+    ring = RationalRing(G.variable)
+    n, d = ring.read(N), ring.read(D)
+    inverse = ring.read(N.invert(D)) if D.degree() else n
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    grid = DISCRETE_GRID if discrete else tuple(-x for x in CONTINUOUS_GRID)
+    for order in range(max(1, reduced.order - 1), highest + 1):
+        for target in _targets(ring, reduced.order + order, grid):
+            top = (target * inverse) % d  # D D_c + N top = target
+            bottom = (target - n * top) // d
+            if not _may_be_stable(bottom, discrete):
+                continue
+            candidate = ring.write(bottom)
+            location = count(candidate)
+            if location.stable == location.total:
+                top = ring.write(top * (-feedback))
+                return _found(G, top, candidate, feedback, decision, order)
+    return StableCompensator(
+        None,
+        None,
+        decision,
+        highest,
+        f"{G} is strongly stabilisable, and up to order {highest} the grid of closed-loop poles "
+        "gave no stable compensator; raise max_order",
+    )
+
+
+def _targets(
+    ring: RationalRing, size: int, grid: tuple[Rational, ...]
+) -> Iterator[flint.fmpq_poly]:
+    """Yield monic polynomials with one or two different roots of the grid, simple ones first."""
+    s = ring.power(1)
+    powers = []
+    for root in grid:
+        base = s - flint.fmpq(int(root.p), int(root.q))
+        powers.append([base**k for k in range(size + 1)])
+    for of_root in powers:
+        yield of_root[size]
+    for one, two in permutations(powers, 2):
+        for split in range(1, size // 2 + 1):
+            yield one[size - split] * two[split]
+
+
+def _may_be_stable(poly: flint.fmpq_poly, discrete: bool) -> bool:
+    """A necessary condition that costs nothing: signs, or the product of the roots."""
+    coefficients = poly.coeffs()
+    if discrete:
+        return bool(abs(coefficients[0]) < abs(coefficients[-1]))
+    return all(c * coefficients[-1] > 0 for c in coefficients)
+
+
+def _found(
+    G: TransferFunction,
+    top: Poly,
+    bottom: Poly,
+    feedback: int,
+    decision: StrongStabilisability,
+    order: int,
+) -> StableCompensator:
+    compensator = TransferFunction(canonical(top), canonical(bottom), feedback=feedback)
+    whole = G.denominator * compensator.denominator - feedback * G.numerator * compensator.numerator
+    discrete = is_discrete(G.variable, "strong stabilisability")
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    for poly in (whole, compensator.denominator):
+        location = count(canonical(poly))
+        assert location.stable == location.total, "what was found is stable"
+    return StableCompensator(compensator, canonical(whole), decision, order, "")

@@ -1,0 +1,191 @@
+"""Norms and passivity against singular values on a refined grid, and against passive networks."""
+
+import numpy as np
+import pytest
+import scipy.optimize
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import Rational
+
+from compensator_theory import (
+    CompensatorError,
+    NoSolutionError,
+    decide_bounded_real,
+    decide_positive_real,
+    h_infinity_norm,
+    transfer_matrix,
+)
+from tests.support.structure_cases import fewer
+
+s = sympy.Symbol("s")
+STABLE = ["s + 1", "s + 3", "s**2 + s + 1", "s**2 + s/4 + 4", "(s + 1)**2", "2"]
+
+
+@st.composite
+def stable_matrices(draw, max_size=2):
+    rows, columns = draw(st.integers(1, max_size)), draw(st.integers(1, max_size))
+
+    def entry():
+        bottom = sympy.sympify(draw(st.sampled_from(STABLE)))
+        size = sympy.Poly(bottom, s).degree() + 1
+        top = draw(st.lists(st.integers(-3, 3), min_size=size, max_size=size))
+        return sympy.Poly(top, s).as_expr() / bottom
+
+    return sympy.Matrix(rows, columns, lambda i, j: entry())
+
+
+def gain(G):
+    """The largest singular value as a function of log10 of the frequency."""
+    numeric = sympy.lambdify(s, G, "numpy")
+    return lambda x: np.linalg.svd(np.array(numeric(1j * 10**x), complex), compute_uv=False)[0]
+
+
+def peak(G):
+    """Of the gain over a grid, refined around its largest values; with both limits."""
+    f = gain(G)
+    grid = np.linspace(-5, 5, 400)
+    values = np.array([f(x) for x in grid])
+    best = max(values.max(), f(-12), f(12))
+    for k in np.argsort(values)[-4:]:
+        found = scipy.optimize.minimize_scalar(
+            lambda x: -f(x), bounds=(grid[k] - 0.05, grid[k] + 0.05), method="bounded",
+            options={"xatol": 1e-10},
+        )  # fmt: skip
+        best = max(best, -found.fun)
+    return best
+
+
+@fewer(3)
+@given(stable_matrices())
+def test_the_norm_is_the_peak(G):
+    found = h_infinity_norm(G.tolist(), "s")
+    assert np.isclose(float(found.enclosure), peak(G), rtol=1e-6, atol=1e-9)
+    square = found.square_polynomial
+    ends = [square.eval(end**2) for end in (found.enclosure.lower, found.enclosure.upper)]
+    assert ends[0] * ends[1] <= 0 and square.is_irreducible
+
+
+@fewer(4)
+@given(stable_matrices())
+def test_bounded_real_on_both_sides_of_the_norm(G):
+    found = h_infinity_norm(G.tolist(), "s")
+    above = found.enclosure.upper * Rational(1001, 1000) + Rational(1, 10**6)
+    assert decide_bounded_real((G / above).tolist(), "s").holds
+    if found.enclosure.lower > 0:
+        below = found.enclosure.lower * Rational(999, 1000)
+        denied = decide_bounded_real((G / below).tolist(), "s")
+        assert not denied.holds
+        at = float(denied.violated) ** 0.5
+        assert gain(G / below)(np.log10(max(at, 1e-12))) > 1 - 1e-9
+        if found.value.is_Rational:  # exactly at the norm
+            assert decide_bounded_real((G / found.value).tolist(), "s").holds
+
+
+@fewer(4)
+@given(stable_matrices(max_size=1))
+def test_discrete_time_is_the_half_plane_mapped(G):
+    z = sympy.Symbol("z")
+    mapped = sympy.cancel(G[0, 0].subs(s, (z - 1) / (z + 1)))
+    assert h_infinity_norm(mapped, "z").value == h_infinity_norm(G.tolist(), "s").value
+    moved = decide_positive_real(mapped, "z")
+    assert moved.holds == decide_positive_real(G.tolist(), "s").holds
+
+
+def test_known_norms():
+    assert h_infinity_norm("1/(s**2 + s + 1)").value == 2 / sympy.sqrt(3)
+    expected = sympy.sqrt((5 + 4 * sympy.sqrt(2)) / 7)
+    assert sympy.simplify(h_infinity_norm("(s + 1)/(s**2 + s + 2)").value - expected) == 0
+    for allpass in ("(s - 1)/(s + 1)", "(s**2 - s + 1)/(s**2 + s + 1)", "(1 - z/2)/(z - 1/2)"):
+        assert h_infinity_norm(allpass).value == 1 and decide_bounded_real(allpass).holds
+    assert h_infinity_norm("0/(s + 1)").value == 0
+    assert h_infinity_norm("(s + 1)*(s - 1)/((s - 1)*(s + 1))").value == 1
+    # the sum of squares for a system with one output
+    row = [["1/(s + 1)", "2/(s + 1)"]]
+    column = [[x] for x in row[0]]
+    assert h_infinity_norm(row).value == sympy.sqrt(5) == h_infinity_norm(column).value
+
+
+@st.composite
+def networks(draw, depth=3):
+    """Impedances of resistors, inductors and capacitors in series and in parallel: passive."""
+    if depth == 0 or draw(st.booleans()):
+        size = Rational(draw(st.integers(1, 4)), draw(st.integers(1, 3)))
+        return draw(st.sampled_from([size, size * s, size / s]))
+    one, two = draw(networks(depth - 1)), draw(networks(depth - 1))
+    return sympy.cancel(one + two if draw(st.booleans()) else one * two / (one + two))
+
+
+@fewer(1)
+@given(networks())
+def test_passive_networks_are_positive_real(Z):
+    assert decide_positive_real(Z, "s").holds
+    assert decide_positive_real(1 / Z, "s").holds
+    assert not decide_positive_real(-Z, "s").holds
+
+
+@fewer(2)
+@given(networks(depth=2), networks(depth=2), networks(depth=2), st.integers(-2, 2))
+def test_passive_two_ports(a, b, c, gyration):
+    """Two arms with a common branch, and a gyrator, which changes nothing."""
+    Z = [[a + c, c + gyration], [c - gyration, b + c]]
+    assert decide_positive_real(Z, "s").holds
+    spoiled = [[a + c, c + 1000], [c, b + c]]
+    assert decide_positive_real(spoiled, "s").holds == on_a_grid(sympy.Matrix(spoiled))
+
+
+def on_a_grid(G):
+    """The definition, at many points of the right half plane."""
+    numeric = sympy.lambdify(s, G, "numpy")
+    points = [10.0**x * np.exp(1j * y) for x in np.linspace(-4, 4, 60) for y in (0, 0.8, 1.5, 1.57)]
+    values = [np.array(numeric(p), complex) for p in points]
+    return all(np.linalg.eigvalsh(v + v.conj().T)[0] > -1e-6 * np.abs(v).max() for v in values)
+
+
+@fewer(2)
+@given(stable_matrices(max_size=1))
+def test_the_real_part_decides(G):
+    """Of a stable function: positive real if and only if Re G(j w) >= 0."""
+    numeric = sympy.lambdify(s, G[0, 0], "numpy")
+    real = np.array([np.real(numeric(1j * w)) for w in [0, *np.logspace(-4, 4, 3000)]])
+    decided = decide_positive_real(G.tolist(), "s")
+    if real.min() < -1e-7:
+        assert not decided.holds
+    if real.min() > 1e-7:
+        assert decided.holds
+
+
+@pytest.mark.parametrize(
+    ("text", "holds"),
+    [("s", True), ("1/s", True), ("s + 1/s", True), ("s**2", False), ("1/s**2", False),
+     ("-1/s", False), ("s/(s**2 + 1)", True), ("1/(s**2 + 1)", False), ("-1", False), ("0", True),
+     ("(s + 1)/(s*(s + 2))", True), ("(s + 2)/(s*(s + 1))", False), ("1/(s - 1)", False)],
+)  # fmt: skip
+def test_known_functions(text, holds):
+    assert decide_positive_real(text, "s").holds is holds
+    assert str(decide_positive_real(text, "s")).startswith("positive") is holds
+
+
+def test_what_is_said_of_a_failure():
+    assert "1 unstable" in str(decide_bounded_real("1/(s - 1)"))
+    assert "det(G + I)" in str(decide_positive_real([[-1, 0], [0, "1/s"]], "s"))
+    assert "omega^2" in str(decide_bounded_real("2/(s + 1)"))
+    with pytest.raises(NoSolutionError, match="not stable"):
+        h_infinity_norm("1/(s**2 + 1)")
+    with pytest.raises(NoSolutionError, match="not stable"):
+        h_infinity_norm("1/(z + 1)")
+
+
+@pytest.mark.parametrize("call", [h_infinity_norm, decide_bounded_real, decide_positive_real])
+@pytest.mark.parametrize("bad", ["1/(s + a)", "1/(x + 1)", [["a"]], [], "1/0", None, [[1], [1, 2]]])
+def test_bad_input(call, bad):
+    with pytest.raises(CompensatorError):
+        call(bad)
+
+
+def test_shapes_and_properness():
+    with pytest.raises(CompensatorError, match="square"):
+        decide_positive_real([["1", "s"]])
+    for call in (h_infinity_norm, decide_bounded_real):
+        with pytest.raises(CompensatorError, match="improper"):
+            call(transfer_matrix("s"))

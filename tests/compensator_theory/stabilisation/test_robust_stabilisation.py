@@ -1,0 +1,239 @@
+"""Boxes, regions and searched compensators against vertices, drawn pairs and floating roots."""
+
+import itertools
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from sympy import Poly, Rational
+
+from compensator_theory import (
+    CompensatorError,
+    count_half_plane_roots,
+    decide_interval_stability,
+    decide_simultaneous_stabilisability,
+    decide_strong_stabilisability,
+    polynomial,
+    stability_region,
+    stable_compensator,
+)
+from compensator_theory.strategies import strictly_proper_plants
+from tests.support.structure_cases import fewer
+
+s = sympy.Symbol("s")
+
+
+def is_hurwitz(p):
+    count = count_half_plane_roots(p)
+    return count.stable == count.total
+
+
+@st.composite
+def boxes(draw, max_degree=4):
+    """Around a polynomial of stable roots, so that both answers are frequent."""
+    degree = draw(st.integers(1, max_degree))
+    p = sympy.Integer(1)
+    while Poly(p, s).degree() < degree:
+        a, b = draw(st.integers(1, 4)), draw(st.integers(1, 5))
+        p = sympy.expand(
+            p
+            * (
+                s + a
+                if degree - Poly(p, s).degree() == 1 or draw(st.booleans())
+                else s**2 + a * s + b
+            )
+        )
+    return [
+        (c, c + Rational(draw(st.integers(0, 4)), draw(st.integers(1, 4))) * c)
+        for c in Poly(p, s).all_coeffs()
+    ]
+
+
+@fewer(1)
+@given(boxes(), st.data())
+def test_four_polynomials_decide_for_the_box(box, data):
+    found = decide_interval_stability(box)
+    corners = [polynomial(list(c), "s") for c in itertools.product(*(sorted(set(i)) for i in box))]
+    assert found.is_stable == all(map(is_hurwitz, corners))
+    assert not found.failing or all(p in corners for p in found.failing)
+    shares = data.draw(st.lists(st.integers(0, 7), min_size=len(box), max_size=len(box)))
+    inside = polynomial(
+        [a + Rational(x, 7) * (b - a) for (a, b), x in zip(box, shares, strict=True)], "s"
+    )
+    if found.is_stable:
+        assert is_hurwitz(inside)
+        assert max(np.roots([float(c) for c in inside.all_coeffs()]).real) < 0
+    negative = [(-b, -a) for a, b in box]
+    assert decide_interval_stability(negative).is_stable == found.is_stable
+
+
+def test_the_box_of_the_notes():
+    found = decide_interval_stability([1, (2, 3), (2, 4), (1, 5)])
+    assert [p.as_expr() for p in found.failing] == [s**3 + 2 * s**2 + 2 * s + 5]
+
+
+REGIONS = ["s*(s + 1)**3 + a*s + b", "s**3 + a*s**2 + b*s + 1", "s**2 + (a*b - 1)*s + a - b",
+           "s**3 + s**2 + a*s + b*a", "z**2 + a*z + b", "z**3 - z/2 + a*z + b", "s + a*b",
+           "s**4 + 2*s**3 + (a + 2)*s**2 + b*s + a**2"]  # fmt: skip
+FOUND = {text: stability_region(text, "a", "b") for text in REGIONS}
+
+
+@given(st.sampled_from(REGIONS), st.data())
+def test_drawn_pairs_lie_inside_or_outside(text, data):
+    found = FOUND[text]
+    p, q = (Rational(data.draw(st.integers(-40, 60)), data.draw(st.integers(1, 8))) for _ in "pq")
+    there = [
+        complex(c.subs({"a": p, "b": q})) for c in map(sympy.sympify, found.polynomial.all_coeffs())
+    ]
+    roots = np.roots(there)
+    size = max(abs(roots) - 1) if found.polynomial.gen.name == "z" else max(roots.real)
+    assume(abs(size) > 1e-7)
+    assert ((p, q) in found) == (size < 0)
+
+
+@given(st.sampled_from(REGIONS), st.data())
+@fewer(2)
+def test_a_slab_looks_the_same_everywhere(text, data):
+    """As many stable intervals at any other place of a slab."""
+    slab = data.draw(st.sampled_from(FOUND[text].slabs))
+    share = Rational(data.draw(st.integers(1, 9)), 10)
+    ends = [
+        slab.sample - 5
+        if e == -sympy.oo
+        else slab.sample + 5
+        if e == sympy.oo
+        else Rational(str(sympy.N(e, 30)))
+        for e in (slab.lower, slab.upper)
+    ]
+    place = ends[0] + share * (ends[1] - ends[0])
+    assert len(FOUND[text].section(place).intervals) == len(slab.section.intervals)
+
+
+def test_regions_of_the_notes():
+    found = stability_region("(s + 1)**3*s + k_p*s + k_i", "k_p", "k_i")
+    for p in (Rational(0), Rational(3), Rational(15, 2)):
+        (cell,) = found.section(p).intervals
+        assert (cell.lower, cell.upper) == (0, (8 - p) * (1 + p) / 9)
+    assert not found.is_empty and stability_region("s**2 - s + a + b", "a", "b").is_empty
+
+
+@st.composite
+def signed_plants(draw):
+    """Plants of low order with real zeros and poles on both sides."""
+    order = draw(st.integers(1, 3))
+    half = st.integers(-6, 6).map(lambda k: Rational(k, 2))
+    D = sympy.prod(s - draw(half) for _ in range(order))
+    N = sympy.prod(s - draw(half) for _ in range(draw(st.integers(0, order - 1))))
+    return polynomial(sympy.expand(N), "s"), polynomial(sympy.expand(D), "s")
+
+
+@fewer(1)
+@given(signed_plants(), st.sampled_from([1, -1]))
+def test_a_stable_compensator_stabilises(plant, feedback):
+    found = stable_compensator(plant, feedback=feedback)
+    if not found.decision.is_strongly_stabilisable:
+        assert found.compensator is None and found.reason
+        return
+    if found.compensator is None:
+        assert "raise max_order" in found.reason
+        return
+    C = found.compensator
+    N, D = plant
+    loop = (D * C.denominator - feedback * N * C.numerator).as_expr()
+    for p in (loop, C.denominator.as_expr()):
+        roots = np.roots([float(c) for c in Poly(p, s).all_coeffs()])
+        assert not len(roots) or roots.real.max() < 1e-6
+    assert C.is_proper and decide_strong_stabilisability(plant).is_strongly_stabilisable
+
+
+def test_how_often_the_search_ends_without_a_compensator():
+    """Pins the None: poles and zeros that lie close together need a higher order."""
+    found = [
+        stable_compensator(
+            f"(s - {z})*(s**2 - s/5 + {w})/((s - {p})**2*(s + 1)*(s**2 - s/4 + {w}))",
+            4,
+            feedback=-1,
+        )
+        for z, p, w in itertools.product(("21/10", "5", "19/10"), ("2", "11/5"), (1, 4, 9))
+    ]
+    assert all(f.decision.is_strongly_stabilisable for f in found)
+    none = [f for f in found if f.compensator is None]
+    assert (len(found), len(none)) == (18, 4)
+    assert all("raise max_order" in f.reason for f in none)
+
+
+@fewer(2)
+@given(signed_plants(), signed_plants())
+def test_two_plants(one, two):
+    try:
+        found = decide_simultaneous_stabilisability(one, two, feedback=-1)
+    except CompensatorError as error:
+        assert "hidden" in str(error)
+        return
+    grid = [Rational(k, 2) for k in range(-24, 25)]
+
+    def stabilises(k, plant):
+        N, D = plant
+        return is_hurwitz(polynomial((D + N * k).as_expr(), "s"))
+
+    if any(stabilises(k, one) and stabilises(k, two) for k in grid):
+        assert found.is_stabilisable  # a gain does it
+    if found.compensator is not None:
+        C = found.compensator
+        for N, D in (one, two):
+            loop = Poly((D * C.denominator + N * C.numerator).as_expr(), s)
+            roots = np.roots([float(c) for c in loop.all_coeffs()])
+            assert not len(roots) or roots.real.max() < 1e-4
+            assert loop.degree() >= C.order
+
+
+def test_how_often_two_plants_are_left_without_a_compensator():
+    """Pins the None: the answer is yes, and the search found none."""
+    plants = [
+        f"(s - {z})*(s + {w})/((s - 1)*(s + {p})*s)"
+        for z, p, w in itertools.product((3, 4), (-2, 2), (1, -5))
+    ]
+    asked = [
+        decide_simultaneous_stabilisability(*pair, feedback=-1)
+        for pair in itertools.combinations(plants, 2)
+    ]
+    yes = [found for found in asked if found.is_stabilisable]
+    assert (len(asked), len(yes), sum(f.compensator is None for f in yes)) == (28, 12, 4)
+
+
+@fewer(3)
+@given(strictly_proper_plants(max_order=2))
+def test_a_plant_and_itself(plant):
+    found = decide_simultaneous_stabilisability(plant, plant, feedback=1)
+    assert found.is_stabilisable and found.compensator is not None
+
+
+def test_two_plants_that_exclude_each_other():
+    for pair in (("1/(s - 1)", "-1/(s - 1)"), ("1/(z - 2)", "-1/(z - 2)")):
+        assert not decide_simultaneous_stabilisability(*pair, feedback=-1).is_stabilisable
+
+
+@pytest.mark.parametrize(
+    "call",
+    [lambda: decide_interval_stability([(-1, 1), 1]),
+     lambda: decide_interval_stability([1, (2, 1)]),
+     lambda: decide_interval_stability([1, 2], "z"), lambda: decide_interval_stability("s + 1"),
+     lambda: decide_interval_stability([]), lambda: decide_interval_stability([1, (1, 2, 3)]),
+     lambda: decide_interval_stability([1, "a"]), lambda: stability_region("s + p", "p", "p"),
+     lambda: stability_region("s + c + a", "a", "b"), lambda: stability_region([0], "a", "b"),
+     lambda: stability_region("s**2 + a", "a", "b"), lambda: stability_region("x + a", "a", "b"),
+     lambda: stability_region("s + 1/a", "a", "b"), lambda: stability_region("s + a", "s", "b"),
+     lambda: stability_region("s**900 + a + b", "a", "b"),
+     lambda: stable_compensator("(s + 1)/(s + 2)", feedback=1),
+     lambda: stable_compensator("1/s", feedback=0),
+     lambda: stable_compensator("1/s", -1, feedback=1),
+     lambda: stable_compensator("1/(s + a)", feedback=1),
+     lambda: decide_simultaneous_stabilisability("1/s", "1/z", feedback=1),
+     lambda: decide_simultaneous_stabilisability("1/s", "s", feedback=1),
+     lambda: decide_simultaneous_stabilisability("(s - 1)/((s - 1)*s)", "1/s", feedback=1)],
+)  # fmt: skip
+def test_bad_input(call):
+    with pytest.raises(CompensatorError):
+        call()
