@@ -15,6 +15,7 @@ from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
 
@@ -30,7 +31,7 @@ class ClosedLoop(Value):
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, or a discrete system that `plant_of` reads
     compensator : Compensator
 
     Raises
@@ -53,7 +54,8 @@ class ClosedLoop(Value):
     compensator: Compensator
 
     def __post_init__(self) -> None:
-        plant, compensator = self.plant, self.compensator
+        plant, compensator = linear_plant(self.plant), self.compensator
+        object.__setattr__(self, "plant", plant)
         if (plant.l_u, plant.l_y) != (compensator.l_u, compensator.l_y):
             raise InputError(
                 f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "

@@ -83,7 +83,7 @@ class Verification(Value):
         from rcac_numeric.reports.page.notebook import notebook_html
         from rcac_numeric.reports.verification import verification_sheet
 
-        return notebook_html(verification_sheet(self), self.plot() if self.results else None)
+        return notebook_html(verification_sheet(self), self.plot if self.results else None)
 
     def plot(self, request: FigureRequest | None = None, *, width: float = 9.0) -> figures.Figure:
         """One sheet on the main run; or the figure that is asked for, so many inches wide.

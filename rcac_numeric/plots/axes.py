@@ -6,13 +6,12 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_history
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from rcac_numeric.h2.lqg import LQG
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import INK, line_style
 
 BEYOND = 1e4  # times the median gain: what is above is a pole on the unit circle

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from rcac_numeric.analysis.observer_forms import NumericObserverForms
 from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import INK, line_style
 
 MANY = 40  # forms that have a row each

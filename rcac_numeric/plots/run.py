@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from matplotlib.figure import Figure
-
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.axes import draw_coefficients, draw_control, draw_pole_zero
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import (
     WANTED,
     draw_history,

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.wording import printable, shortened
+from rcac_numeric.plots.library import Axes, Figure
 
 INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
 # Okabe and Ito's colours, told apart by every kind of colour vision, and lines for black and white.

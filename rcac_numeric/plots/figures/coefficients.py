@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.plots.library import Axes
 from rcac_numeric.plots.style import line_style
 
 NAMED = 12  # lines that a legend can name; more are told apart by the signal that they weigh

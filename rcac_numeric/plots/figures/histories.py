@@ -7,14 +7,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plots.axes import draw_theta, legend_below, mark_changes
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, line_style
 
 WORDS = {

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from textwrap import fill
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import ComplexArray
@@ -15,6 +13,7 @@ from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED
 
 NARROWEST = 2.2  # inches of a map in which its words have room

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import SymmetricalLogLocator
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plots.figures.coefficients import draw_theta
+from rcac_numeric.plots.library import Axes, Figure, SymmetricalLogLocator
 from rcac_numeric.plots.style import INK, line_style
 
 DEEPEST = 1e-4  # of the peak: below, an axis of decades is linear

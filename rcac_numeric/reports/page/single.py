@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from matplotlib.figure import Figure
-
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plots.axes import draw_coefficients, draw_control, draw_pole_zero
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import draw_history, draw_magnitude, draw_phase
 
 WIDTH = 4.6  # inches; at 9 points the words are still words on a screen of 360 pixels
