@@ -216,7 +216,8 @@ class Realisation(ExactValue):
         below = ImmutableMatrix.zeros(other.n, self.n).row_join(other.A) + other.B * C
         above = self.A.row_join(ImmutableMatrix.zeros(self.n, other.n)) + self.B * u
         A, B = above.col_join(below), (self.B * u_v).col_join(other.B * D)
-        return self._like(*map(_simple, (A, B, C, D)), other=other)
+        a, b, c, d = map(_simple, (A, B, C, D))
+        return self._like(a, b, c, d, other)
 
     def __add__(self, other: "Realisation") -> "Realisation":
         """Return both in parallel, y = y_1 + y_2, all states kept."""

@@ -114,11 +114,12 @@ def verify(
 
 
 def _draw(found: Verification, folder: Path, as_json: bool) -> None:
-    requests = found.experiment.figures
+    requests = found.figure_requests
     for number, request in enumerate(requests, 1):
         save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
     if not as_json:
-        click.echo(f"\nFigures: {len(requests)} in {folder}")
+        count = len(requests)
+        click.echo(f"\nFigures: {count} in {folder}" if count else "\nFigures: none; nothing ran.")
 
 
 def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:

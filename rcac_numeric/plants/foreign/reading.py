@@ -117,7 +117,8 @@ def linear_plant(system: Any, name: str = "plant") -> Plant:
             f"{name} is nonlinear, and a linear one is needed: linearise it where the loop is to "
             "work, for instance with control.linearize(system, x, u)."
         )
-    return instance_of(read, name, Plant)
+    linear: Plant = instance_of(read, name, Plant)
+    return linear
 
 
 def _is_own(system: Any) -> bool:

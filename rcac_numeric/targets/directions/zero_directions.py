@@ -123,7 +123,9 @@ def zero_direction_target(
     array([[-0.75,  1.5 ],
            [ 0.75, -1.5 ]])
     """
-    if isinstance(source, Plant) or is_foreign(source):
+    if is_foreign(source):
+        source = linear_plant(source)
+    if isinstance(source, Plant):
         source = direction_information(source, squaring)
     elif squaring is not None:
         raise InputError("squaring belongs to a plant; H already says which inputs are used.")
