@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.stability import decide_stability
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.recursions import linear_states
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
@@ -148,9 +149,7 @@ class ClosedLoop(Value):
         A, B, C, D = self.matrices
         C, D = C[: self.plant.l_z], D[: self.plant.l_z]
         inputs = np.hstack([w, u_tilde])
-        states = np.zeros((len(w) + 1, len(A)))
-        for k, drive in enumerate(inputs @ B.T):
-            states[k + 1] = A @ states[k] + drive
+        states = linear_states(A, inputs @ B.T)
         return np.asarray(states[:-1] @ C.T + inputs @ D.T)
 
     def _response(self, omega: ArrayLike) -> ComplexArray:
