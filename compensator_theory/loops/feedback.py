@@ -2,6 +2,7 @@
 
 from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
@@ -44,4 +45,5 @@ def feedback_connection(
     """
     G, G_c = read_loop(plant, compensator, feedback)
     closed = well_posed_loop(G, G_c, feedback)
-    return TransferFunction(canonical(G.numerator * G_c.denominator), closed)
+    numerator, period = canonical(G.numerator * G_c.denominator), shared_sample_time(G, G_c)
+    return TransferFunction(numerator, closed, sample_time=period)

@@ -84,7 +84,10 @@ class Loop(ExactValue):
     def from_w(self) -> TransferMatrix:
         """Return the map from w to z."""
         return TransferMatrix(
-            self.numerators_from_w(), self.characteristic_polynomial(), self.certificate
+            self.numerators_from_w(),
+            self.characteristic_polynomial(),
+            self.certificate,
+            self.problem.sample_time,
         )
 
     @cached_property
@@ -134,7 +137,10 @@ class Loop(ExactValue):
 
     def _over_poles(self, product: DomainMatrix, power: int) -> TransferMatrix:
         return TransferMatrix(
-            self._rows(product, power), self.characteristic_polynomial(), self.certificate
+            self._rows(product, power),
+            self.characteristic_polynomial(),
+            self.certificate,
+            self.problem.sample_time,
         )
 
     def _rows(self, product: DomainMatrix, power: int) -> tuple[tuple[Poly, ...], ...]:

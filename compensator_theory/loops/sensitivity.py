@@ -6,6 +6,7 @@ from sympy import Poly
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
 from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
@@ -45,7 +46,8 @@ def sensitivity_function(
     """
     G, G_c = read_loop(plant, compensator, feedback)
     closed = well_posed_loop(G, G_c, feedback)
-    return TransferFunction(canonical(G.denominator * G_c.denominator), closed)
+    numerator, period = canonical(G.denominator * G_c.denominator), shared_sample_time(G, G_c)
+    return TransferFunction(numerator, closed, sample_time=period)
 
 
 def compensator_from_sensitivity(
@@ -92,6 +94,7 @@ def compensator_from_sensitivity(
     G_c = TransferFunction(
         scaled(canonical(change * G.denominator), sympy.Integer(feedback)),
         canonical(S.numerator * G.numerator),
+        sample_time=shared_sample_time(G, S),
     ).reduced()
     if not G_c.is_proper:
         raise ImproperError(

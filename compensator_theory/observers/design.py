@@ -47,7 +47,8 @@ class ObserverBasedCompensator(ExactValue):
         r"""The realisation (7.13), :math:`(A + BK - FC - F D_0 K,\ F,\ K)`, positive feedback."""
         plant, K, F = self.plant, self.K, self.F
         A_c = plant.A + plant.B * K - F * plant.C - F * plant.D * K
-        return Realisation(A_c.applyfunc(sympy.expand), F, K, None, plant.variable)
+        A_c, period = A_c.applyfunc(sympy.expand), plant.sample_time
+        return Realisation(A_c, F, K, None, plant.variable, sample_time=period)
 
     @property
     def transfer_function(self) -> TransferFunction:

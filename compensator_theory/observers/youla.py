@@ -76,7 +76,8 @@ class YoulaForm(ExactValue):
         n, inner = self.plant.n, self.transformed
         B_q, C_q = inner.B[n:, :], inner.C[:, n:]
         A_q = inner.A[n:, n:] + B_q * self.plant.D * C_q  # the observer subtracts D_0 u
-        return Realisation(A_q, B_q, C_q, None, self.plant.variable)
+        period = self.plant.sample_time
+        return Realisation(A_q, B_q, C_q, None, self.plant.variable, sample_time=period)
 
     @property
     def is_verified(self) -> bool:

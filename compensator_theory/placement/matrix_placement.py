@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.loops.siso import require_sign
@@ -82,7 +82,7 @@ class MatrixPlacement(ExactValue):
     @property
     def compensator(self) -> TransferMatrix:
         """The compensator N_c D_c^-1, m x p, without common factors."""
-        return _quotient(self.N_c, self.D_c)
+        return _quotient(self.N_c, self.D_c, self.plant.sample_time)
 
     def member(self, parameters: Sequence[NumberLike]) -> TransferMatrix:
         """Return one compensator of the family, with a number or symbol for each parameter.
@@ -102,7 +102,7 @@ class MatrixPlacement(ExactValue):
             if factor.degree() > 0:
                 raise InputError(f"the parameter {parameter} contains the variable {s}")
             N_c, D_c = N_c + multiple(d_N, factor), D_c + multiple(d_D, factor)
-        return _quotient(N_c, D_c)
+        return _quotient(N_c, D_c, self.plant.sample_time)
 
     def __str__(self) -> str:
         count = len(self.homogeneous)
@@ -241,6 +241,9 @@ def _targets(
     return tuple(goals)
 
 
-def _quotient(N_c: PolynomialMatrix, D_c: PolynomialMatrix) -> TransferMatrix:
+def _quotient(
+    N_c: PolynomialMatrix, D_c: PolynomialMatrix, sample_time: Rational | None
+) -> TransferMatrix:
     one = Poly(1, N_c.variable, domain=sympy.QQ)
-    return (TransferMatrix(N_c.rows, one) @ TransferMatrix(D_c.rows, one).inverse()).reduced()
+    above = TransferMatrix(N_c.rows, one, sample_time=sample_time)
+    return (above @ TransferMatrix(D_c.rows, one).inverse()).reduced()

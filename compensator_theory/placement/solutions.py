@@ -2,7 +2,7 @@
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import sympy
@@ -143,7 +143,7 @@ class PolePlacement(ExactValue):
         for parameter, (d_numerator, d_denominator) in zip(values, self.homogeneous, strict=True):
             numerator = canonical(numerator + scaled(d_numerator, parameter))
             denominator = canonical(denominator + scaled(d_denominator, parameter))
-        return TransferFunction(numerator, denominator, feedback=self.feedback)
+        return replace(self.compensator, numerator=numerator, denominator=denominator)
 
     @property
     def sensitivity(self) -> TransferFunction:

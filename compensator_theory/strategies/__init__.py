@@ -4,28 +4,31 @@ Nothing here filters: every draw is repaired instead of refused, so that example
 no health check fails.
 """
 
-from compensator_theory.strategies.compensators import compensators
-from compensator_theory.strategies.corners import (
-    derogatory_loops,
-    exactly_proper_plants,
-    irrational_polynomials,
-    minimal_mimo_plants,
-    nearly_cancelling_plants,
-    noncoprime_pairs,
-)
-from compensator_theory.strategies.plants import (
-    matrices,
-    minimal_plants,
-    standard_problems,
-    strictly_proper_plants,
-)
-from compensator_theory.strategies.polynomials import (
-    coprime_pairs,
-    nonzero_rationals,
-    polynomials,
-    rationals,
-)
-from compensator_theory.strategies.spectra import hurwitz_spectra, schur_spectra, spectra
+from compensator_theory.libraries import needed
+
+with needed("hypothesis"):
+    from compensator_theory.strategies.compensators import compensators
+    from compensator_theory.strategies.corners import (
+        derogatory_loops,
+        exactly_proper_plants,
+        irrational_polynomials,
+        minimal_mimo_plants,
+        nearly_cancelling_plants,
+        noncoprime_pairs,
+    )
+    from compensator_theory.strategies.plants import (
+        matrices,
+        minimal_plants,
+        standard_problems,
+        strictly_proper_plants,
+    )
+    from compensator_theory.strategies.polynomials import (
+        coprime_pairs,
+        nonzero_rationals,
+        polynomials,
+        rationals,
+    )
+    from compensator_theory.strategies.spectra import hurwitz_spectra, schur_spectra, spectra
 
 __all__ = [
     "compensators",

@@ -61,6 +61,7 @@ class KalmanDecomposition(ExactValue):
             whole.D,
             whole.variable,
             feedback=whole.feedback,
+            sample_time=whole.sample_time,
         )
 
     @property

@@ -119,6 +119,7 @@ def minimal_realisation(
         C if n else ImmutableMatrix.zeros(outputs, 0),
         D,
         source.variable,
+        sample_time=source.sample_time,
     )
     return _checked(found, source, exceptional_factors([rows.divided_by, columns.divided_by]))
 

@@ -136,7 +136,10 @@ def zero_order_hold(
             "leave it a symbol"
         )
     with unlimited():
-        result = Realisation(sampled[:n, :n], sampled[:n, n:], given.C, given.D, z)
+        result = Realisation(
+            sampled[:n, :n], sampled[:n, n:], given.C, given.D, z,
+            sample_time=h if h.is_Rational else None,
+        )  # fmt: skip
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
     exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in sampled)
     return SampledPlant(result, h, meaning, exceptional, found.certificate)

@@ -2,15 +2,17 @@
 
 from typing import Literal, TypeAlias
 
-from sympy import Symbol
+from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
-from compensator_theory.systems.realisations import Realisation, verified_realisation
+from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import controllable_canonical_form
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 RealisationLike: TypeAlias = (
     Realisation
@@ -88,3 +90,30 @@ def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: s
     if form == "observable":
         A, B, C = A.T, C.T, B.T
     return verified_realisation(A, B, C, D, G)
+
+
+def verified_realisation(
+    A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike, G: TransferFunction
+) -> Realisation:
+    """Return the realisation of a transfer function, whose transfer function was compared with it.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.systems.canonical_forms import verified_realisation
+    >>> found = verified_realisation([[0]], [[1]], [[2]], [[0]], transfer_function("2/s"))
+    >>> print(found.certificate)
+    C adj(sI - A) B + D det(sI - A) = N, det(sI - A) = D: holds exactly
+    """
+    s = G.variable
+    found = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
+    back = found.transfer_function()
+    residual = ImmutableMatrix([
+        [(back.numerator - G.numerator).as_expr(), (back.denominator - G.denominator).as_expr()]
+    ])  # fmt: skip
+    identity = f"C adj({s}I - A) B + D det({s}I - A) = N, det({s}I - A) = D"
+    certificate = Certificate(identity, residual)
+    if not certificate.holds:
+        raise InputError(f"{certificate}: these matrices do not realise {G}")
+    object.__setattr__(found, "certificate", certificate)  # reading the matrices again is slow
+    return found

@@ -21,6 +21,7 @@ from compensator_theory.systems.conversions import TransferFunctionLike, transfe
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.arithmetic import product
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -106,6 +107,7 @@ def over_one_denominator(rows: Sequence[Sequence[TransferFunction]]) -> Transfer
     return TransferMatrix(
         tuple(tuple(product(G.numerator, cofactors[G.denominator]) for G in row) for row in rows),
         common,
+        sample_time=shared_sample_time(*(G for row in rows for G in row)),
     )
 
 
@@ -145,7 +147,9 @@ def _foreign(system: Any, variable: str | Symbol | None) -> list[list[Any]] | Tr
         if all(hasattr(system, name) for name in "ABCD"):
             found = contents_of(system, variable)
             assert isinstance(found, Matrices)
-            plant = Realisation(found.A, found.B, found.C, found.D, found.variable)
+            plant = Realisation(
+                found.A, found.B, found.C, found.D, found.variable, sample_time=found.sample_time
+            )
             return plant.transfer_matrix()
         if (outputs, inputs) == (1, 1):
             return [[transfer_function(system, variable)]]

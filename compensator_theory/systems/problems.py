@@ -3,7 +3,7 @@
 from typing import Literal
 
 import sympy
-from sympy import ImmutableMatrix, Symbol
+from sympy import ImmutableMatrix, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
@@ -51,7 +51,7 @@ def standard_problem(
     """
     plant = transfer_function(G, variable)
     A, B, C, D = controllable_canonical_form(plant)
-    return StandardProblem(A, B, C, B, D, D, C, D, D, plant.variable)
+    return StandardProblem(A, B, C, B, D, D, C, D, D, plant.variable, plant.sample_time)
 
 
 def servo_problem(
@@ -64,6 +64,7 @@ def servo_problem(
     D_0: MatrixLike | None = None,
     performance: Literal["measured", "true"] = "measured",
     variable: str | Symbol | None = None,
+    sample_time: Rational | None = None,
 ) -> StandardProblem:
     r"""Make the servo problem with :math:`w = (r, d, v)` and measurement :math:`e_n`.
 
@@ -81,6 +82,8 @@ def servo_problem(
         Whether z is :math:`e_n`, the signal available to an adaptive controller, or :math:`e_0`.
     variable : str or Symbol, optional
         Variable of G, or of the maps (default q).
+    sample_time : Rational, optional
+        In seconds; default: that of G.
 
     Returns
     -------
@@ -124,6 +127,7 @@ def servo_problem(
             )
         given["A"], given["B"], given["C"], _ = controllable_canonical_form(plant)
         variable = plant.variable
+        sample_time = plant.sample_time if sample_time is None else sample_time
     missing = [name for name in ("A", "B", "C") if given[name] is None]
     if missing:
         raise InputError(f"the servo problem lacks {', '.join(missing)}; D_1 and D_0 are optional")
@@ -131,11 +135,15 @@ def servo_problem(
     matrices.setdefault("D_1", matrices["B"])
     l_y, l_u = matrices["C"].rows, matrices["B"].cols
     matrices.setdefault("D_0", ImmutableMatrix.zeros(l_y, l_u))
-    return _servo(matrices, performance, variable if variable is not None else "q")
+    symbol = "q" if variable is None else variable
+    return _servo(matrices, performance, symbol, sample_time)
 
 
 def _servo(
-    matrices: dict[str, ImmutableMatrix], performance: str, variable: str | Symbol
+    matrices: dict[str, ImmutableMatrix],
+    performance: str,
+    variable: str | Symbol,
+    sample_time: Rational | None,
 ) -> StandardProblem:
     A, D_1, C, D_0 = (matrices[name] for name in ("A", "D_1", "C", "D_0"))
     l_y, l_d = C.rows, D_1.cols
@@ -156,4 +164,5 @@ def _servo(
         E_2=-D_0,
         E_0=measured if performance == "measured" else true,
         variable=variable,
+        sample_time=sample_time,
     )

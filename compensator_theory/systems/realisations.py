@@ -1,6 +1,7 @@
 """State-space realisations with exact data, their hidden modes and their transfer functions."""
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import sympy
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
@@ -13,8 +14,16 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.transfer_functions.sample_times import (
+    control_state_space,
+    shared_sample_time,
+    time_base,
+)
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+
+if TYPE_CHECKING:
+    import control
 
 
 @dataclass(frozen=True, init=False)
@@ -35,7 +44,7 @@ class Realisation(ExactValue):
     feedback : {+1, -1}, optional
         Of a compensator: the sign of the loop that it was designed for.
     sample_time : Rational, optional
-        In seconds, where it was read from a system that has one.
+        In seconds, where it was read from a system that has one; what is made of it keeps it.
 
     Raises
     ------
@@ -153,12 +162,13 @@ class Realisation(ExactValue):
 
     def transfer_matrix(self) -> TransferMatrix:
         """Return C (sI - A)^-1 B + D over the unreduced det(sI - A)."""
-        return transfer_matrix_of_realisation(self.A, self.B, self.C, self.D, self.variable)
+        matrices = self.A, self.B, self.C, self.D
+        return transfer_matrix_of_realisation(*matrices, self.variable, self.sample_time)
 
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""
         scalar = self.transfer_matrix().scalar()
-        return replace(scalar, feedback=self.feedback, sample_time=self.sample_time)
+        return replace(scalar, feedback=self.feedback)
 
     def in_basis(self, T: MatrixLike) -> "Realisation":
         """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""
@@ -170,11 +180,11 @@ class Realisation(ExactValue):
             )
         both = solve(basis, (self.A * basis).row_join(self.B))
         A, B, C = both[:, : self.n], both[:, self.n :], self.C * basis
-        return Realisation(A, B, C, self.D, self.variable, feedback=self.feedback)
+        return replace(self._like(A, B, C, self.D), feedback=self.feedback)
 
     def dual(self) -> "Realisation":
         """Return (A', C', B', D'), whose transfer matrix is the transpose."""
-        return Realisation(self.A.T, self.C.T, self.B.T, self.D.T, self.variable)
+        return self._like(self.A.T, self.C.T, self.B.T, self.D.T)
 
     def feedback_with(self, other: "Realisation", *, feedback: int) -> "Realisation":
         r"""Return the loop from v to y of u = v + f K y, :math:`(I - f G K)^{-1} G`, no state lost.
@@ -207,7 +217,7 @@ class Realisation(ExactValue):
         above = self.A.row_join(ImmutableMatrix.zeros(self.n, other.n)) + self.B * u
         A, B = above.col_join(below), (self.B * u_v).col_join(other.B * D)
         a, b, c, d = map(_simple, (A, B, C, D))
-        return Realisation(a, b, c, d, self.variable)
+        return self._like(a, b, c, d, other)
 
     def __add__(self, other: "Realisation") -> "Realisation":
         """Return both in parallel, y = y_1 + y_2, all states kept."""
@@ -216,10 +226,10 @@ class Realisation(ExactValue):
         self._require(other, other.D.shape == self.D.shape, "in parallel with it")
         A = ImmutableMatrix(sympy.diag(self.A, other.A))
         B, C = self.B.col_join(other.B), self.C.row_join(other.C)
-        return Realisation(A, B, C, self.D + other.D, self.variable)
+        return self._like(A, B, C, self.D + other.D, other)
 
     def __neg__(self) -> "Realisation":
-        return Realisation(self.A, self.B, -self.C, -self.D, self.variable)
+        return self._like(self.A, self.B, -self.C, -self.D)
 
     def __sub__(self, other: "Realisation") -> "Realisation":
         return self + -other if isinstance(other, Realisation) else NotImplemented
@@ -233,7 +243,15 @@ class Realisation(ExactValue):
         below = ImmutableMatrix.zeros(other.n, self.n).row_join(other.A)
         B = (self.B * other.D).col_join(other.B)
         C = self.C.row_join(self.D * other.C)
-        return Realisation(above.col_join(below), B, C, self.D * other.D, self.variable)
+        return self._like(above.col_join(below), B, C, self.D * other.D, other)
+
+    def _like(
+        self, A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike,
+        other: "Realisation | None" = None,
+    ) -> "Realisation":  # fmt: skip
+        """Other matrices in the same variable, with the sample time of what was joined."""
+        period = shared_sample_time(self, other)
+        return Realisation(A, B, C, D, self.variable, sample_time=period)
 
     def _require(self, other: "Realisation", fits: bool, place: str) -> None:
         if other.variable != self.variable:
@@ -249,7 +267,23 @@ class Realisation(ExactValue):
 
     def with_sign(self, feedback: int) -> "Realisation":
         """Return the compensator of u = G_c y for one of u = f G_c y: (A, B, f C, f D)."""
-        return Realisation(self.A, self.B, feedback * self.C, feedback * self.D, self.variable)
+        return self._like(self.A, self.B, feedback * self.C, feedback * self.D)
+
+    def to_control(self, dt: float | bool | None = None) -> "control.StateSpace":
+        """Return the python-control object; every entry is rounded once to float64.
+
+        Parameters
+        ----------
+        dt : float or bool, optional
+            As for :meth:`TransferFunction.to_control`.
+
+        Raises
+        ------
+        InputError
+            If an entry is symbolic or overflows, or `dt` is needed and missing.
+        """
+        time = time_base(self.variable, self.sample_time, dt)
+        return control_state_space(self.A, self.B, self.C, self.D, time)
 
     def __str__(self) -> str:
         names = ("A", "B", "C") if self.is_strictly_proper else ("A", "B", "C", "D")
@@ -262,30 +296,3 @@ class Realisation(ExactValue):
 
 def _simple(matrix: ImmutableMatrix) -> ImmutableMatrix:
     return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
-
-
-def verified_realisation(
-    A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike, G: TransferFunction
-) -> Realisation:
-    """Return the realisation of a transfer function, whose transfer function was compared with it.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.systems.realisations import verified_realisation
-    >>> found = verified_realisation([[0]], [[1]], [[2]], [[0]], transfer_function("2/s"))
-    >>> print(found.certificate)
-    C adj(sI - A) B + D det(sI - A) = N, det(sI - A) = D: holds exactly
-    """
-    s = G.variable
-    found = Realisation(A, B, C, D, s, feedback=G.feedback, sample_time=G.sample_time)
-    back = found.transfer_function()
-    residual = ImmutableMatrix([
-        [(back.numerator - G.numerator).as_expr(), (back.denominator - G.denominator).as_expr()]
-    ])  # fmt: skip
-    identity = f"C adj({s}I - A) B + D det({s}I - A) = N, det({s}I - A) = D"
-    certificate = Certificate(identity, residual)
-    if not certificate.holds:
-        raise InputError(f"{certificate}: these matrices do not realise {G}")
-    object.__setattr__(found, "certificate", certificate)  # reading the matrices again is slow
-    return found

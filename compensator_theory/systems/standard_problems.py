@@ -1,10 +1,10 @@
 """The standard problem (2.1)-(2.3) with exact data, and its open-loop maps."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
@@ -12,6 +12,7 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from compensator_theory.transfer_functions.sample_times import control_state_space, time_base
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -56,6 +57,8 @@ class StandardProblem(ExactValue):
         direct terms D_0, D_2, E_2, E_0 means zero.
     variable : str or Symbol
         Name of the forward shift in the maps; default ``q``.
+    sample_time : Rational, optional
+        In seconds; the maps have it, and it goes out with the plant.
 
     Raises
     ------
@@ -87,6 +90,7 @@ class StandardProblem(ExactValue):
     E_2: ImmutableMatrix
     E_0: ImmutableMatrix
     variable: Symbol
+    sample_time: Rational | None = field(default=None, compare=False)
 
     def __init__(
         self,
@@ -100,8 +104,10 @@ class StandardProblem(ExactValue):
         E_2: MatrixLike | None,
         E_0: MatrixLike | None,
         variable: str | Symbol = "q",
+        sample_time: Rational | None = None,
     ) -> None:
         symbol = as_symbol(variable)
+        object.__setattr__(self, "sample_time", sample_time)
         object.__setattr__(self, "variable", symbol)
         given = {
             "A": A, "B": B, "C": C, "D_1": D_1, "D_0": D_0, "D_2": D_2, "E_1": E_1, "E_2": E_2,
@@ -164,8 +170,9 @@ class StandardProblem(ExactValue):
         output, inputs = {"z": self.E_1, "y": self.C}, {"w": self.D_1, "u": self.B}
         direct = {"zw": self.E_0, "zu": self.E_2, "yw": self.D_2, "yu": self.D_0}
         return transfer_matrix_of_realisation(
-            self.A, inputs[channel[1]], output[channel[0]], direct[channel], self.variable
-        )
+            self.A, inputs[channel[1]], output[channel[0]], direct[channel], self.variable,
+            self.sample_time,
+        )  # fmt: skip
 
     @property
     def G_zw(self) -> TransferMatrix:
@@ -206,20 +213,19 @@ class StandardProblem(ExactValue):
         """Return one entry of N_zw, N_zu, N_yw or N_yu of (2.10), over :attr:`denominator`."""
         return self.transfer_function(channel, row, column).numerator
 
-    def to_control(self, dt: float | bool = True) -> "control.StateSpace":
-        """Return the python-control plant from [w; u] to [z; y], rounded once to float64."""
-        import control  # slow to import, and only needed at this door
+    def to_control(self, dt: float | bool | None = None) -> "control.StateSpace":
+        """Return the python-control plant from [w; u] to [z; y], rounded once to float64.
 
+        Parameters
+        ----------
+        dt : float or bool, optional
+            As for :meth:`TransferFunction.to_control`.
+        """
         B = self.D_1.row_join(self.B)
         C = self.E_1.col_join(self.C)
         D = self.E_0.row_join(self.E_2).col_join(self.D_2.row_join(self.D_0))
-        symbols = set().union(*(m.free_symbols for m in (self.A, B, C, D)))
-        if symbols:
-            raise InputError(f"substitute numbers for {sorted(map(str, symbols))} first")
-        rounded = [
-            [[float(entry) for entry in row] for row in m.tolist()] for m in (self.A, B, C, D)
-        ]
-        return control.StateSpace(*rounded, dt)
+        time = time_base(self.variable, self.sample_time, dt)
+        return control_state_space(self.A, B, C, D, time)
 
     def __str__(self) -> str:
         lines = [f"n={self.n}, l_u={self.l_u}, l_y={self.l_y}, l_w={self.l_w}, l_z={self.l_z}"]

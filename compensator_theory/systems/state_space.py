@@ -2,7 +2,7 @@
 
 import flint
 import sympy
-from sympy import ImmutableMatrix, Matrix, Symbol
+from sympy import ImmutableMatrix, Matrix, Rational, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import NoSolutionError
@@ -20,7 +20,12 @@ IDENTITY = "adj({0}I - A) B by ({0}I - A) adj({0}I - A) B = det({0}I - A) B"
 
 
 def transfer_matrix_of_realisation(
-    A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol
+    A: Matrix,
+    B: Matrix,
+    C: Matrix,
+    D: Matrix,
+    variable: Symbol,
+    sample_time: Rational | None = None,
 ) -> TransferMatrix:
     r"""Return the transfer matrix over the unreduced characteristic polynomial.
 
@@ -32,6 +37,8 @@ def transfer_matrix_of_realisation(
         Exact, of shapes n x n, n x m, p x n, p x m; n may be 0.
     variable : Symbol
         The operator or transform variable.
+    sample_time : Rational, optional
+        In seconds.
 
     Returns
     -------
@@ -82,7 +89,7 @@ def transfer_matrix_of_realisation(
         )
         for row in range(D.rows)
     )
-    return TransferMatrix(entries, denominator, certificate)
+    return TransferMatrix(entries, denominator, certificate, sample_time)
 
 
 def controllable_canonical_form(

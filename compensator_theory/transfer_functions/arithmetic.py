@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Self, TypeAlias, cast
 
 import sympy
-from sympy import Expr, Poly, Symbol
+from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask
@@ -20,6 +20,7 @@ from compensator_theory.polynomials.poly import (
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.polynomials.variables import require_no_other_operator
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 
 Sides: TypeAlias = tuple[Poly, Poly]
 Operand: TypeAlias = "QuotientArithmetic | NumberLike | Poly"
@@ -31,7 +32,8 @@ class QuotientArithmetic:
 
     The rules are those of a text: a sum over one denominator keeps it, a sum over two different
     ones is over their product, a product multiplies numerators and denominators, and nothing
-    cancels. So G - G is 0 over the denominator of G, and G/G is N D over D N.
+    cancels. So G - G is 0 over the denominator of G, and G/G is N D over D N. A sample time is
+    kept, and two different ones are refused.
 
     Examples
     --------
@@ -44,8 +46,12 @@ class QuotientArithmetic:
     numerator: Poly
     denominator: Poly
 
-    def __init__(self, numerator: Poly, denominator: Poly) -> None:
-        """Every class that derives from this one is made of the two."""
+    sample_time: Rational | None
+
+    def __init__(
+        self, numerator: Poly, denominator: Poly, *, sample_time: Rational | None = None
+    ) -> None:
+        """Every class that derives from this one is made of these."""
         raise NotImplementedError
 
     __array_ufunc__ = None  # an array of numbers times a transfer function is refused, not looped
@@ -62,7 +68,7 @@ class QuotientArithmetic:
         return self._join(other, lambda a, b: added(b, (-a[0], a[1])))
 
     def __neg__(self) -> Self:
-        return type(self)(-self.numerator, self.denominator)
+        return type(self)(-self.numerator, self.denominator, sample_time=self.sample_time)
 
     def __pos__(self) -> Self:
         return self
@@ -85,13 +91,18 @@ class QuotientArithmetic:
         top, bottom = inverted(sides) if exponent < 0 else sides
         for side in (top, bottom):
             ask("degree", max(0, int(side.total_degree())) * abs(exponent), "the power")
-        return type(self)(canonical(top ** abs(exponent)), canonical(bottom ** abs(exponent)))
+        return type(self)(
+            canonical(top ** abs(exponent)),
+            canonical(bottom ** abs(exponent)),
+            sample_time=self.sample_time,
+        )
 
     def _join(self, other: Operand, operation: Callable[[Sides, Sides], Sides]) -> Self:
         sides = sides_of(other, self.denominator.gen)
         if sides is None:
             return cast(Self, NotImplemented)  # Python then asks the other operand
-        return type(self)(*operation((self.numerator, self.denominator), sides))
+        joined = operation((self.numerator, self.denominator), sides)
+        return type(self)(*joined, sample_time=shared_sample_time(self, other))
 
 
 def sides_of(operand: Operand, variable: Symbol) -> Sides | None:

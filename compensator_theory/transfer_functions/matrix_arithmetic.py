@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Self, TypeAlias, cast
 
 import sympy
-from sympy import Expr, Matrix, MatrixBase, Poly
+from sympy import Expr, Matrix, MatrixBase, Poly, Rational
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
@@ -21,6 +21,7 @@ from compensator_theory.transfer_functions.arithmetic import (
     product,
     sides_of,
 )
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 
 Rows: TypeAlias = tuple[tuple[Poly, ...], ...]
 Scalar: TypeAlias = QuotientArithmetic | NumberLike | Poly
@@ -50,8 +51,12 @@ class MatrixArithmetic:
     numerators: Rows
     denominator: Poly
 
-    def __init__(self, numerators: Rows, denominator: Poly) -> None:
-        """Every class that derives from this one is made of the two."""
+    sample_time: Rational | None
+
+    def __init__(
+        self, numerators: Rows, denominator: Poly, *, sample_time: Rational | None = None
+    ) -> None:
+        """Every class that derives from this one is made of these."""
         raise NotImplementedError
 
     __array_ufunc__ = None  # an array times a transfer matrix comes to __rmatmul__, not to a loop
@@ -70,9 +75,7 @@ class MatrixArithmetic:
         return self._join(other, lambda a, b: _added(b, a, -1))
 
     def __neg__(self) -> Self:
-        return type(self)(
-            tuple(tuple(-n for n in row) for row in self.numerators), self.denominator
-        )
+        return self._with(tuple(tuple(-n for n in row) for row in self.numerators))
 
     def __pos__(self) -> Self:
         return self
@@ -96,7 +99,7 @@ class MatrixArithmetic:
     @property
     def T(self) -> Self:
         """The transpose."""
-        return type(self)(tuple(zip(*self.numerators, strict=True)), self.denominator)
+        return self._with(tuple(zip(*self.numerators, strict=True)))
 
     def reduced(self) -> Self:
         """Return the same matrix without the factor that all entries share with the denominator."""
@@ -106,7 +109,7 @@ class MatrixArithmetic:
         if common.degree() < 1:
             return self
         rows = tuple(tuple(_quotient(e, common) for e in row) for row in self.numerators)
-        return type(self)(rows, _quotient(self.denominator, common))
+        return self._with(rows, _quotient(self.denominator, common))
 
     def inverse(self) -> Self:
         """Return the inverse of a square matrix, reduced; InputError if it is singular."""
@@ -123,14 +126,15 @@ class MatrixArithmetic:
             raise InputError("the transfer matrix is singular; it has no inverse")
         top = [[from_expression(domain.to_sympy(e), s) for e in r] for r in adjugate.to_list()]
         found = tuple(tuple(product(entry, self.denominator) for entry in row) for row in top)
-        return type(self)(found, below).reduced()
+        return self._with(found, below).reduced()
 
     def _scaled(self, factor: Scalar) -> Self:
         sides = sides_of(factor, self.denominator.gen)
         if sides is None:
             return cast(Self, NotImplemented)
         rows = tuple(tuple(product(entry, sides[0]) for entry in row) for row in self.numerators)
-        return type(self)(rows, product(self.denominator, sides[1]))
+        period = shared_sample_time(self, factor)
+        return type(self)(rows, product(self.denominator, sides[1]), sample_time=period)
 
     def _join(
         self, other: Operand, operation: Callable[[MatrixSides, MatrixSides], MatrixSides]
@@ -138,7 +142,12 @@ class MatrixArithmetic:
         sides = _matrix_sides(other, self.denominator)
         if sides is None:
             return cast(Self, NotImplemented)  # Python then asks the other operand
-        return type(self)(*operation((self.numerators, self.denominator), sides))
+        joined = operation((self.numerators, self.denominator), sides)
+        return type(self)(*joined, sample_time=shared_sample_time(self, other))
+
+    def _with(self, numerators: Rows, denominator: Poly | None = None) -> Self:
+        below = self.denominator if denominator is None else denominator
+        return type(self)(numerators, below, sample_time=self.sample_time)
 
 
 MatrixSides: TypeAlias = tuple[Rows, Poly]

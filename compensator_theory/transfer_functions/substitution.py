@@ -85,7 +85,7 @@ class Substitution(QuotientArithmetic):
         return type(self)(*(
             from_coefficients([_at(c, replaced, self) for c in side.all_coeffs()], variable)
             for side in (self.numerator, self.denominator)
-        ))  # fmt: skip
+        ), sample_time=self.sample_time)  # fmt: skip
 
     def compose(self, inner: Operand, variable: str | Symbol | None = None) -> Self:
         r"""Put a transfer function in the place of the variable, for instance Tustin's.
@@ -119,7 +119,9 @@ class Substitution(QuotientArithmetic):
             sides.append(canonical(sum(terms, start=Poly(0, top.gen))))
         if sides[1].is_zero:
             raise InputError(f"{self} has no value there: its denominator becomes zero")
-        return type(self)(*sides)
+        period = self.sample_time if top.gen == self.denominator.gen else None
+        period = getattr(inner, "sample_time", None) or period
+        return type(self)(*sides, sample_time=period)
 
 
 def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Sides:

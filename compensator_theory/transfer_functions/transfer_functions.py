@@ -8,12 +8,14 @@ from sympy import Expr, Poly, Rational, Symbol
 from sympy.printing.pretty.stringpict import prettyForm
 
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.libraries import needed
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
+from compensator_theory.transfer_functions.sample_times import time_base, to_float
 from compensator_theory.transfer_functions.substitution import Substitution
 
 if TYPE_CHECKING:
@@ -38,7 +40,8 @@ class TransferFunction(Substitution, ExactValue):
         Of a compensator: the sign of the loop that it was designed for. Functions that close a loop
         refuse another one.
     sample_time : Rational, optional
-        In seconds, where it was read from a system that has one; it goes back out with it.
+        In seconds, where it was read from a system that has one; arithmetic keeps it, and it goes
+        back out with it.
 
     Raises
     ------
@@ -174,18 +177,13 @@ class TransferFunction(Substitution, ExactValue):
         InputError
             If a coefficient is symbolic or overflows, or `dt` is needed and missing.
         """
-        import control  # slow to import, and only needed at this door
+        with needed("control"):
+            import control  # slow to import, and only needed at this door
 
-        if dt is None and self.sample_time is not None:
-            dt = _to_float(self.sample_time)
-        if dt is None:
-            dt = {"s": 0, "z": True, "q": True}.get(self.variable.name)
-            if dt is None:
-                raise InputError(f"say what {self.variable} means: dt=0 or a sample time")
         rounded = [
-            [_to_float(c) for c in p.all_coeffs()] for p in (self.numerator, self.denominator)
+            [to_float(c) for c in p.all_coeffs()] for p in (self.numerator, self.denominator)
         ]
-        return control.TransferFunction(*rounded, dt)
+        return control.TransferFunction(*rounded, time_base(self.variable, self.sample_time, dt))
 
     def __str__(self) -> str:
         return f"({format_polynomial(self.numerator)})/({format_polynomial(self.denominator)})"
@@ -232,17 +230,3 @@ def require_proper(G: TransferFunction, name: str) -> None:
             f"the {name} {G} is improper: its numerator has degree {G.numerator.degree()} and its "
             f"denominator {G.order}; a realisable {name} has at least as many poles as zeros"
         )
-
-
-def _to_float(value: Expr) -> float:
-    number = sympy.sympify(value)
-    if not isinstance(number, Rational):
-        raise InputError(
-            f"the coefficient {quoted(number)} is not a rational number; substitute numbers"
-        )
-    try:
-        return int(number.p) / int(number.q)
-    except OverflowError as error:
-        raise InputError(
-            f"the coefficient {quoted(number)} exceeds the range of float64"
-        ) from error

@@ -1,16 +1,22 @@
 """Matrices of exact transfer functions over one common denominator that is never reduced."""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import needed
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.transfer_functions.matrix_arithmetic import MatrixArithmetic
+from compensator_theory.transfer_functions.sample_times import time_base, to_float
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+
+if TYPE_CHECKING:
+    import control
 
 
 @dataclass(frozen=True, repr=False)
@@ -27,6 +33,8 @@ class TransferMatrix(MatrixArithmetic, ExactValue):
         Not zero; everything is divided by its leading coefficient.
     certificate : Certificate, optional
         The identity that a conversion checked.
+    sample_time : Rational, optional
+        In seconds, where it was read from a system that has one.
 
     Raises
     ------
@@ -48,6 +56,7 @@ class TransferMatrix(MatrixArithmetic, ExactValue):
     numerators: tuple[tuple[Poly, ...], ...]
     denominator: Poly
     certificate: Certificate | None = field(default=None, compare=False)
+    sample_time: Rational | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         rows = self.numerators
@@ -71,7 +80,12 @@ class TransferMatrix(MatrixArithmetic, ExactValue):
 
     def __getitem__(self, index: tuple[int, int]) -> TransferFunction:
         row, column = index
-        return TransferFunction(self.numerators[row][column], self.denominator, self.certificate)
+        return TransferFunction(
+            self.numerators[row][column],
+            self.denominator,
+            self.certificate,
+            sample_time=self.sample_time,
+        )
 
     def scalar(self) -> TransferFunction:
         """Return the only entry; InputError if there are several."""
@@ -90,6 +104,27 @@ class TransferMatrix(MatrixArithmetic, ExactValue):
     def numerator_matrix(self) -> ImmutableMatrix:
         """Return the numerators as a SymPy matrix of expressions."""
         return ImmutableMatrix([[entry.as_expr() for entry in row] for row in self.numerators])
+
+    def to_control(self, dt: float | bool | None = None) -> "control.TransferFunction":
+        """Return the python-control object; every coefficient is rounded once to float64.
+
+        Parameters
+        ----------
+        dt : float or bool, optional
+            As for :meth:`TransferFunction.to_control`.
+
+        Raises
+        ------
+        InputError
+            If a coefficient is symbolic or overflows, or `dt` is needed and missing.
+        """
+        with needed("control"):
+            import control  # slow to import, and only needed at this door
+
+        below = [to_float(c) for c in self.denominator.all_coeffs()]
+        above = [[[to_float(c) for c in n.all_coeffs()] for n in row] for row in self.numerators]
+        time = time_base(self.variable, self.sample_time, dt)
+        return control.TransferFunction(above, [[below] * self.shape[1]] * self.shape[0], time)
 
     def __str__(self) -> str:
         rows = ["[" + ", ".join(map(format_polynomial, row)) + "]" for row in self.numerators]

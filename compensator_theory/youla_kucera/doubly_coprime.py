@@ -200,7 +200,7 @@ def _blocks(
 ) -> tuple[TransferMatrix, TransferMatrix, TransferMatrix, TransferMatrix]:
     def block(rows: slice, columns: slice) -> TransferMatrix:
         part = tuple(row[columns] for row in whole.numerators[rows])
-        return TransferMatrix(part, whole.denominator)
+        return TransferMatrix(part, whole.denominator, sample_time=whole.sample_time)
 
     low, high = slice(None, size), slice(size, None)
     return block(low, low), block(low, high), block(high, low), block(high, high)

@@ -18,6 +18,7 @@ from compensator_theory.structure.coprime_fractions import coprime_fractions
 from compensator_theory.systems.canonical_forms import RealisationLike
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems.realisations import Realisation
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 from compensator_theory.youla_kucera.doubly_coprime import (
     DoublyCoprimeFractions,
@@ -118,7 +119,10 @@ class StabilisingCompensators(ExactValue):
         B = Matrix.vstack(into * R, q.B * R)
         C = (K + q.D * on_x).row_join(q.C + q.D * on_q)
         a, b, c, d = (_simple(x) for x in (A, B, self.feedback * C, self.feedback * q.D * R))
-        return Realisation(a, b, c, d, plant.variable, feedback=self.feedback)
+        return Realisation(
+            a, b, c, d, plant.variable, feedback=self.feedback,
+            sample_time=shared_sample_time(plant, q),
+        )  # fmt: skip
 
     def closed_loop_polynomial(self, Q: RealisationLike | TransferMatrixLike | None = None) -> Poly:
         """Return det(sI - A - BK) det(sI - A + FC) det(sI - A_q), the poles of that loop."""
@@ -147,6 +151,7 @@ class StabilisingCompensators(ExactValue):
         from_signals = TransferMatrix(
             tuple(x + y for x, y in zip(f.M_l.numerators, f.N_l.numerators, strict=True)),
             f.M_l.denominator,
+            sample_time=self.plant.sample_time,
         )
         central = TransferMatrix(f.V_r.numerators + f.U_r.numerators, f.V_r.denominator)
         to_signals = TransferMatrix(f.N_r.numerators + f.M_r.numerators, f.N_r.denominator)

@@ -62,10 +62,10 @@ inline bool quick_read(nb::handle value, std::vector<double>& out) {
     PyObject* object = value.ptr();
     if (PyList_CheckExact(object) || PyTuple_CheckExact(object)) {
         const bool is_list = PyList_CheckExact(object);
-        const Py_ssize_t size = is_list ? PyList_GET_SIZE(object) : PyTuple_GET_SIZE(object);
+        const Py_ssize_t size = is_list ? PyList_Size(object) : PyTuple_Size(object);
         if (static_cast<std::size_t>(size) != out.size()) return false;
         for (Py_ssize_t i = 0; i < size; ++i) {
-            PyObject* item = is_list ? PyList_GET_ITEM(object, i) : PyTuple_GET_ITEM(object, i);
+            PyObject* item = is_list ? PyList_GetItem(object, i) : PyTuple_GetItem(object, i);
             if (!quick_number(item, out[static_cast<std::size_t>(i)])) return false;
         }
     } else if (PyFloat_Check(object) || PyLong_CheckExact(object)) {

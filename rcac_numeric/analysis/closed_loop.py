@@ -11,10 +11,12 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.stability import decide_stability
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.recursions import linear_states
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
 
@@ -30,7 +32,7 @@ class ClosedLoop(Value):
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, or a discrete system that `plant_of` reads
     compensator : Compensator
 
     Raises
@@ -53,7 +55,8 @@ class ClosedLoop(Value):
     compensator: Compensator
 
     def __post_init__(self) -> None:
-        plant, compensator = self.plant, self.compensator
+        plant, compensator = linear_plant(self.plant), self.compensator
+        object.__setattr__(self, "plant", plant)
         if (plant.l_u, plant.l_y) != (compensator.l_u, compensator.l_y):
             raise InputError(
                 f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "
@@ -146,9 +149,7 @@ class ClosedLoop(Value):
         A, B, C, D = self.matrices
         C, D = C[: self.plant.l_z], D[: self.plant.l_z]
         inputs = np.hstack([w, u_tilde])
-        states = np.zeros((len(w) + 1, len(A)))
-        for k, drive in enumerate(inputs @ B.T):
-            states[k + 1] = A @ states[k] + drive
+        states = linear_states(A, inputs @ B.T)
         return np.asarray(states[:-1] @ C.T + inputs @ D.T)
 
     def _response(self, omega: ArrayLike) -> ComplexArray:

@@ -9,6 +9,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.recursions import linear_states
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
@@ -167,8 +168,10 @@ def filtered(target: TargetModel, u: Array) -> Array:
     output = np.zeros((len(u), target.l_z))
     for i, N in enumerate(target.numerator):
         output[i:] += u[: max(len(u) - i, 0)] @ N.T
-    if target.denominator[1:].any():
-        for k in range(len(u)):
-            for i in range(1, min(k, target.n_f) + 1):
-                output[k] -= target.denominator[i] @ output[k - i]
-    return output
+    if not target.denominator[1:].any():
+        return output
+    # The last n_f outputs are the state, and the newest of them is what is asked for.
+    l_z, order = target.l_z, target.n_f * target.l_z
+    A = np.eye(order, k=-l_z)
+    A[:l_z] = -np.concatenate(target.denominator[1:], axis=1)
+    return linear_states(A, np.pad(output, ((0, 0), (0, order - l_z))))[1:, :l_z]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from compensator_theory.libraries import needed
+
 
 def __getattr__(name: str) -> object:
     if name != "Figure":
         raise AttributeError(name)
-    from matplotlib.figure import Figure  # a third of a second
+    with needed("matplotlib"):
+        from matplotlib.figure import Figure  # a third of a second
 
     return Figure

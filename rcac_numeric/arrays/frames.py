@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from compensator_theory.errors import InputError
+from compensator_theory.libraries import needed
 
 # Their types: a checker that has not got the libraries has not got these.
 DataFrame = Any  # of pandas
@@ -20,10 +20,5 @@ def imported(name: str) -> Any:
     InputError
         Where it is not installed.
     """
-    try:
+    with needed(name.partition(".")[0]):
         return importlib.import_module(name)
-    except ImportError:
-        raise InputError(
-            f"{name} is not installed: `pip install compensator-theory[pandas]` brings it. A CSV "
-            "file needs nothing more."
-        ) from None

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import DivergedError, InputError
-from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
@@ -30,7 +29,7 @@ from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -122,7 +121,7 @@ class ControllerCheck(Value):
         from rcac_numeric.reports.check import check_sheet
         from rcac_numeric.reports.page.notebook import notebook_html
 
-        return notebook_html(check_sheet(self), self.plot())
+        return notebook_html(check_sheet(self), self.plot)
 
     def plot(self) -> figures.Figure:
         """One sheet: signals and coefficients, poles, the match and the Nyquist curve."""
@@ -203,8 +202,8 @@ def check_controller(
     >>> check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2)).unsaid["poles"]
     'the plant is not known'
     """
-    if plant is not None and is_foreign(plant):
-        plant = instance_of(plant_of(plant), "plant", Plant)
+    if plant is not None:
+        plant = linear_plant(plant)
     if isinstance(u, Run):
         own = check_arguments(u)
         signals: ArrayLike | ControllerLog = own["log"]
@@ -254,7 +253,7 @@ def check_controller(
             unsaid[name] = "the plant is not known"
     else:
         with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
-            known |= with_plant(log, fixed, instance_of(plant, "plant", Plant), target, unsaid)
+            known |= with_plant(log, fixed, linear_plant(plant), target, unsaid)
         known["costs"] = loop_costs(known["loop"], noise)
         known["margins"], known["disk"] = channel_margins(known["loop"], sample_time, unsaid)
     return ControllerCheck(

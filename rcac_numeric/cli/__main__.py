@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import signal
@@ -23,10 +24,13 @@ def main() -> None:
     # A shell starts what runs in its background with Ctrl-C ignored, and so it stays.
     is_ignored = signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     _answer(is_ignored, _leave)
+    gc.disable()  # imports leave nothing to collect, and looking for it takes a tenth of them
     program = importlib.import_module("rcac_numeric.cli.main")
     with suppress(Exception):  # it will come again, where it has an answer
         for name in sys.argv[1:2]:
             importlib.import_module(program.COMMANDS[name][0].partition(":")[0])
+    gc.freeze()
+    gc.enable()
     try:
         _answer(is_ignored, signal.default_int_handler)
         program.main(prog_name="rcac")

@@ -10,6 +10,7 @@ import click
 import numpy as np
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import require_library
 from rcac_numeric.cli.cases import (
     complete_case,
     complete_key,
@@ -31,6 +32,8 @@ from rcac_numeric.reports.verification import verification_sheet
 
 def _checked_page(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
     """The option --page, whose file is refused before anything long is run."""
+    if value is not None:
+        require_library("matplotlib")
     if value is not None and value.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"--page {value}: the name must end in .html.")
     if value is not None and not value.parent.is_dir():
@@ -50,6 +53,7 @@ def _checked_run(context: click.Context, option: click.Parameter, value: Path | 
 def _made_folder(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
     """The option --figures, whose folder is made before anything long is run."""
     if value is not None:
+        require_library("matplotlib")
         try:
             value.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -110,11 +114,12 @@ def verify(
 
 
 def _draw(found: Verification, folder: Path, as_json: bool) -> None:
-    requests = found.experiment.figures
+    requests = found.figure_requests
     for number, request in enumerate(requests, 1):
         save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
     if not as_json:
-        click.echo(f"\nFigures: {len(requests)} in {folder}")
+        count = len(requests)
+        click.echo(f"\nFigures: {count} in {folder}" if count else "\nFigures: none; nothing ran.")
 
 
 def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:

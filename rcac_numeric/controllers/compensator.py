@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import needed
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import real_array
 from rcac_numeric.arrays.values import Value
@@ -121,7 +122,8 @@ class Compensator(Value):
 
         Without a sample time, in seconds, its period is unspecified, dt = True.
         """
-        import control  # a second of import time, paid only here
+        with needed("control"):
+            import control  # a second of import time, paid only here
 
         return control.ss(*self.state_space(), True if sample_time is None else sample_time)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.validation import instance_of, integer, items
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compatibility import AnyController
@@ -17,16 +18,18 @@ from rcac_numeric.engine.interruption import run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign.reading import plant_of
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False)
 class SimulationCase(Value):
     """The arguments of one `simulate`.
 
-    Attributes
+    Parameters
     ----------
     plant, settings, w
-        As for `simulate`.
+        As for `simulate`; a system of python-control, SciPy or SymPy is read by `plant_of`, and
+        the plant is what is kept.
     options : mapping
         The keyword arguments of `simulate`: x_0, stride, divergence_limit, saturation, start.
     """
@@ -34,7 +37,19 @@ class SimulationCase(Value):
     plant: AnyPlant
     settings: AnyController
     w: ArrayLike
-    options: Mapping[str, Any] = field(default_factory=dict)
+    options: Mapping[str, Any]
+
+    def __init__(
+        self,
+        plant: AnyPlant,
+        settings: AnyController,
+        w: ArrayLike,
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        object.__setattr__(self, "plant", plant_of(plant) if is_foreign(plant) else plant)
+        object.__setattr__(self, "settings", settings)
+        object.__setattr__(self, "w", w)
+        object.__setattr__(self, "options", {} if options is None else options)
 
 
 def simulate_many(

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import gammaincinv
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, number, real_array
@@ -72,6 +71,8 @@ def chi_square_interval(degrees: int, samples: int, confidence: float) -> tuple[
     if not 0 < number(confidence, "confidence") < 1:
         raise InputError(f"confidence = {confidence} must lie between 0 and 1.")
     tail = (1 - confidence) / 2
+    from scipy.special import gammaincinv  # a sixth of a second
+
     ends = 2 * gammaincinv(degrees * samples / 2, np.array([tail, 1 - tail])) / samples
     return float(ends[0]), float(ends[1])
 

@@ -130,6 +130,15 @@ class FigureRequest(Value):
             object.__setattr__(self, field, kept)
 
 
+# What a case that asks for no figure is drawn by: one question each.
+STANDARD_FIGURES = (
+    FigureRequest("responses", "Performance z of every run."),
+    FigureRequest("coefficients", "The coefficients theta of every run that adapts."),
+    FigureRequest("poles", "Closed-loop poles and zeros with the final controllers."),
+    FigureRequest("intercalated match", "The target model, and what each run made of it."),
+)
+
+
 def require_drawable(request: FigureRequest, runs: Collection[str]) -> FigureRequest:
     """The request itself, where the runs and the measure that it names are there.
 

@@ -16,7 +16,7 @@ from rcac_numeric.experiments.estimation.measures import MEASURES as ESTIMATION_
 from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
-from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.experiments.figure_requests import STANDARD_FIGURES, FigureRequest
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.measures.measures import MEASURES
@@ -83,12 +83,21 @@ class Verification(Value):
         from rcac_numeric.reports.page.notebook import notebook_html
         from rcac_numeric.reports.verification import verification_sheet
 
-        return notebook_html(verification_sheet(self), self.plot() if self.results else None)
+        return notebook_html(verification_sheet(self), self.plot if self.results else None)
+
+    @property
+    def figure_requests(self) -> tuple[FigureRequest, ...]:
+        """The figures that the experiment asks for; the usual ones where it asks for none."""
+        if self.experiment.figures:
+            return tuple(self.experiment.figures)
+        if self.estimates:
+            return (FigureRequest("estimates", "What is estimated."),)
+        return STANDARD_FIGURES if self.results else ()
 
     def plot(self, request: FigureRequest | None = None, *, width: float = 9.0) -> figures.Figure:
         """One sheet on the main run; or the figure that is asked for, so many inches wide.
 
-        `experiment.figures` are those that an example has of itself.
+        `figure_requests` are those that an example asks for, or the usual ones.
         """
         from rcac_numeric.plots.figures.requested import plot_request
         from rcac_numeric.plots.run import plot_verification

@@ -12,7 +12,6 @@ from compensator_theory.errors import IllConditionedError, ImproperError, InputE
 from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.analysis.stability import EPS, decide_stability
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.cost_evidence import (
     NARROW,
@@ -23,6 +22,7 @@ from rcac_numeric.h2.cost_evidence import (
 )
 from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.state_space import StateSpace, state_space_of
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 
 # Relative error of J, by the bound that its residuals and its data leave, up to which float64 is
@@ -123,7 +123,7 @@ def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = 
     >>> float(h2_cost(standard_plant("1/(q - 1)"), none))
     inf
     """
-    instance_of(plant, "plant", Plant)
+    plant = linear_plant(plant)
     parts = state_space_of(compensator, plant.l_u, plant.l_y)
     inputs = noise_inputs(plant, noise)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is looked for

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from compensator_theory.errors import IllConditionedError, ImproperError, InputError
-from compensator_theory.systems.foreign import is_foreign
+from compensator_theory.libraries import needed
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
@@ -24,7 +24,7 @@ from rcac_numeric.h2.riccati import stabilising_solution
 from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.stabilising_solution import StabilisingSolution
 from rcac_numeric.h2.state_space import StateSpace, state_space_latex
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 
 if TYPE_CHECKING:
@@ -98,7 +98,8 @@ class LQG(Value):
 
     def to_control(self) -> control.StateSpace:
         """The controller for python-control, with the plant's sample time, or True without one."""
-        from control import ss
+        with needed("control"):
+            from control import ss
 
         return ss(*self.state_space, self.plant.sample_time or True)
 
@@ -202,7 +203,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     >>> lqg(plant, noise={"d": 1.0, "v": 0.25}, form="filter").cost
     H2Cost(1.88278: d 1.05816, v 0.824626)
     """
-    plant = instance_of(plant_of(plant) if is_foreign(plant) else plant, "plant", Plant)
+    plant = linear_plant(plant)
     one_of(form, "form", FORMS)
     inputs = noise_inputs(plant, noise)
     regulator = stabilising_solution(

@@ -50,13 +50,14 @@ def state_space_of(compensator: Any, l_u: int, l_y: int) -> StateSpace:
 
 
 def _of_control(system: Any) -> StateSpace:
-    import control
-
-    if not isinstance(system, control.StateSpace | control.TransferFunction):
+    is_control = type(system).__module__.split(".")[0] == "control"
+    if not (is_control and type(system).__name__ in ("StateSpace", "TransferFunction")):
         raise InputError(
             f"{system!r} is no compensator; give a Compensator, a python-control system or "
             "(A_c, B_c, C_c, D_c)."
         )
+    import control  # it is there: the system is of it
+
     if system.isctime(strict=True):
         raise InputError("the compensator is in continuous time; discretise it first, with c2d.")
     system = control.ss(system)

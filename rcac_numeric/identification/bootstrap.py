@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import linear_sum_assignment
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
@@ -140,6 +139,8 @@ def bootstrap_zeros(
         )[0]
         H = theta[: mu * markov.H.shape[2]].reshape(mu, markov.H.shape[2], -1).transpose(0, 2, 1)
         zeros = realised_zeros(np.ascontiguousarray(H[delta.d_zu :]), order)
+        from scipy.optimize import linear_sum_assignment  # a sixth of a second
+
         _, matched = linear_sum_assignment(np.abs(delta.zeros[:, None] - zeros[None, :]))
         draws.append(zeros[matched])
     return BootstrapZeros(delta, np.array(draws), length)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
@@ -62,17 +61,19 @@ class IdentifiedZeros(Value):
         gap = complex(zero) - complex(self.zeros[index])
         covariance = self.covariance[index]
         if self.zeros[index].imag == 0:
-            limit = float(stats.t.ppf(0.5 + _level(level) / 2, self.freedom))
+            limit = _student(level, self.freedom)
             return gap.imag == 0 and abs(gap.real) <= limit * float(np.sqrt(covariance[0, 0]))
         vector = np.array([gap.real, gap.imag])
         distance = vector @ np.linalg.pinv(covariance, hermitian=True) @ vector
         # Hotelling's: two components from a covariance of this many degrees of freedom.
         nu = self.freedom
-        return bool(distance <= 2 * nu / (nu - 1) * stats.f.ppf(_level(level), 2, nu - 1))
+        from scipy.stats import f as fisher  # half a second of import time
+
+        return bool(distance <= 2 * nu / (nu - 1) * fisher.ppf(_level(level), 2, nu - 1))
 
     def phases(self, level: float = 0.95) -> tuple[str, ...]:
         """Of each zero "nonminimum phase", "minimum phase" or, at this level, "undecided"."""
-        limit = float(stats.t.ppf(0.5 + _level(level) / 2, self.freedom))
+        limit = _student(level, self.freedom)
         distance, error = np.abs(self.zeros) - 1, limit * self.modulus_error
         return tuple(
             "undecided" if abs(gap) <= width else _phase(gap)
@@ -195,6 +196,13 @@ def _require_invertible(leading: Array, error: Array, index: int) -> None:
             f"{float(np.linalg.norm(error)):.3g}, what its error allows, so that no zeros follow. "
             "Give d_zu, take outputs of one relative degree, or record more data."
         )
+
+
+def _student(level: float, freedom: float) -> float:
+    """Half the width of Student's interval, in standard errors."""
+    from scipy.stats import t  # half a second of import time, paid only here
+
+    return float(t.ppf(0.5 + _level(level) / 2, freedom))
 
 
 def _level(level: float) -> float:

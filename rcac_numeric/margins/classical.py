@@ -116,7 +116,7 @@ class Margins(Value):
         from rcac_numeric.reports.page.notebook import notebook_html
         from rcac_numeric.reports.sheets.sheet import Sheet
 
-        return notebook_html(Sheet("", sections=(margins_section("u", self),)), self.plot())
+        return notebook_html(Sheet("", sections=(margins_section("u", self),)), self.plot)
 
     def plot(self) -> figures.Figure:
         """The Nyquist curve near -1 with the margins marked."""

@@ -96,5 +96,6 @@ def _delayed(plant: Plant, delay: int) -> Plant:
         E_1=ImmutableMatrix.hstack(p.E_1, p.E_2 * last),
         E_2=None,
         E_0=p.E_0,
+        sample_time=p.sample_time,
     )
     return from_problem(problem, plant.blocks)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -153,10 +153,14 @@ class Plant(Value):
     @cached_property
     def problem(self) -> compensator_theory.StandardProblem:
         """The exact standard problem; float64 entries mean their shortest decimals."""
+        period = self.sample_time
+        time = None if period is None else compensator_theory.exact_number(period)
         if self.exact is not None:
-            return self.exact
+            known = time is None or self.exact.sample_time is not None
+            return self.exact if known else replace(self.exact, sample_time=time)
         return compensator_theory.StandardProblem(
-            **{name: getattr(self, name).tolist() for name in MATRICES}
+            **{name: getattr(self, name).tolist() for name in MATRICES},
+            sample_time=time,
         )
 
     def scalar_map(self, name: str) -> tuple[Poly, Poly]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import compensator_theory as exact
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.foreign import sample_time_of as exact_sample_time
+from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.plants.linear import MATRICES, Plant
 
@@ -20,7 +20,8 @@ def from_problem(problem: exact.StandardProblem, blocks: Mapping[str, int] | Non
         name: rounded(list(getattr(problem, name)), name).reshape(getattr(problem, name).shape)
         for name in MATRICES
     }
-    return Plant(**matrices, blocks=dict(blocks or {}), exact=problem)
+    period = None if problem.sample_time is None else float(problem.sample_time)
+    return Plant(**matrices, blocks=dict(blocks or {}), exact=problem, sample_time=period)
 
 
 def standard_plant(G: Any) -> Plant:
@@ -37,8 +38,7 @@ def standard_plant(G: Any) -> Plant:
     >>> standard_plant("(q - 1.2)/((q - 1.1)*(q - 2))")
     Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
     """
-    plant = from_problem(_discrete(exact.standard_problem(G)))
-    return replace(plant, sample_time=sample_time_of(G))
+    return from_problem(_discrete(exact.standard_problem(G)))
 
 
 def servo_plant(G: Any = None, **matrices: Any) -> Plant:
@@ -50,7 +50,8 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
         Anything `compensator_theory.transfer_function` accepts; or one row of them,
         [[G_1, G_2]], for a plant whose inputs add up in one output, (6.7); or a system of
         python-control, SciPy or SymPy with any numbers of inputs and outputs, each input with a
-        disturbance d of its own.
+        disturbance d of its own; or a Plant, whose map from u to y it is: `plant_of` samples what
+        is in continuous time.
     **matrices
         A, B, D_1, C and D_0 of (2.16)-(2.17) in place of G; and
         performance="measured" (z = e_n, the default) or "true" (z = e_0).
@@ -76,17 +77,21 @@ def servo_plant(G: Any = None, **matrices: Any) -> Plant:
     """
     if isinstance(G, list) and len(G) == 1 and isinstance(G[0], list):
         matrices, G = {**matrices, **realised_row(G[0])}, None
-    period = sample_time_of(G)
+    if isinstance(G, Plant):
+        p, G = G.problem, None
+        own = {"A": p.A, "B": p.B, "D_1": p.B, "C": p.C, "D_0": p.D_0}
+        matrices = {**own, "variable": p.variable, "sample_time": p.sample_time, **matrices}
     if is_foreign(G) and _signals(G) != (1, 1):
         # Inputs and disturbances are matched, in the system's own basis or a minimal one.
         found = exact.minimal_realisation(exact.transfer_matrix(G)).realisation
         found = exact.realisation(G) if hasattr(G, "A") else found
         own = {"A": found.A, "B": found.B, "D_1": found.B, "C": found.C, "D_0": found.D}
-        matrices, G = {**own, "variable": found.variable, **matrices}, None
+        own |= {"variable": found.variable, "sample_time": found.sample_time}
+        matrices, G = {**own, **matrices}, None
     problem = _discrete(exact.servo_problem(G, **matrices))
     l_y = problem.C.shape[0]
     blocks = {"r": l_y, "d": problem.D_1.shape[1] - 2 * l_y, "v": l_y}
-    return replace(from_problem(problem, blocks), sample_time=period)
+    return from_problem(problem, blocks)
 
 
 def realised_row(entries: list[Any]) -> dict[str, Any]:
@@ -130,6 +135,7 @@ def realised_row(entries: list[Any]) -> dict[str, Any]:
         "B": [[N.nth(n - 1 - row) for N in numerators] for row in range(n)],
         "C": [[1] + [0] * (n - 1)],
         "variable": given[0].variable,
+        "sample_time": shared_sample_time(*given),
     }
 
 
@@ -143,7 +149,7 @@ def sample_time_of(system: Any) -> float | None:
     >>> sample_time_of(control.tf([1], [1, -0.5], 0.01)), sample_time_of("1/(q - 0.5)")
     (0.01, None)
     """
-    if isinstance(system, exact.TransferFunction | exact.Realisation):
+    if isinstance(system, exact.TransferFunction | exact.TransferMatrix | exact.Realisation):
         period = system.sample_time
     else:
         period = exact_sample_time(system) if is_foreign(system) else None
@@ -162,6 +168,6 @@ def _discrete(problem: exact.StandardProblem) -> exact.StandardProblem:
     if str(problem.variable) not in ("q", "z"):
         raise InputError(
             f"the plant is a transfer function in {problem.variable}; RCAC runs in discrete time. "
-            "Discretise it first, for example with control.c2d, and write it in q."
+            "Sample it first: servo_plant(plant_of(system, sample_time=0.01)), or write it in q."
         )
     return problem

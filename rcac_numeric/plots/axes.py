@@ -1,4 +1,4 @@
-"""What the pictures of a run are made of: control, coefficients, poles and zeros, legends."""
+"""What the pictures of a run are made of: control, poles and zeros, changes, legends."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plots.library import Axes, Figure
+from rcac_numeric.plots.pole_maps import Kind, draw_plane, largest_counts
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, draw_history
 
 
@@ -27,25 +27,6 @@ def draw_control(axis: Axes, run: Run) -> None:
     if run.u.shape[1] == 1:
         axis.lines[0].set(label="asked for", alpha=0.6)
     axis.legend(fontsize=8)
-
-
-def draw_coefficients(axis: Axes, run: Run) -> None:
-    """The coefficients over all steps, with their legend."""
-    k = run.first_step + np.arange(len(run.theta)) * run.stride
-    draw_theta(axis, run, k, np.ones(len(k), dtype=bool))
-    axis.set_xlabel("step $k$")
-    if axis.get_legend_handles_labels()[1]:
-        axis.legend(fontsize=8)
-
-
-def draw_theta(axis: Axes, run: Run, k: np.ndarray, shown: np.ndarray) -> None:
-    """The coefficients at some steps; gains by name for P, I and D terms of one signal."""
-    name = getattr(getattr(run.settings, "structure", None), "name", "")
-    gains = name if set(name) <= set("PID") and len(name) == run.theta.shape[1] else ""
-    lines = axis.plot(k[shown], run.theta[shown], linewidth=1.0)
-    for line, gain in zip(lines, gains, strict=False):
-        line.set_label(f"$K_{gain}$")
-    axis.set_ylabel("gains" if gains else r"coefficients $\theta$")
 
 
 def mark_changes(axis: Axes, runs: Iterable[Run], request: FigureRequest) -> None:
@@ -63,13 +44,14 @@ def mark_changes(axis: Axes, runs: Iterable[Run], request: FigureRequest) -> Non
                      label=None if number else "the plant changes")  # fmt: skip
 
 
-def legend_below(figure: Figure) -> None:
+def legend_below(figure: Figure, *, always: bool = False) -> None:
     """One legend for all axes, below them, where it hides nothing; none for one line."""
     found: dict[str, Any] = {}
     for axis in figure.axes:
         for handle, label in zip(*axis.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
-    if not found or (len(found) == 1 and "the plant changes" not in found and not _is_gain(found)):
+    needless = len(found) == 1 and "the plant changes" not in found and not always
+    if not found or needless:
         return
     longest = max(map(len, found))
     columns = max(1, min(len(found), int(figure.get_figwidth() / 0.072) // (longest + 7)))
@@ -80,40 +62,25 @@ def legend_below(figure: Figure) -> None:
     )  # fmt: skip
 
 
-def _is_gain(found: Iterable[str]) -> bool:
-    return all(label.startswith("$K_") for label in found)
-
-
 def draw_pole_zero(axis: Axes, repetition: AnalysedRun) -> None:
     """Closed-loop poles and zeros of the final controller, and the poles that G_f asks for."""
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    nothing = np.zeros(0, dtype=np.complex128)
+    wanted, zeros = nothing, nothing
     if repetition.is_scalar:
         comparison = repetition.comparison
         poles, wanted = comparison.poles, comparison.asked_poles
-        zeros = np.concatenate([np.zeros(0), *comparison.zeros.values()])
-        axis.plot(wanted.real, wanted.imag, "s", mfc="none", mec=WANTED, ms=10, label="asked for")
-        axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
+        zeros = largest_counts(comparison.zeros.values())
     else:
-        poles, zeros = repetition.loop.poles(), np.zeros(0)
-        wanted = np.zeros(0, dtype=np.complex128)
+        poles = repetition.loop.poles()
         if repetition.run.plant.l_z == 1:
-            zeros = np.concatenate([zeros, *repetition.zeros.values()])
-            axis.plot(zeros.real, zeros.imag, "o", mfc="none", mec=SECOND, ms=6, label="zeros")
-    axis.plot(poles.real, poles.imag, "x", color=REACHED, ms=7, mew=1.6, label="poles reached")
-    span = max(1.15, 1.1 * np.abs(poles).max(initial=0.0)) if np.isfinite(poles).all() else 1.15
-    span = min(span, 3.0)
-    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
-    axis.set_aspect("equal")
-    axis.set_title("closed loop with the final controller", fontsize=10)
-    axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
-    hidden = [
-        f"{name} beyond: {count}"
-        for name, values in (
-            ("asked for", wanted),
-            ("poles", poles),
-            ("zeros", np.unique(np.round(zeros, 9))),
-        )
-        if (count := int((np.abs(values) > span).sum()))
+            zeros = largest_counts(repetition.zeros.values())
+    finite = np.isfinite(poles)
+    kinds = [
+        Kind("asked for", "asked for", wanted, "s", WANTED, 10),
+        Kind("zeros from w to z", "zero", zeros, "o", SECOND, 6),
+        Kind("poles reached", "pole", poles[finite], "x", REACHED, 7),
     ]
-    axis.annotate(", ".join(hidden), (0.02, 0.02), xycoords="axes fraction", fontsize=8)
+    draw_plane(axis, [kind for kind in kinds if len(kind.values)])
+    title = "closed loop with the final controller"
+    axis.set_title(title if finite.all() else f"{title}: poles beyond float64", fontsize=10)
+    axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)

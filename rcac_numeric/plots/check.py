@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.plots.coefficients import NAMED, draw_coefficients, structure_names
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.margins import draw_nyquist
+from rcac_numeric.plots.pole_maps import Kind, draw_plane, largest_counts
 from rcac_numeric.plots.style import (
     INK,
     REACHED,
@@ -65,8 +66,9 @@ def _signals(upper: Axes, lower: Axes, check: ControllerCheck) -> None:
 def _coefficients(axis: Axes, check: ControllerCheck) -> None:
     log, drift = check.log, check.drift
     if log.theta is not None and log.theta.ndim == 2:
-        axis.plot(log.theta, linewidth=1.0)
-        axis.set(xlabel="step $k$", ylabel=r"coefficients $\theta$")
+        k = np.arange(log.steps)
+        draw_coefficients(axis, k, log.theta, _names(check, log.theta.shape[1]))
+        axis.set_xlabel("step $k$")
         if drift is not None:
             axis.axvspan(drift.start, log.steps - 1, color=INK, alpha=0.08, linewidth=0)
             axis.set_title(f"last tenth: moved by {drift.relative:.1g} of its size", fontsize=10,
@@ -78,38 +80,35 @@ def _coefficients(axis: Axes, check: ControllerCheck) -> None:
         return
     axis.stem(np.arange(len(values)), values, linefmt=REACHED, markerfmt="o", basefmt=" ")
     axis.set(xlabel="entry", ylabel=r"last coefficients $\theta$")
+    names = _names(check, len(values))
+    if check.structure is not None and len(values) <= NAMED:
+        axis.set_xticks(range(len(values)), [f"${name}$" for name in names], rotation=60)
+        axis.set_xlabel("weighs")
+
+
+def _names(check: ControllerCheck, count: int) -> list[str]:
+    """What each coefficient weighs, where the structure is known."""
+    if check.structure is not None and check.structure.l_theta == count:
+        return structure_names(check.structure)
+    return [rf"\theta_{{{i + 1}}}" for i in range(count)]
 
 
 def _poles(axis: Axes, check: ControllerCheck) -> None:
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
-    marks = []
+    kinds = []
     if check.comparison is not None:
-        marks.append(("asked for", check.comparison.asked_poles, "s", WANTED, 10))
-    zeros = np.concatenate([np.zeros(0), *check.zeros.values()])
-    marks.append(("zeros from w to z", zeros, "o", SECOND, 6))
-    marks.append(("poles of the controller", check.compensator.poles(), "+", INK, 8))
+        kinds.append(Kind("asked for", "asked for", check.comparison.asked_poles, "s", WANTED, 10))
+    zeros = largest_counts(check.zeros.values())
+    kinds.append(Kind("zeros from w to z", "zero", zeros, "o", SECOND, 6))
+    own = check.compensator.poles()
+    kinds.append(Kind("poles of the controller", "controller", own, "+", INK, 8))
     assert check.poles is not None
-    marks.append(("closed-loop poles", check.poles, "x", REACHED, 7))
-    span = 1.3
-    for label, values, symbol, colour, size in marks:
-        axis.plot(values.real, values.imag, symbol, mfc="none", mec=colour, ms=size, mew=1.4,
-                  linestyle="none", label=label)  # fmt: skip
-    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
-    axis.set_aspect("equal")
-    axis.grid(alpha=0.25)
-    beyond = [
-        f"{label}: {', '.join(f'{v:.4g}' for v in outside)}"
-        for label, values, *_ in marks
-        if len(outside := values[np.abs(values) > span])
-    ]
+    kinds.append(Kind("closed-loop poles", "pole", check.poles, "x", REACHED, 7))
+    draw_plane(axis, kinds)
     axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
                 frameon=False)  # fmt: skip
     assert check.loop is not None
     stable = check.loop.is_stable
     title = f"closed loop, spectral radius {check.loop.spectral_radius:.6g}"
-    if beyond:
-        title += "\nnot shown: " + "; ".join(beyond)
     axis.set_title(title, fontsize=9, color=INK if stable else WANTED)
 
 

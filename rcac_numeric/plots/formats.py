@@ -6,6 +6,7 @@ import io
 from pathlib import Path
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import require_library
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.files import replacing
 
@@ -13,7 +14,8 @@ FORMATS = (".pdf", ".png", ".svg")
 
 
 def require_picture_format(picture: Path) -> None:
-    """Refuse a file that could not be drawn into, before anything long is run."""
+    """Refuse what could not be drawn, or not into this file, before anything long is run."""
+    require_library("matplotlib")
     if picture.suffix.lower() not in FORMATS:
         raise InputError(f"--plot {picture}: the name must end in one of {', '.join(FORMATS)}.")
     if not picture.parent.is_dir():

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from rcac_numeric.h2.lqg import LQG
-from rcac_numeric.plots.style import INK, line_style
+from rcac_numeric.plots.library import Figure
+from rcac_numeric.plots.pole_maps import Kind, draw_plane
+from rcac_numeric.plots.style import (
+    LEAST_FACTOR,
+    LEAST_PHASE,
+    centre_at_least,
+    line_style,
+    widen,
+)
 
 BEYOND = 1e4  # times the median gain: what is above is a pole on the unit circle
 
@@ -24,18 +31,16 @@ def plot_lqg(found: LQG) -> Figure:
     grid = figure.add_gridspec(2, 2, width_ratios=[1, 1.25])
     poles, gain = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])
     phase = figure.add_subplot(grid[1, 1], sharex=gain)
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    poles.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    kinds = []
     for i, (name, marker, part) in enumerate(
         (("regulator", "x", found.regulator), ("estimator", "+", found.estimator))
     ):
-        values = part.poles
-        poles.plot(values.real, values.imag, marker, color=line_style(i)["color"], ms=9, mew=1.8,
-                   label=f"{name}, radius {np.abs(values).max(initial=0.0):.3g}")  # fmt: skip
-    poles.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), xlabel="real", ylabel="imaginary")
-    poles.set_aspect("equal")
+        words = f"{name}, radius {np.abs(part.poles).max(initial=0.0):.3g}"
+        kinds.append(Kind(words, "pole", part.poles, marker, line_style(i)["color"], 9))
+    draw_plane(poles, kinds, reach=1.15)
     poles.set_title("closed-loop poles", fontsize=10)
-    poles.legend(fontsize=8, loc="upper left")
+    poles.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=2,
+                 frameon=False)  # fmt: skip
     A, B, C, D = found.state_space
     omega = np.linspace(1e-3, np.pi, 1500)
     pencils = np.exp(1j * omega)[:, None, None] * np.eye(len(A)) - A
@@ -49,6 +54,8 @@ def plot_lqg(found: LQG) -> Figure:
     usual = np.median(np.abs(response[np.isfinite(response)])) if response.size else 0.0
     if usual and gain.get_ylim()[1] > BEYOND * usual:  # a pole on the circle takes all the axis
         gain.set_ylim(top=BEYOND * usual)
+    widen(gain, LEAST_FACTOR)
+    centre_at_least(phase, np.degrees(LEAST_PHASE))
     if response[0].size > 1:
         gain.legend(fontsize=8)
     gain.set_ylabel("gain of $G_c$")

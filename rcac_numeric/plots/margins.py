@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.margins.classical import Margins
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from rcac_numeric.analysis.observer_forms import NumericObserverForms
 from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.plots.library import Figure
+from rcac_numeric.plots.pole_maps import complex_word
 from rcac_numeric.plots.style import INK, line_style
 
 MANY = 40  # forms that have a row each
@@ -22,7 +23,7 @@ def complex_words(values: ComplexArray) -> str:
     >>> complex_words(np.array([1.0 + 0j, 2.0 - 1j]))
     '1, 2-1j'
     """
-    return ", ".join(f"{v.real:.3g}" if v.imag == 0 else f"{v:.3g}" for v in values)
+    return ", ".join(map(complex_word, values))
 
 
 def plot_observer_forms(forms: NumericObserverForms) -> Figure:

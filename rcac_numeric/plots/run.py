@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from matplotlib.figure import Figure
-
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.plots.axes import draw_coefficients, draw_control, draw_pole_zero
+from rcac_numeric.plots.axes import draw_control, draw_pole_zero
+from rcac_numeric.plots.coefficients import draw_theta
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import (
     WANTED,
     draw_history,
@@ -51,10 +51,12 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
     run = repetition.run
     draw_history(axes[0, 0], run.z, "performance $z$", "z")
     draw_control(axes[1, 0], run)
-    draw_coefficients(axes[2, 0], run)
+    draw_theta(axes[2, 0], run)
+    axes[2, 0].set_xlabel("step $k$")
     if run.outcome != "completed":
         for axis in axes[:, 0]:
-            axis.set_yscale("symlog")
+            if axis.get_yscale() == "linear":
+                axis.set_yscale("symlog")
         axes[0, 0].set_title(f"diverged after step {run.steps - 1}", color=WANTED, fontsize=10)
     draw_pole_zero(axes[0, 1], repetition)
     try:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.wording import printable, shortened
+from rcac_numeric.plots.library import Axes, Figure, SymmetricalLogLocator
 
 INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
 # Okabe and Ito's colours, told apart by every kind of colour vision, and lines for black and white.
@@ -18,6 +18,9 @@ PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#0
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 # An axis spans at least this factor in gain and these radians: rounding is to look like rounding.
 LEAST_FACTOR, LEAST_PHASE = 2.0, 0.5
+VANISHING = 1e-3  # of the median size of both responses together: below, a phase says nothing
+DEEPEST = 1e-4  # of the peak: below, an axis of decades is linear
+DECADES = 1e3  # a peak so many times the median is drawn over decades
 
 
 def line_style(index: int) -> dict[str, Any]:
@@ -42,10 +45,27 @@ def draw_history(axis: Axes, values: Array, label: str, symbol: str) -> None:
     """A signal over the step k, one line for each component."""
     for i, column in enumerate(values.T):
         axis.step(np.arange(len(column)), column, where="post", linewidth=1.1,
-                  label=f"${symbol}_{i + 1}$")  # fmt: skip
+                  label=f"${symbol}_{i + 1}$", **line_style(i))  # fmt: skip
     if values.shape[1] > 1:
         axis.legend(fontsize=8)
     axis.set_ylabel(label)
+    draw_over_decades(axis, [values])
+
+
+def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
+    """Decades above what is usual, a straight axis below, where a peak is a thousand times that."""
+    sizes = np.abs(np.concatenate([part.ravel() for part in parts]))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
+    if not len(sizes):
+        return
+    peak, usual = float(sizes.max()), float(np.median(sizes))
+    if peak < DECADES * usual:
+        return
+    threshold = max(usual, peak * DEEPEST)
+    axis.set_yscale("symlog", linthresh=threshold, linscale=2)
+    ticks = SymmetricalLogLocator(base=10, linthresh=threshold)
+    ticks.set_params(numticks=7)
+    axis.yaxis.set_major_locator(ticks)
 
 
 def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
@@ -55,7 +75,7 @@ def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
                       alpha=0.45, label="$G_f$" if i == j == 0 else None)  # fmt: skip
         axis.semilogy(match.omega, np.abs(match.reached[:, i, j]), color=REACHED, linewidth=1.2,
                       label=r"$\tilde G_{z\tilde u}$" if i == j == 0 else None)  # fmt: skip
-    _widen(axis, LEAST_FACTOR)
+    widen(axis, LEAST_FACTOR)
     axis.set_ylabel("magnitude")
     axis.set_title(
         f"intercalated match: worst {match.worst:.2g}, median {match.median:.2g}", fontsize=10
@@ -68,19 +88,19 @@ def draw_phase(axis: Axes, match: IntercalatedMatch) -> None:
     for i, j in np.ndindex(match.wanted.shape[1:]):
         wanted, reached = phases(match.wanted[:, i, j], match.reached[:, i, j])
         axis.plot(match.omega, wanted, color=WANTED, linewidth=3.5, alpha=0.45)
-        axis.plot(match.omega, reached, color=REACHED, linewidth=1.2)
-    low, high = axis.get_ylim()
-    if high - low < LEAST_PHASE:
-        middle = (low + high) / 2
-        axis.set_ylim(middle - LEAST_PHASE / 2, middle + LEAST_PHASE / 2)
+        jumps = np.abs(np.diff(reached, prepend=reached[:1])) > np.pi  # to the next branch
+        axis.plot(match.omega, np.where(jumps, np.nan, reached), color=REACHED, linewidth=1.2)
+    centre_at_least(axis, LEAST_PHASE)
     axis.set(xlabel=r"frequency $\omega$, rad/sample", ylabel="phase, rad")
 
 
 def phases(wanted: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
-    """Two continuous phases over frequency, in radians, less than a turn apart.
+    """Two phases over frequency, in radians, on one branch.
 
-    A phase is known up to whole turns: the first one begins in (-pi, pi], and the second one where
-    their difference does.
+    A phase is known up to whole turns: the first one begins in (-pi, pi], the second one where
+    their difference does. Where one of them almost vanishes rounding decides which way round the
+    phase goes; the second one then stays on the branch next to the first, so that equal responses
+    lie on each other.
 
     Examples
     --------
@@ -92,11 +112,23 @@ def phases(wanted: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
     """
     with np.errstate(all="ignore"):
         first = np.unwrap(np.angle(wanted))
-        difference = np.unwrap(np.angle(reached * np.conj(wanted)))
-    return np.asarray(first), np.asarray(first + difference)
+        ratio = reached * np.conj(wanted)
+        difference, size = np.angle(ratio), np.abs(ratio)
+        large = size > VANISHING * np.median(size)
+    turns = np.round(np.diff(difference) / (2 * np.pi)) * (large[1:] & large[:-1])
+    second = first + difference - 2 * np.pi * np.concatenate([[0.0], np.cumsum(turns)])
+    return np.asarray(first), np.asarray(second)
 
 
-def _widen(axis: Axes, factor: float) -> None:
+def centre_at_least(axis: Axes, span: float) -> None:
+    """Let an axis show at least so much, so that rounding looks like rounding."""
+    low, high = axis.get_ylim()
+    if high - low < span:
+        axis.set_ylim((low + high - span) / 2, (low + high + span) / 2)
+
+
+def widen(axis: Axes, factor: float) -> None:
+    """The same of a logarithmic axis: from its lower to its upper end at least this factor."""
     low, high = axis.get_ylim()
     if 0 < low < high < factor * low:
         middle = (low * high) ** 0.5

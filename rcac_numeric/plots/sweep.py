@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import REACHED, WANTED
 from rcac_numeric.sweeps.results.statistics import SweepSummary
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import compensator_theory as exact
 from rcac_numeric.arrays.validation import rounded
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel, from_transfer_function
 
@@ -52,7 +53,7 @@ def high_authority_target_model(plant: Plant) -> TargetModel:
     >>> G_f.numerator.ravel(), G_f.denominator.ravel()
     (array([ 0.,  1., -2.]), array([ 1.  , -1.  ,  0.25]))
     """
-    target = exact.high_authority_target(plant.problem)
+    target = exact.high_authority_target(linear_plant(plant).problem)
     if target.transfer_function is not None:
         return from_transfer_function(target.transfer_function)
     numerator = [ball.centre for ball in target.numerator.coefficients]

@@ -9,8 +9,10 @@ from sympy.polys.matrices import DomainMatrix
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, rounded
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -44,6 +46,7 @@ def markov_parameters(plant: Plant, n_bar: int) -> Array:
     >>> markov_parameters(standard_plant("1/(q - 0.1)"), n_bar=3).ravel()
     array([0.  , 1.  , 0.1 , 0.01])
     """
+    plant = linear_plant(plant)
     parameters = _exact_parameters(plant, integer(n_bar, "n_bar", at_most=10_000))
     entries = [entry for H in parameters for entry in H]
     return rounded(entries, "the Markov parameters").reshape(-1, plant.l_z, plant.l_u)
@@ -89,6 +92,8 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
     >>> float(abs(zeros).max().round(6))
     2.0
     """
+    if is_foreign(source):
+        source = linear_plant(source)
     if isinstance(source, Plant):
         if n_bar is None:
             raise InputError("n_bar is needed to truncate a plant's Markov parameters.")

@@ -12,6 +12,7 @@ from sympy import Expr, Poly
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 
 # A number as the user gave it: exact but for a float, which means its shortest decimal.
@@ -97,7 +98,7 @@ def modelling_information(plant: Plant) -> ModellingInformation:
     >>> modelling_information(plant)
     ModellingInformation(d_zu=1, H=-1, nmp_zeros=(11/10,))
     """
-    numerator, denominator = plant.scalar_map("zu")
+    numerator, denominator = linear_plant(plant).scalar_map("zu")
     if numerator.is_zero:
         raise InputError("G_zu = 0: the control does not act on z, so there is nothing to adapt.")
     return ModellingInformation(

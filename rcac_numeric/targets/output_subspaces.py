@@ -17,6 +17,7 @@ from compensator_theory.matrices.linear_algebra import determinant
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.markov import markov_parameters
@@ -92,6 +93,7 @@ def output_subspace_zeros(plant: Plant) -> OutputSubspaceZeros:
     >>> output_subspace_zeros(full_state).zeros
     array([0.58+0.j])
     """
+    plant = linear_plant(plant)
     if plant.l_z < plant.l_u:
         raise InputError(
             f"G_zu is {plant.l_z} x {plant.l_u}, wider than tall; output-subspace zeros are for "

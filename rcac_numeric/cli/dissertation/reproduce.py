@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import require_library
 from rcac_numeric.cli.output import as_json_option, show
 from rcac_numeric.experiments.claims import VERDICTS
 from rcac_numeric.experiments.files.builder import load_example
@@ -44,6 +45,7 @@ def reproduce_command(
     numbers = [n for n in example_ids() if chapter is None or n.split(".")[0] == chapter.upper()]
     if not numbers:
         raise InputError(f"there is no example of chapter {chapter!r}; see `rcac list`.")
+    require_library("matplotlib")
     experiments = [load_example(number) for number in numbers]
     if quick:
         experiments = [reduced(experiment) for experiment in experiments]

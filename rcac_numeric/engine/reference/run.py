@@ -9,6 +9,7 @@ from flint import arb, arb_mat, ctx
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, signal_array
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -23,6 +24,7 @@ from rcac_numeric.engine.reference.ball_updates import ball_update
 from rcac_numeric.engine.reference.balls import balls
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -84,6 +86,8 @@ def simulate_reference(
     >>> reference.digits > 100
     True
     """
+    if is_foreign(plant):
+        plant = linear_plant(plant)
     require_supported(plant, settings)
     require_fit(plant, settings)
     w = signal_array(w, "w", plant.l_w)

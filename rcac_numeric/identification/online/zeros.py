@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import chdtrc
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
@@ -153,6 +152,8 @@ def whiteness(errors: Array) -> float:
         return 1.0
     correlation = np.array([errors[i:] @ errors[: n - i] for i in range(1, lags + 1)]) / power
     statistic = n * (n + 2) * float(np.sum(correlation**2 / (n - np.arange(1, lags + 1))))
+    from scipy.special import chdtrc  # a sixth of a second
+
     return float(chdtrc(lags, statistic))
 
 

@@ -11,7 +11,7 @@ import compensator_theory as exact
 from compensator_theory.errors import IllConditionedError, InputError
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.validation import number, one_of, rounded
+from rcac_numeric.arrays.validation import instance_of, number, one_of, rounded
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.foreign.nonlinear import is_nonlinear, plant_of_nonlinear
 from rcac_numeric.plants.functions import FunctionPlant
@@ -94,6 +94,31 @@ def plant_of(
         return replace(standard_plant(system), sample_time=period)
     A, B, C, D = (_float(found, name) for name in "ABCD")
     return _verified(_matched(A, B, C, D, period), system, found, "")
+
+
+def linear_plant(system: Any, name: str = "plant") -> Plant:
+    """A linear plant, ours or one that `plant_of` reads.
+
+    Raises
+    ------
+    InputError
+        Where it is neither, is in continuous time, or is made of functions.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric.plants.foreign.reading import linear_plant
+    >>> linear_plant(control.tf([1], [1, -0.5], 0.01)).sample_time
+    0.01
+    """
+    read = plant_of(system) if is_foreign(system) else system
+    if isinstance(read, FunctionPlant):
+        raise InputError(
+            f"{name} is nonlinear, and a linear one is needed: linearise it where the loop is to "
+            "work, for instance with control.linearize(system, x, u)."
+        )
+    linear: Plant = instance_of(read, name, Plant)
+    return linear
 
 
 def _is_own(system: Any) -> bool:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
@@ -119,6 +118,8 @@ def zero_path(schedule: PlantSchedule, steps: Sequence[int]) -> ZeroPath:
                 "take the two ranges of steps apart."
             )
         if rows:
+            from scipy.optimize import linear_sum_assignment  # a sixth of a second
+
             _, order = linear_sum_assignment(np.abs(rows[-1][:, None] - zeros[None, :]))
             zeros = zeros[order]
         rows.append(zeros)

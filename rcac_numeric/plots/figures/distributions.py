@@ -6,7 +6,6 @@ import inspect
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import Array
@@ -15,6 +14,7 @@ from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.measures import MEASURES
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import INK, line_style
 
 DECADES = 30.0  # a ratio from which the axis is logarithmic

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.plots.figures.histories import thinned
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, line_style
 
 

@@ -7,8 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
@@ -23,6 +21,7 @@ from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plots.axes import legend_below
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import DASHES, INK, WANTED, line_style
 
 POINTS = 1000

@@ -7,14 +7,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.plots.axes import draw_theta, legend_below, mark_changes
+from rcac_numeric.plots.axes import legend_below, mark_changes
+from rcac_numeric.plots.coefficients import coefficient_names, draw_theta
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, line_style
 
 WORDS = {
@@ -71,10 +71,11 @@ def draw_coefficients(figure: Figure, results: Results, request: FigureRequest) 
     if not adapting:
         axes[0].set_title("no run of this figure adapts", fontsize=10)
     figure.set_figheight(max(figure.get_figheight(), 1.6 * len(axes)))
+    alike = len({tuple(coefficient_names(run)) for run in adapting.values()}) < 2
     for axis, (name, run) in zip(axes, adapting.items(), strict=False):
         k = run.first_step + np.arange(len(run.theta)) * run.stride
         shown = (k >= request.first) & (k <= (np.inf if request.last is None else request.last))
-        draw_theta(axis, run, k, shown)
+        draw_theta(axis, run, shown=shown, legend=not alike)
         if request.magnitude:  # gains of several sizes, with their signs
             axis.set_yscale("symlog", linthresh=SMALLEST)
         mark_changes(axis, [run], request)
@@ -83,7 +84,8 @@ def draw_coefficients(figure: Figure, results: Results, request: FigureRequest) 
         axis.grid(alpha=0.25)
     axes[-1].locator_params(axis="x", nbins=6)
     axes[-1].set_xlabel("step $k$")
-    legend_below(figure)
+    if alike:
+        legend_below(figure, always=True)
 
 
 def _draw(

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import control
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from scipy.signal import StateSpace, lsim
 
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
@@ -19,6 +17,7 @@ from rcac_numeric.plants.gallery.continuous import ContinuousPlant
 from rcac_numeric.plants.gallery.rohrs import sampling_zeros
 from rcac_numeric.plants.gallery.zeros import ZeroPath, plant_zeros
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED, line_style
 
 FROZEN = 81  # steps at which the zeros of a plant that changes are found
@@ -142,14 +141,14 @@ def _step_response(axis: Axes, plant: ContinuousPlant, poles: ComplexArray) -> N
     lasting = max(6 / slow, min(5 / min(decay, default=slow), 12 * np.pi / fast))
     lasting = 3 / growing.max() if len(growing) else lasting
     time = np.linspace(0, lasting, 400)
-    system = control.ss(plant.A, plant.B, plant.C, plant.D)
+    system = StateSpace(plant.A, plant.B, plant.C, plant.D)
     for j, source in enumerate(plant.inputs):
-        drive = np.zeros((len(plant.inputs), len(time)))
-        drive[j] = 1.0
-        y = control.forced_response(system, time, drive, squeeze=False).y
+        drive = np.zeros((len(time), len(plant.inputs)))
+        drive[:, j] = 1.0
+        y = lsim(system, drive, time)[1].reshape(len(time), -1)
         for i, sink in enumerate(plant.outputs):
-            (line,) = axis.plot(time, y[i], label=f"{source} to {sink}")
-            line.set(**line_style(j * len(y) + i))
+            (line,) = axis.plot(time, y[:, i], label=f"{source} to {sink}")
+            line.set(**line_style(j * y.shape[1] + i))
     axis.set(xlabel="time, s", ylabel="output")
     axis.set_title("unit step response", fontsize=10)
     axis.locator_params(axis="x", nbins=5)

@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from textwrap import fill
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import ComplexArray
@@ -15,11 +13,12 @@ from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
-from rcac_numeric.plots.style import INK, REACHED, SECOND, WANTED
+from rcac_numeric.plots.library import Axes, Figure
+from rcac_numeric.plots.pole_maps import Kind, draw_plane, largest_counts
+from rcac_numeric.plots.style import REACHED, SECOND, WANTED
 
 NARROWEST = 2.2  # inches of a map in which its words have room
 LETTERS = 11  # of a title, for each inch
-WIDEST = 1.5  # what lies further out is named instead of drawn: the unit circle stays readable
 
 
 def draw_pole_maps(
@@ -46,39 +45,26 @@ def draw_pole_maps(
 
 
 def _draw(axis: Axes, analysed: AnalysedRun) -> None:
-    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
-    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
     kinds: dict[str, ComplexArray] = {}
     try:
         if analysed.is_scalar:
             comparison = analysed.comparison
             kinds["asked for"] = comparison.asked_poles
-            kinds["zeros"] = np.concatenate([np.zeros(0), *comparison.zeros.values()])
+            kinds["zeros"] = largest_counts(comparison.zeros.values())
             kinds["poles"] = comparison.poles
         else:
             kinds["poles"] = analysed.loop.poles()
     except CompensatorError as error:
         axis.annotate(shortened(str(error), 70), (0.5, 0.5), xycoords="axes fraction",
                       ha="center", fontsize=7, wrap=True)  # fmt: skip
-    finite = [values[np.isfinite(values)] for values in kinds.values()]
-    farthest = max((float(np.abs(values).max(initial=0.0)) for values in finite), default=0.0)
-    span = min(max(1.15, 1.1 * farthest), WIDEST)
-    for name, marker, colour, size in (
-        ("asked for", "s", WANTED, 10), ("zeros", "o", SECOND, 7), ("poles", "x", REACHED, 7),
-    ):  # fmt: skip
-        values = kinds.get(name, np.zeros(0, dtype=np.complex128))
-        axis.plot(values.real, values.imag, marker, mfc="none", mec=colour, ms=size, mew=1.5,
-                  label=name)  # fmt: skip
-    beyond = [
-        f"{name} beyond: " + ", ".join(map(_words, far[:3]))
-        for name, values in kinds.items()
-        if len(far := np.unique(np.round(values[np.abs(values) > span], 3)))
+    nothing = np.zeros(0, dtype=np.complex128)
+    drawn = [
+        Kind(name, word, values[np.isfinite(values)], marker, colour, size)
+        for name, word, marker, colour, size in (
+            ("asked for", "asked for", "s", WANTED, 10.0),
+            ("zeros", "zero", "o", SECOND, 7.0),
+            ("poles", "pole", "x", REACHED, 7.0),
+        )
+        for values in [kinds.get(name, nothing)]
     ]
-    axis.annotate("\n".join(beyond), (0.02, 0.02), xycoords="axes fraction", fontsize=7)
-    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
-    axis.set_aspect("equal")
-    axis.grid(alpha=0.25)
-
-
-def _words(value: complex) -> str:
-    return f"{value.real:.3g}" if value.imag == 0 else f"{value:.3g}"
+    draw_plane(axis, drawn)

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from matplotlib.figure import Figure
-
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.experiments.estimation.studies import StudyResult
@@ -18,6 +16,7 @@ from rcac_numeric.plots.figures.frequency_responses import draw_disturbance_resp
 from rcac_numeric.plots.figures.histories import draw_coefficients, draw_responses
 from rcac_numeric.plots.figures.plants import draw_identified_zeros, draw_plant_zeros
 from rcac_numeric.plots.figures.pole_maps import draw_pole_maps
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.run import plot_sheet
 from rcac_numeric.plots.style import draw_title
 

@@ -5,19 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import SymmetricalLogLocator
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.plots.figures.coefficients import draw_theta
-from rcac_numeric.plots.style import INK, line_style
-
-DEEPEST = 1e-4  # of the peak: below, an axis of decades is linear
-DECADES = 1e3  # a peak so many times the median is drawn over decades
+from rcac_numeric.plots.coefficients import draw_theta
+from rcac_numeric.plots.library import Axes, Figure
+from rcac_numeric.plots.style import INK, draw_over_decades, line_style
 
 
 def plot_runs(runs: Sequence[Run], labels: Sequence[str] | None = None) -> Figure:
@@ -96,20 +91,4 @@ def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal:
             count += 1
     if count:
         axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
-    if (threshold := _linear_below(parts)) is not None:
-        axis.set_yscale("symlog", linthresh=threshold, linscale=2)
-        ticks = SymmetricalLogLocator(base=10, linthresh=threshold)
-        ticks.set_params(numticks=7)
-        axis.yaxis.set_major_locator(ticks)
-
-
-def _linear_below(parts: Sequence[np.ndarray]) -> float | None:
-    """Below which size a signal of many decades is drawn linearly; None where it has few."""
-    sizes = np.abs(np.concatenate([part.ravel() for part in parts]))
-    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
-    if not len(sizes):
-        return None
-    peak, usual = float(sizes.max()), float(np.median(sizes))
-    if peak < DECADES * usual:
-        return None
-    return max(usual, peak * DEEPEST)
+    draw_over_decades(axis, parts)

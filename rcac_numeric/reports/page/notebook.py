@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
+from importlib.util import find_spec
 from itertools import count
 
 from rcac_numeric.arrays import figures
@@ -24,8 +26,10 @@ STYLE = """.rcac { --ink: currentColor; --quiet: #808790; --line: #80879066; --g
 _numbers = count()
 
 
-def notebook_html(sheet: Sheet, figure: figures.Figure | None = None) -> str:
+def notebook_html(sheet: Sheet, draw: Callable[[], figures.Figure] | None = None) -> str:
     """A report in the ink of the notebook that it stands in, and a picture below it.
+
+    Without Matplotlib it is the report alone.
 
     Examples
     --------
@@ -38,8 +42,8 @@ def notebook_html(sheet: Sheet, figure: figures.Figure | None = None) -> str:
     parts = [f'<div class="rcac"><style>{STYLE}</style>']
     parts += [f"<h3>{title}</h3>"] if title else []
     parts.append(sheet_html(sheet, level=4))
-    if figure is not None:
-        parts.append(svg_of(figure, f"rcac{next(_numbers)}", sheet.title))
+    if draw is not None and find_spec("matplotlib") is not None:
+        parts.append(svg_of(draw(), f"rcac{next(_numbers)}", sheet.title))
     return "\n".join([*parts, "</div>"])
 
 
@@ -47,4 +51,4 @@ def run_html(run: Run) -> str:
     """A run: how it ended, the health of its loop, and its signals."""
     remark = f": {run.outcome} after {run.steps} steps"
     health = health_lines(loop_health(run))
-    return notebook_html(Sheet("Run", remark, health), run.plot() if run.steps else None)
+    return notebook_html(Sheet("Run", remark, health), run.plot if run.steps else None)

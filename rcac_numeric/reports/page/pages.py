@@ -17,7 +17,7 @@ from rcac_numeric.reports.page.cases import Case, ClaimRow, picture_html
 from rcac_numeric.reports.page.html import words
 from rcac_numeric.reports.page.summaries import LEAD, opening, told_of
 
-NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "control", "matplotlib")
+NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "matplotlib")
 LEADS = {
     REPRODUCED: "good",
     CORRECTED: "warning",

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from matplotlib.figure import Figure
-
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
-from rcac_numeric.plots.axes import draw_coefficients, draw_control, draw_pole_zero
+from rcac_numeric.plots.axes import draw_control, draw_pole_zero, legend_below
+from rcac_numeric.plots.coefficients import draw_theta
+from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import draw_history, draw_magnitude, draw_phase
 
 WIDTH = 4.6  # inches; at 9 points the words are still words on a screen of 360 pixels
@@ -42,14 +42,18 @@ def _response(repetition: AnalysedRun) -> Figure:
     draw_control(second, repetition.run)
     second.set_xlabel("step $k$")
     if repetition.run.outcome != "completed":
-        first.set_yscale("symlog")
-        second.set_yscale("symlog")
+        for axis in (first, second):
+            if axis.get_yscale() == "linear":
+                axis.set_yscale("symlog")
     return _with_grid(figure)
 
 
 def _coefficients(repetition: AnalysedRun) -> Figure:
     figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
-    draw_coefficients(figure.subplots(), repetition.run)
+    axis = figure.subplots()
+    draw_theta(axis, repetition.run, legend=False)
+    axis.set_xlabel("step $k$")
+    legend_below(figure, always=True)
     return _with_grid(figure)
 
 

@@ -15,9 +15,11 @@ import compensator_theory as exact
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.loops.directions import rational_matrix
 from compensator_theory.matrices.linear_algebra import determinant, rank
+from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.filters import target_model
@@ -121,6 +123,8 @@ def zero_direction_target(
     array([[-0.75,  1.5 ],
            [ 0.75, -1.5 ]])
     """
+    if is_foreign(source):
+        source = linear_plant(source)
     if isinstance(source, Plant):
         source = direction_information(source, squaring)
     elif squaring is not None:
@@ -166,6 +170,7 @@ def direction_information(plant: Plant, squaring: ArrayLike | None = None) -> Di
     >>> direction_information(plant).zeros
     ()
     """
+    plant = linear_plant(plant)
     H, delays, right = _leading(plant, squaring)
     if plant.l_z > plant.l_u:
         square = (H.T, Matrix.eye(plant.l_u))

@@ -109,6 +109,18 @@ def test_the_figures_of_an_example(rcac, tmp_path):
     assert refused.exit_code == 2 and "cannot be made: Not a directory" in refused.output
 
 
+def test_a_case_that_asks_for_no_figure_is_drawn_by_the_usual_ones(rcac, tmp_path):
+    (tmp_path / "own.toml").write_text(
+        '[plant]\nproblem = "standard"\nG = "1/(q - 0.9)"\n[signals]\nw = { step = 1 }\n'
+        '[target]\nmodel = "fir"\n[controller]\nn_c = 2\nR_theta = 1\n[run]\nsteps = 40\n'
+    )
+    result = rcac("verify", str(tmp_path / "own.toml"), "--figures", str(tmp_path / "drawn"))
+    assert result.exit_code == 0 and "Figures: 4 in" in result.output
+    assert len(list((tmp_path / "drawn").iterdir())) == 4
+    exact = rcac("verify", "7.1", "--figures", str(tmp_path / "none"))
+    assert exact.exit_code == 0 and "Figures: none; nothing ran." in exact.output
+
+
 def test_json_is_one_object(rcac):
     result = rcac("verify", "4.7", "--json")
     data = json.loads(result.output)

@@ -28,6 +28,25 @@ def test_phases_of_nearly_equal_responses_are_nearly_equal(seed, off):
     assert np.abs(np.diff(first - turn)).max() < 1e-6, "continuous"
 
 
+@given(st.integers(0, 2**32))
+def test_a_notch_does_not_part_equal_phases(seed):
+    """At a zero on the unit circle rounding decides the way round; not 2 pi beyond it."""
+    rng = np.random.default_rng(seed)
+    q = np.exp(1j * OMEGA)
+    wanted = (q**2 - 2 * np.cos(OMEGA[100]) * q + 1) / q**2
+    noise = rng.standard_normal(len(q)) + 1j * rng.standard_normal(len(q))
+    first, second = phases(wanted, wanted + 1e-4 * noise)
+    clear = np.abs(wanted) > 0.05
+    assert np.abs(first - second)[clear].max() < 0.02
+
+
+def test_a_phase_that_turns_is_followed():
+    """Two responses that part for good: the second one is continuous, as unwrapping has it."""
+    q = np.exp(1j * OMEGA)
+    first, second = phases(1 / q, (q - 0.5) / (q - 1.5) / q**4)
+    assert np.abs(np.diff(second)).max() < 0.2 and abs(second - first).max() > np.pi
+
+
 def test_the_phases_of_example_2_3_lie_on_each_other():
     match = verify(load_example("2.3")).main.first.match
     first, second = phases(match.wanted[:, 0, 0], match.reached[:, 0, 0])

@@ -17,7 +17,7 @@ from rcac_numeric import (
     standard_plant,
     verify,
 )
-from rcac_numeric.plots.figures.coefficients import coefficient_names
+from rcac_numeric.plots.coefficients import coefficient_names
 from tests.rcac_numeric import samples
 
 

@@ -35,8 +35,8 @@ from rcac_numeric import (
     standard_plant,
     zero_order_hold,
 )
+from tests.support.foreign_systems import POINTS, of_control, random_system
 
-POINTS = np.exp(1j * np.array([0.2, 1.1, 2.6]))
 z, s = sympy.symbols("z s")
 HALF = sympy.Rational(1, 2)
 G, H = TransferFunction(1, z - HALF, z), TransferFunction(z - 2, z**2 - z / 4, z)
@@ -54,18 +54,6 @@ def response(plant):
     ]  # fmt: skip
     assert all(np.allclose(one, maps[0], rtol=1e-12, atol=0) for one in maps)
     return maps[0]
-
-
-def of_control(system):
-    return np.array([np.atleast_2d(system(point)) for point in POINTS])
-
-
-def random_system(seed, n, inputs, outputs, dt=0.01):
-    rng = np.random.default_rng(seed)
-    A = rng.standard_normal((n, n))
-    A /= 1.2 * max(np.abs(np.linalg.eigvals(A)).max(), 1e-3)
-    parts = A, rng.standard_normal((n, inputs)), rng.standard_normal((outputs, n))
-    return control.ss(*parts, rng.standard_normal((outputs, inputs)) * (seed % 2), dt)
 
 
 @settings(max_examples=25)

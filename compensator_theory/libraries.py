@@ -1,0 +1,70 @@
+"""Libraries that only some doors need: without them, the word of what installs them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+
+from compensator_theory.errors import InputError
+
+EXTRAS = {
+    "control": "control",
+    "hypothesis": "proofs",
+    "matplotlib": "plot",
+    "pandas": "pandas",
+    "pyarrow": "pandas",
+    "xarray": "pandas",
+}
+"""Each library that is not always there, and the extra of ours that brings it."""
+
+
+@contextmanager
+def needed(library: str) -> Iterator[None]:
+    """Around an import of a library that may be missing.
+
+    Raises
+    ------
+    InputError
+        Where it is not installed; the message names the extra that brings it.
+
+    Examples
+    --------
+    >>> from compensator_theory.libraries import needed
+    >>> with needed("pandas"):
+    ...     raise ModuleNotFoundError("as if it were missing", name="pandas")
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: pandas is not installed, and this needs it: `pip install
+    'compensator-theory[pandas]'` brings it.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] != library:
+            raise  # it is there, and lacks something itself
+        raise InputError(_missing(library)) from None
+
+
+def require_library(library: str) -> None:
+    """Refuse, before anything long is run, what will need a library that is not installed.
+
+    Raises
+    ------
+    InputError
+
+    Examples
+    --------
+    >>> from compensator_theory.libraries import require_library
+    >>> require_library("sympy")
+    """
+    if find_spec(library) is None:
+        raise InputError(_missing(library))
+
+
+def _missing(library: str) -> str:
+    extra = EXTRAS[library]
+    return (
+        f"{library} is not installed, and this needs it: `pip install "
+        f"'compensator-theory[{extra}]'` brings it."
+    )

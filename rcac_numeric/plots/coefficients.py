@@ -1,0 +1,97 @@
+"""The coefficients theta over the step, each line with the tap of the regressor that it weighs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
+from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.plots.library import Axes
+from rcac_numeric.plots.style import line_style
+
+NAMED = 12  # lines that a legend can name; more are told apart by the signal that they weigh
+GAINS = ("P", "I", "D", "PI", "PD", "ID", "PID")
+
+
+def coefficient_names(run: Run) -> list[str]:
+    """What each entry of theta multiplies, such as u(k-1); one name for each.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.plots.coefficients import coefficient_names
+    >>> coefficient_names(load_example("4.8").main_run.execute().first.run)
+    ['u(k-1)', 'u(k-2)', 'u(k-3)', 'y(k-1)', 'y(k-2)', 'y(k-3)']
+    """
+    if isinstance(run.settings, StepwiseController):
+        return [rf"\theta_{{{i + 1}}}" for i in range(run.theta.shape[1])]
+    return [
+        name
+        for one in controllers_of(run.settings)
+        if isinstance(one, ControllerSettings)
+        for name in structure_names(one.structure)
+    ]
+
+
+def structure_names(structure: Structure) -> list[str]:
+    """The same of one structure, in the order of its coefficients.
+
+    Examples
+    --------
+    >>> from rcac_numeric import pid
+    >>> from rcac_numeric.plots.coefficients import structure_names
+    >>> structure_names(pid())
+    ['K_P', 'K_I', 'K_D']
+    """
+    if structure.name in GAINS and structure.l_theta == len(structure.name):
+        return [f"K_{letter}" for letter in structure.name]
+    widths = {"u": structure.l_u, "y": structure.l_y, "r": structure.l_r}
+    widths["derived"] = len(structure.derived)
+    names = []
+    for tap in structure.taps:
+        letter = "s" if tap.signal == "derived" else tap.signal
+        index = f"_{tap.component + 1}" if widths[tap.signal] > 1 else ""
+        lag = f"k-{tap.delay}" if tap.delay else "k"
+        for row in range(structure.l_u):
+            to = rf"\to u_{row + 1}" if structure.l_u > 1 else ""
+            names.append(f"{letter}{index}({lag}){to}")
+    return names
+
+
+def draw_theta(
+    axis: Axes, run: Run, title: str = "", shown: np.ndarray | None = None, *, legend: bool = True
+) -> None:
+    """Theta over the step, or at those of its rows that are shown, named by `coefficient_names`."""
+    k = run.first_step + np.arange(len(run.theta)) * run.stride
+    rows = slice(None) if shown is None else shown
+    draw_coefficients(axis, k[rows], run.theta[rows], coefficient_names(run), legend=legend)
+    if title:
+        axis.set_title(title, fontsize=10, parse_math=False)
+
+
+def draw_coefficients(
+    axis: Axes, k: np.ndarray, theta: Array, names: list[str], *, legend: bool = True
+) -> None:
+    """A line for each coefficient, with a legend of its names.
+
+    Where they are many, one of the signals that they weigh.
+    """
+    groups = [name.split("(")[0].split("_")[0] for name in names]
+    kinds = list(dict.fromkeys(groups))
+    many = len(names) > NAMED
+    for i, (name, group) in enumerate(zip(names, groups, strict=True)):
+        style = line_style(kinds.index(group) if many else i)
+        if many:
+            style["linestyle"] = "-"  # dashes of fifty lines are a carpet
+        first = groups.index(group) == i
+        label = (f"of ${group}$" if first else None) if many else f"${name}$"
+        axis.plot(k, theta[:, i], linewidth=0.9 if many else 1.2, label=label, **style)
+    if names and legend:
+        axis.legend(fontsize=7.5, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False,
+                    title=None if many or names[0].startswith("K_") else "weighs",
+                    title_fontsize=7.5)  # fmt: skip
+    axis.set_ylabel("gains" if names and names[0].startswith("K_") else r"coefficients $\theta$")

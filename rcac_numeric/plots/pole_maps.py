@@ -1,0 +1,124 @@
+"""Poles and zeros in the plane; what lies far out is an arrow at the rim, with its value."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.plots.library import Axes
+from rcac_numeric.plots.style import INK
+
+REACH = 1.3  # half the width of a map: what lies further out would make the unit circle a dot
+ROOM = 1.4  # where words stand at the rim
+DIGITS = 6  # to which points count as one
+SAME_DIRECTION = 0.15  # radians within which far points share an arrow
+NAMED = 3  # values at one arrow
+
+
+class Kind(NamedTuple):
+    """Points of one kind: the words of the legend, one word for the rim, how they are drawn."""
+
+    label: str
+    word: str
+    values: ComplexArray
+    marker: str
+    colour: str
+    size: float
+
+
+def draw_plane(axis: Axes, kinds: Sequence[Kind], reach: float = REACH) -> None:
+    r"""Points near the unit circle, and arrows at the rim towards those beyond.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from matplotlib.figure import Figure
+    >>> from rcac_numeric.plots.pole_maps import Kind, draw_plane
+    >>> axis = Figure().subplots()
+    >>> draw_plane(axis, [Kind("zeros", "zero", np.array([0.5, -3.6]), "o", "black", 6)])
+    >>> [text.get_text() for text in axis.texts if text.get_text()]
+    ['zero\n-3.6']
+    """
+    far = _far(kinds, reach)
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
+    axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
+    for kind in kinds:
+        values = kind.values[np.abs(kind.values) <= reach]
+        axis.plot(values.real, values.imag, kind.marker, mfc="none", mec=kind.colour, ms=kind.size,
+                  mew=1.5, label=kind.label, linestyle="none")  # fmt: skip
+    span = max(reach, ROOM) if far else reach
+    axis.set(xlim=(-span, span), ylim=(-span, span), xlabel="real", ylabel="imaginary")
+    axis.set_aspect("equal")
+    axis.grid(alpha=0.25)
+    for direction, words, colour in far:
+        _draw_arrow(axis, direction, words, colour, span)
+
+
+def complex_word(value: complex) -> str:
+    """A point of the plane in three digits.
+
+    Examples
+    --------
+    >>> from rcac_numeric.plots.pole_maps import complex_word
+    >>> complex_word(-3.6143 + 0j), complex_word(2 - 1.5j)
+    ('-3.61', '2-1.5j')
+    """
+    return f"{value.real:.3g}" if value.imag == 0 else f"{value:.3g}"
+
+
+def largest_counts(channels: Iterable[ComplexArray]) -> ComplexArray:
+    """Points of several maps in one picture: each as often as in the map that has it most often.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.plots.pole_maps import largest_counts
+    >>> largest_counts([np.array([2.0, 2.0]), np.array([2.0, 3.0])])
+    array([2.+0.j, 2.+0.j, 3.+0.j])
+    """
+    most: Counter[complex] = Counter()
+    for values in channels:
+        most |= Counter(np.round(values.astype(np.complex128), DIGITS).tolist())
+    return np.array(list(most.elements()), dtype=np.complex128)
+
+
+def _far(kinds: Sequence[Kind], reach: float) -> list[tuple[float, list[str], str]]:
+    """Direction, words and colour of each arrow; points in one direction share it."""
+    points = []
+    for kind in kinds:
+        beyond = kind.values[np.abs(kind.values) > reach]
+        values, counts = np.unique(np.round(beyond, DIGITS), return_counts=True)
+        points += [
+            (float(np.angle(v)) % (2 * np.pi), float(np.abs(v)), complex(v), int(count), kind)
+            for v, count in zip(values, counts, strict=True)
+        ]
+    found: list[tuple[float, list[str], str]] = []
+    for angle, _, value, count, kind in sorted(points, key=lambda point: point[:2]):
+        word = f"{kind.word}\n{complex_word(value)}" + (f" x{count}" if count > 1 else "")
+        if found and angle - found[-1][0] < SAME_DIRECTION:
+            found[-1][1].append(word)
+        else:
+            found.append((angle, [word], kind.colour))
+    return found
+
+
+def _draw_arrow(axis: Axes, angle: float, words: list[str], colour: str, reach: float) -> None:
+    towards = np.array([np.cos(angle), np.sin(angle)])
+    rim = towards * reach / np.abs(towards).max()
+    axis.annotate("", rim, 0.88 * rim,
+                  arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 1.2})  # fmt: skip
+    shown = words if len(words) <= NAMED else [*words[:NAMED], "..."]
+    x, y = towards
+    if abs(x) >= abs(y):  # at the sides narrow words, between the rim and the circle
+        text, at, offset = "\n".join(shown), (np.sign(x) * reach, rim[1]), (-3 * np.sign(x), 5)
+        places = "right" if x > 0 else "left", "bottom"
+    else:
+        text, at = ", ".join(shown).replace("\n", " "), (rim[0], 0.94 * rim[1])
+        offset = (-6 * np.sign(x) if x else 6, 0)  # towards the middle, where there is room
+        places = "right" if x > 0 else "left", "center"
+    axis.annotate(text, at, offset, textcoords="offset points", fontsize=7, color=INK,
+                  ha=places[0], va=places[1], linespacing=1.0)  # fmt: skip
