@@ -222,5 +222,5 @@ class _Names:
 
 
 def _written(part: Poly | Expr) -> str:
-    text = str(part.as_expr())
+    text = quoted(part)
     return text if len(text) <= 60 else text[:57] + "..."
