@@ -12,7 +12,7 @@ from rcac_numeric.arrays.validation import number
 class SignalWeight:
     """A weight that follows z, evaluated in the kernel.
 
-    R(k) = (constant + z_squared z(k)'z(k)) / (1 + nu |z(k)|)^2 I
+    R(k) = (constant + z_squared z(k)'z(k)) / (1 + nu abs(z(k)))^2 I
 
     The text uses R_u = e_0(k)^2 so that a large error slows the adaptation down (section 2.3.4).
     As R_z, nu makes the row of a step weigh less the larger z is: the normalisation to prefer.
