@@ -22,10 +22,10 @@ class Normalization:
     "tanh"      limit tanh(x/limit)
     "erf"       limit erf(sqrt(pi) x / (2 limit))
 
-    Only z is replaced, neither y nor Phi: the published form. z/(1 + nu abs(z)) is ``limit = 1/nu``.
-    As z shrinks and Phi_f theta - u_f does not, it can take a loop its stability where the weight
-    ``R_z = SignalWeight(constant=1, nu=nu)`` of the same row does not: prefer that one, and
-    this for settings of others.
+    Only z is replaced, neither y nor Phi: the published form. ``limit = 1/nu`` is
+    z/(1 + nu abs(z)). As z shrinks and Phi_f theta - u_f does not, it can take a loop its stability
+    where the weight ``R_z = SignalWeight(constant=1, nu=nu)`` of the same row does not: prefer that
+    one, and this for settings of others.
 
     Parameters
     ----------
