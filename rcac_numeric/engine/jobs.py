@@ -64,7 +64,10 @@ class PreparedRun:
         self.w = signal_array(w, "w", plant.l_w)
         require_fit(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
-        self.divergence_limit = divergence_limit_of(divergence_limit, self.w, self.x_0)
+        self._before = 0.0 if start is None else saved_state(start, "start").scale
+        self.divergence_limit = divergence_limit_of(
+            divergence_limit, scale_of(self._before, self.w, self.x_0)
+        )
         self._kernels = [
             compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
         ]
@@ -169,7 +172,9 @@ class PreparedRun:
         stopped = interrupted and done < len(self.w) and (outcome == 0 or in_function)
         state = None
         if with_state and outcome == 0 and not (stopped and self._failures.guards_something):
-            state = SavedState.taken("loop", self.first_step + done, self._whole.save(), self._name)
+            scale = scale_of(self._before, self.w[:done], self.x_0)
+            values, k = self._whole.save(), self.first_step + done
+            state = SavedState.taken("loop", k, values, self._name, scale)
         return Run(
             plant=self.plant,
             settings=self.settings,
@@ -265,11 +270,16 @@ def _learner(controllers: tuple[OneController, ...]) -> DataDrivenLearner | None
     return DataDrivenLearner(learning[0], adaptive[0].structure) if learning else None
 
 
-def divergence_limit_of(given: float | None, *from_outside: Array | None) -> float:
+def scale_of(before: float, *from_outside: Array | None) -> float:
+    """The largest size of what comes from outside, in this run and those that it goes on from."""
+    peaks = [np.abs(values).max(initial=0.0) for values in from_outside if values is not None]
+    return float(max(before, *peaks))
+
+
+def divergence_limit_of(given: float | None, scale: float) -> float:
     """The size at which a loop counts as diverged."""
     if given is None:
-        peaks = [np.abs(values).max(initial=0.0) for values in from_outside if values is not None]
-        return NO_DIGIT_LEFT * float(max(1.0, *peaks))
+        return NO_DIGIT_LEFT * max(1.0, scale)
     limit = number(given, "divergence_limit")
     if limit <= 0:
         raise InputError(f"divergence_limit = {limit} must be positive.")

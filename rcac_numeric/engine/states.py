@@ -42,6 +42,9 @@ class SavedState(Value):
         Of the settings that the state belongs to; it can be restored into no others.
     checksum : str
         Of all of this: a state that was changed is refused.
+    scale : float
+        The largest size of w and x_0 up to here, on which the divergence limit of a run that goes
+        on depends, as that of the whole run does.
 
     Examples
     --------
@@ -61,11 +64,12 @@ class SavedState(Value):
     values: Array = field(repr=False)
     fingerprint: str = field(repr=False)
     checksum: str = field(repr=False)
+    scale: float = field(default=0.0, repr=False)
 
     @classmethod
-    def taken(cls, kind: str, k: int, values: Array, of: str) -> SavedState:
+    def taken(cls, kind: str, k: int, values: Array, of: str, scale: float = 0.0) -> SavedState:
         """The state of a compiled object whose settings have the fingerprint `of`."""
-        return cls(kind, k, values, of, _checksum(kind, k, values, of))
+        return cls(kind, k, values, of, _checksum(kind, k, values, of, scale), scale)
 
     def save(self, path: str | Path) -> None:
         """Write the state to a .npz file; an older file of that name stays whole until then.
@@ -84,6 +88,7 @@ class SavedState(Value):
                 bits=np.asarray(self.values).view(np.int64),
                 fingerprint=np.array(self.fingerprint),
                 checksum=np.array(self.checksum),
+                scale=np.array(self.scale),
             )
 
     @classmethod
@@ -105,13 +110,14 @@ class SavedState(Value):
                 values = np.ascontiguousarray(bits).view(np.float64)
                 words = (str(data[name]) for name in ("kind", "fingerprint", "checksum"))
                 kind, of, checksum = words
+                scale = float(data["scale"]) if "scale" in data else 0.0
         except OSError as error:
             raise InputError(f"{path} cannot be read: {error}.") from None
         except Exception as error:  # zipfile, zlib, tokenize and NumPy each have their own
             raise InputError(f"{path} holds no saved state: {error}.") from None
-        if checksum != _checksum(kind, int(k), values, of):
+        if checksum != _checksum(kind, int(k), values, of, scale):
             raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
-        return cls(kind, int(k), values, of, checksum)
+        return cls(kind, int(k), values, of, checksum, scale)
 
     def restore_into(self, compiled: Restorable, kind: str, of: str, steps: Counter) -> None:
         """Put the state into an object; raise where it does not belong there.
@@ -132,7 +138,7 @@ class SavedState(Value):
                 f"the values of the state are a {type(values).__name__} instead of a float64 "
                 "array of one dimension; use what `state` or `SavedState.load` gave."
             )
-        if self.checksum != _checksum(kind, self.k, values, of):
+        if self.checksum != _checksum(kind, self.k, values, of, self.scale):
             raise InputError(
                 f"the state of this {kind} is damaged: it was changed after it was saved."
             )
@@ -146,8 +152,9 @@ class SavedState(Value):
             raise InputError(f"the state of this {kind} is damaged: {error}.") from None
 
 
-def _checksum(kind: str, k: int, values: Array, of: str) -> str:
-    return fingerprint((kind, k, values, of))
+def _checksum(kind: str, k: int, values: Array, of: str, scale: float) -> str:
+    words = (kind, k, values, of)
+    return fingerprint((*words, scale) if scale else words)  # without: as before there was one
 
 
 def saved_state(value: object, name: str) -> SavedState:

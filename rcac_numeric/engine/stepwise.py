@@ -19,7 +19,7 @@ from rcac_numeric.engine.compatibility import command_position, require_stepwise
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant, initial_state
 from rcac_numeric.engine.interruption import RunInterrupted
-from rcac_numeric.engine.jobs import divergence_limit_of
+from rcac_numeric.engine.jobs import divergence_limit_of, scale_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -54,7 +54,9 @@ class StepwiseLoop:
         self._body = compiled_plant(plant, self.x_0, self._failures)
         self.w = signal_array(w, "w", plant.l_w)
         self.stride = integer(stride, "stride", at_least=1)
-        self.limit = divergence_limit_of(divergence_limit, self.w, self.x_0)
+        self._before = 0.0 if start is None else saved_state(start, "start").scale
+        scale = scale_of(self._before, self.w, self.x_0)
+        self.limit = divergence_limit_of(divergence_limit, scale)
         require_stepwise_fits(plant, settings)
         self._r = command_position(plant, settings.l_r)
         self._controller = settings.started()
@@ -150,7 +152,8 @@ class StepwiseLoop:
         done, state = self.done, None
         if whole and _resumes(self.plant):
             k = self.first_step + done
-            state = SavedState.taken("loop", k, self.save(), self._name)
+            scale = scale_of(self._before, self.w[: self.done], self.x_0)
+            state = SavedState.taken("loop", k, self.save(), self._name, scale)
         return Run(
             plant=self.plant,
             settings=self.settings,

@@ -25,6 +25,7 @@ from rcac_numeric import (
     SlidingWindow,
     SubspaceForgetting,
     TargetModel,
+    check_controller,
     fir_integrator,
     iir,
     load_run,
@@ -178,3 +179,10 @@ def test_a_clamped_integrator_never_leaves_its_limit(seed, limit):
     assert np.allclose(run.u[2:, 0], u, atol=1e-12)
     free = simulate(PLANT, replace(settings, structure=fir_integrator(2)), noise(seed, 60, 1))
     assert np.abs(np.cumsum(free.y)).max() <= limit or not np.array_equal(free.u, run.u)
+
+
+def test_the_log_of_a_clamped_integrator_is_consistent():
+    run = simulate(PLANT, settings_of(structure=pid(integral_limit=0.3)), noise(8, 200, 1))
+    assert check_controller(run).is_consistent
+    loose = replace(run.settings, structure=pid())
+    assert not check_controller(replace(run, settings=loose)).is_consistent

@@ -20,6 +20,7 @@ from rcac_numeric import (
     Decentralized,
     Gradient,
     Instantaneous,
+    Plant,
     Saturation,
     SavedState,
     ScheduledForgetting,
@@ -88,10 +89,11 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
     if whole.outcome != "completed":
         return
     cut = data.draw(st.integers(1, steps - 1))
-    # The usual limit is that of what comes from outside, of which each piece sees a part.
-    common = {"saturation": saturation, "divergence_limit": whole.divergence_limit}
-    first = simulate(plant, settings, w[:cut], **common)
-    rest = simulate(plant, settings, w[cut:], start=first.state, **common)
+    # The usual limit is that of what comes from outside, of which the first piece sees a part.
+    limit = whole.divergence_limit
+    first = simulate(plant, settings, w[:cut], saturation=saturation, divergence_limit=limit)
+    rest = simulate(plant, settings, w[cut:], start=first.state, saturation=saturation)
+    assert rest.divergence_limit == limit and rest.state == whole.state
     assert rest.first_step == cut and rest.state.k == steps
     for name in SIGNALS:
         pieces = np.concatenate([getattr(first, name), getattr(rest, name)])
@@ -99,6 +101,28 @@ def test_a_run_cut_in_pieces_is_the_run(data, l_u, l_y, l_z, kind, seed):
     assert np.array_equal(rest.theta_final, whole.theta_final)
     assert rest.state.values.tobytes() == whole.state.values.tobytes()
     assert (rest.resets, rest.guard_count) == (whole.resets, whole.guard_count)
+
+
+@pytest.mark.parametrize("given", ["w", "x_0"])
+def test_a_state_carries_the_size_of_what_came_from_outside(given, tmp_path):
+    """A run that goes on from a large signal diverges where the whole run does."""
+    plant = Plant(A=[[1.2]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0]])
+    update = UD(1.0)
+    settings = ControllerSettings(
+        structure=iir(1), target=TargetModel([0, 1.0]), update=update, k_w=10**6
+    )
+    w, x_0 = np.zeros((300, 1)), [1e4 if given == "x_0" else 0.0]
+    w[3] = 0.0 if given == "x_0" else 1e4
+    whole = simulate(plant, settings, w, x_0=x_0)
+    first = simulate(plant, settings, w[:50], x_0=x_0)
+    first.state.save(tmp_path / "state.npz")
+    state = SavedState.load(tmp_path / "state.npz")
+    assert state == first.state and state.scale == 1e4
+    rest = simulate(plant, settings, w[50:], start=state)
+    assert whole.outcome == rest.outcome == "diverged" and whole.divergence_limit == 1e19
+    assert 50 + rest.steps == whole.steps
+    with pytest.raises(InputError, match="damaged"):
+        simulate(plant, settings, w[50:], start=replace(state, scale=1.0))
 
 
 @given(st.data(), sizes, sizes, sizes, seeds)
