@@ -8,10 +8,11 @@ import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.experiments.format.deferred import Deferred
 from rcac_numeric.experiments.format.lists import ListOf, Row
+from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
-from rcac_numeric.experiments.format.values import Exact, Integer, Numbers
+from rcac_numeric.experiments.format.values import Choice, Exact, Integer, Numbers
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.targets.data_driven import DataDriven
+from rcac_numeric.targets.data_driven import INPUTS, LITERAL, DataDriven
 from rcac_numeric.targets.directions.zero_directions import (
     DirectionInformation,
     zero_direction_target,
@@ -160,6 +161,14 @@ def _complex(value: Any) -> complex:
     return complex(exact.exact_number(value))
 
 
+class _LearntFrom(Choice):
+    """The inputs of `DataDriven`; the literal u~ is passed on to it, which says why it is none."""
+
+    def read(self, value: object, place: Place) -> str:
+        """As a str."""
+        return str(value) if value in LITERAL else super().read(value, place)
+
+
 # Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
 LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 200, 600, 80, 20, 20
 TOLD = {"H": Exact(), "nmp_zeros": ListOf(Exact())}
@@ -184,7 +193,7 @@ TARGETS: Kinds[TargetModel | DataDriven] = Kinds(
         ),
         "high authority": _high_authority,
         "output subspace": _output_subspace,
-        "data driven": Table(DataDriven),
+        "data driven": Table(DataDriven, forms={"input": _LearntFrom(INPUTS)}),
         "zero directions": Kind(
             Variant(
                 Table(

@@ -26,6 +26,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.engine.live.perturbation import FrozenPerturbation
+from rcac_numeric.experiments.files.builder import build
 
 ZERO = "(q - 0.8)*(q - {})/((q - 0.5)*(q**2 - 1.9*q + 1))"  # example 6.1 with its zero moved
 FROZEN = DataDriven(order=9, start=100, every=10, input="frozen u~", n=3, window=150)
@@ -118,6 +119,25 @@ def test_a_run_cut_or_driven_step_by_step_is_the_run():
             state, controller = controller.state, Controller(settings)
             controller.restore(state)
         assert np.array_equal(controller.step(run.y[k], run.z[k]), run.u[k])
+
+
+def test_an_experiment_file_says_it_and_says_why_not():
+    """The two inputs are the schema's; asking for the literal one gives the reason."""
+    table = {
+        "plant": {"problem": "standard", "G": "(q - 1.5)/(q*(q - 0.5))"},
+        "signals": {"w": {"white_noise": 0.01}},
+        "target": {"model": "data driven", "order": 9, "start": 100, "input": "frozen u~", "n": 2},
+        "controller": {"n_c": 6, "R_theta": 0.5},
+        "run": {"steps": 300},
+    }
+    settings = build(table, "case").main_run.settings
+    assert settings.learning == DataDriven(order=9, start=100, input="frozen u~", n=2)
+    table["target"]["input"] = "literal u~"
+    with pytest.raises(InputError, match="fades as theta converges"):
+        build(table, "case")
+    table["target"]["input"] = "frozen u"
+    with pytest.raises(InputError, match=r"choose one of u, frozen u~.*Did you mean"):
+        build(table, "case")
 
 
 def test_refusals():
