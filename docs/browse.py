@@ -110,7 +110,7 @@ def views(browser: Any, site: str, pictures: Path | None) -> Iterator[str]:
             page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
             said: list[str] = []
             page.on("pageerror", lambda error, said=said: said.append(str(error)))
-            page.on("console", lambda m, said=said: m.type == "error" and said.append(m.text))
+            page.on("console", lambda m, said=said: said.extend(_error(m)))
             for name in LOOKED_AT:
                 page.goto(f"{site}/{name}.html", wait_until="load")
                 wide = page.evaluate("document.documentElement.scrollWidth")
@@ -124,6 +124,12 @@ def views(browser: Any, site: str, pictures: Path | None) -> Iterator[str]:
                     pictures.mkdir(exist_ok=True)
                     page.screenshot(path=pictures / file)
             page.close()
+
+
+def _error(message: Any) -> Iterator[str]:
+    """A line of the console, if it is an error; sites need no icon."""
+    if message.type == "error" and not message.location["url"].endswith("favicon.ico"):
+        yield f"{message.text} {message.location['url']}"
 
 
 if __name__ == "__main__":
