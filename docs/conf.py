@@ -56,6 +56,7 @@ html_theme = "furo"
 html_title = "compensator-theory"
 html_static_path = ["_static"]
 html_css_files = ["pictures.css"]
+html_search_scorer = str(Path(__file__).resolve().parent / "search_scorer.js")
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
 

@@ -102,16 +102,12 @@ def resolve_public(app: Any, env: Any, node: Any, contnode: Any) -> Any:
         return None
     module, holder, target = node.get("py:module"), node.get("py:class"), node["reftarget"]
     domain = env.get_domain("py")
-    for name in (public_target(target, module), _only(domain, env, target), _holder(target)):
-        if name and name != target:
-            return domain.resolve_xref(
-                env, node["refdoc"], app.builder, "obj", name, node, contnode
-            )
-    if module and holder and _holder(f"{module}.{holder}.{target}"):
-        return domain.resolve_xref(
-            env, node["refdoc"], app.builder, "obj", f"{module}.{holder}", node, contnode
-        )
-    return None
+    name = public_target(target, module) or _only(domain, env, target) or _holder(target)
+    if name is None and module and holder and _holder(f"{module}.{holder}.{target}"):
+        name = f"{module}.{holder}"
+    if name is None or name == target:
+        return None
+    return domain.resolve_xref(env, node["refdoc"], app.builder, "obj", name, node, contnode)
 
 
 def _only(domain: Any, env: Any, target: str) -> str | None:
@@ -123,6 +119,8 @@ def _only(domain: Any, env: Any, target: str) -> str | None:
 def _holder(target: str) -> str | None:
     """The class of a field or the module of a constant, if it really has it."""
     path, _, name = target.rpartition(".")
+    if path.partition(".")[0] not in PACKAGES:
+        return None
     head, _, last = path.rpartition(".")
     for module, attribute in ((path, ""), (head, last)):
         try:

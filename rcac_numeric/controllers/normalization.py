@@ -15,17 +15,18 @@ FUNCTIONS = ("rational", "root", "arctan", "tanh", "erf")
 class Normalization:
     """A bound on what one step's error can ask for: z in the cost becomes f(z), entry by entry.
 
-    f'(0) = slope, abs f < limit; with x = slope z:
-    "rational"  x / (1 + abs(x)/limit)
-    "root"      x / sqrt(1 + (x/limit)^2)
-    "arctan"    (2 limit/pi) arctan(pi x / (2 limit))
-    "tanh"      limit tanh(x/limit)
-    "erf"       limit erf(sqrt(pi) x / (2 limit))
+    f'(0) = slope, abs f < limit; with x = slope z::
 
-    Only z is replaced, neither y nor Phi: the published form. ``limit = 1/nu`` is
-    z/(1 + nu abs(z)). As z shrinks and Phi_f theta - u_f does not, it can take a loop its stability
-    where the weight ``R_z = SignalWeight(constant=1, nu=nu)`` of the same row does not: prefer that
-    one, and this for settings of others.
+        "rational"  x / (1 + |x|/limit)
+        "root"      x / sqrt(1 + (x/limit)^2)
+        "arctan"    (2 limit/pi) arctan(pi x / (2 limit))
+        "tanh"      limit tanh(x/limit)
+        "erf"       limit erf(sqrt(pi) x / (2 limit))
+
+    Only z is replaced, neither y nor Phi: the published form. z/(1 + nu abs z) is ``limit = 1/nu``.
+    As z shrinks and Phi_f theta - u_f does not, it can take a loop its stability where the weight
+    ``R_z = SignalWeight(constant=1, nu=nu)`` of the same row does not: prefer that one, and
+    this for settings of others.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 TESTS = ROOT / "tests"
 MIRRORED = ("compensator_theory", "rcac_numeric", "proofs")
-OTHERS = ("docs", "fuzz", "house", "notebooks", "support")  # tests that mirror no package
+OTHERS = ("docs", "fuzz", "house", "notebooks", "support")  # they mirror no package
 FILES = sorted(TESTS.rglob("*.py"))
 HELPERS = sorted(p for p in (TESTS / "support").rglob("*.py") if p.name != "__init__.py")
 FOLDERS = sorted({p.parent for p in FILES})

@@ -1,0 +1,23 @@
+// What a reader looks for by a word is first the page of that name, then the task, then a function.
+var Scorer = {
+  objNameMatch: 11,
+  objPartialMatch: 6,
+  objPrio: { 0: 5, 1: 0, 2: -5 },
+  objPrioDefault: 0,
+  title: 15,
+  partialTitle: 7,
+  term: 5,
+  partialTerm: 2,
+
+  score: ([docname, title, anchor, descr, score, filename, kind]) => {
+    const query = new URLSearchParams(window.location.search).get("q") || "";
+    const words = query.toLowerCase().split(/\s+/).filter((word) => word);
+    const titled = title.toLowerCase().split(/\W+/);
+    const named = words.every((word) => titled.some((part) => part.startsWith(word)));
+    if (anchor || !words.length || !named) return score;
+    const first = titled[0].startsWith(words[0]) ? 20 : 0;
+    if (docname.startsWith("reference/api/")) return score + 10;
+    if (/^reference\/(rcac_numeric|compensator_theory)/.test(docname)) return score - 10;
+    return score + (docname.startsWith("guide/") ? 50 : 40) + first;
+  },
+};
