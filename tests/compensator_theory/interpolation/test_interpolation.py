@@ -217,6 +217,7 @@ def test_laurent_against_derivatives(G, point):
     assert found[-found.order - 1].is_zero_matrix and found.certificate.holds
 
 
+@fewer(3)
 @given(strictly_proper_plants(max_order=3), st.integers(-2, 2))
 def test_residues_against_sympy(plant, point):
     found = laurent_expansion(plant, point, plant.order + 1)

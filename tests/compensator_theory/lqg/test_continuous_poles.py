@@ -48,7 +48,7 @@ def riccati_poles(A, B, E_1, E_2):
     return np.poly(a - b @ K)
 
 
-@fewer(1)
+@fewer(3)
 @given(problems())
 def test_the_poles_are_those_of_the_riccati_equation(plant):
     try:
