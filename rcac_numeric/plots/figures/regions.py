@@ -63,8 +63,9 @@ def plot_stability_region(
                 _draw_slab(axis, region, (left, right), (bottom, top))
     axis.set_xlim(low, high)
     axis.set_ylim(bottom, top)
-    for label, parameter in zip((axis.set_xlabel, axis.set_ylabel), region.parameters, strict=True):
-        label(f"${sympy.latex(parameter)}$")
+    horizontal, vertical = (f"${sympy.latex(parameter)}$" for parameter in region.parameters)
+    axis.set_xlabel(horizontal)
+    axis.set_ylabel(vertical)
     axis.grid(alpha=0.25)
     axis.spines[["top", "right"]].set_visible(False)
     return figure
