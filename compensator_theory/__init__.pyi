@@ -51,6 +51,8 @@ from .geometry.invariant_subspaces import (
 from .geometry.invariant_subspaces import (
     controlled_invariant_subspaces as controlled_invariant_subspaces,
 )
+from .interpolation.laurent import LaurentExpansion as LaurentExpansion
+from .interpolation.laurent import laurent_expansion as laurent_expansion
 from .interpolation.nevanlinna_pick import PickInterpolation as PickInterpolation
 from .interpolation.nevanlinna_pick import nevanlinna_pick as nevanlinna_pick
 from .interpolation.pade import PadeApproximant as PadeApproximant
@@ -80,6 +82,11 @@ from .loops.zero_directions import direction_residual as direction_residual
 from .loops.zero_directions import zero_direction_target as zero_direction_target
 from .lqg.continuous import ContinuousLQG as ContinuousLQG
 from .lqg.continuous import continuous_lqg as continuous_lqg
+from .lqg.continuous_poles import ContinuousLQGPoles as ContinuousLQGPoles
+from .lqg.continuous_poles import continuous_lqg_poles as continuous_lqg_poles
+from .lqg.continuous_poles import (
+    continuous_regulator_spectrum as continuous_regulator_spectrum,
+)
 from .lqg.continuous_riccati import ContinuousRiccatiSolution as ContinuousRiccatiSolution
 from .lqg.continuous_riccati import solve_continuous_riccati as solve_continuous_riccati
 from .lqg.high_authority import HighAuthorityLQG as HighAuthorityLQG

@@ -174,6 +174,7 @@ from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
+from .plots.figures.regions import plot_stability_region as plot_stability_region
 from .plots.figures.requested import plot_request as plot_request
 from .plots.figures.runs import plot_runs as plot_runs
 from .plots.run import plot_sheet as plot_sheet

@@ -198,7 +198,7 @@ def regulator_spectrum(
     pencil = [to_flint(matrix) for matrix in (constant, slope)]
     points = [flint.fmpq(k) for k in range(-n, n + 1)]
     values = [(pencil[0] + point * pencil[1]).det() for point in points]
-    ascending = _interpolated(points, values)
+    ascending = interpolated(points, values)
     sign = -1 if n % 2 else 1
     descending = [sign * rational(c) for c in reversed(ascending)]
     return canonical(Poly(descending, symbol))
@@ -218,8 +218,16 @@ def is_palindromic(poly: Poly) -> bool:
     return bool(reciprocal_polynomial(reflected) == reflected)
 
 
-def _interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
-    """Return ascending coefficients through the points, by Newton's divided differences."""
+def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
+    """Return ascending coefficients through the points, by Newton's divided differences.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.lqg.poles import interpolated
+    >>> interpolated([flint.fmpq(0), flint.fmpq(1)], [flint.fmpq(2), flint.fmpq(5)])
+    [2, 3]
+    """
     table = list(values)
     for order in range(1, len(points)):
         for i in range(len(points) - 1, order - 1, -1):

@@ -128,7 +128,7 @@ def stability_region(
     Notes
     -----
     Source: the parameter plane of D. Mitrovic (1959) and D. D. Siljak (1969), here with proof: no
-    isolated component is missed. each slab is a column of its picture.
+    isolated component is missed. ``rcac_numeric.plot_stability_region`` draws it.
 
     Examples
     --------

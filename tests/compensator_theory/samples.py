@@ -165,6 +165,9 @@ SAMPLES = {
     exact.PartialRealisation: nonzero_rationals().map(
         lambda c: exact.partial_realisation([1, c, "a", 0], "z")
     ),
+    exact.LaurentExpansion: strictly_proper_plants().map(
+        lambda plant: exact.laurent_expansion(plant, "a", 2)
+    ),
     exact.PickInterpolation: nonzero_rationals().map(
         lambda w: exact.nevanlinna_pick([1, 2], [w, 1], 3)
     ),
@@ -247,6 +250,7 @@ SAMPLES = {
         lambda plant: exact.continuous_lqg(plant).regulator
     ),
     exact.ContinuousLQG: continuous_problems().map(exact.continuous_lqg),
+    exact.ContinuousLQGPoles: continuous_problems().map(exact.continuous_lqg_poles),
     exact.RegulatorLocus: strictly_proper_plants().map(
         lambda plant: exact.regulator_locus(plant.numerator, plant.denominator)
     ),

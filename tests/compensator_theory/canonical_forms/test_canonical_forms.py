@@ -110,7 +110,7 @@ def pencils(draw):
     return P * A * Q, P * E * Q, sorted(right), sorted(left), finite, sorted(infinite)
 
 
-@fewer(2)
+@fewer(3)
 @given(pencils())
 def test_kronecker_form_of_what_was_disguised(case):
     A, E, right, left, finite, infinite = case
@@ -139,7 +139,7 @@ def test_indices_against_ranks_of_toeplitz_matrices(case):
         assert wide.cols - rank(wide) == sum(max(0, k - e) for e in found.right_indices)
 
 
-@fewer(2)
+@fewer(3)
 @given(polynomial_matrices(), st.data())
 def test_popov_form_is_unique(P, data):
     found = popov_form(P)

@@ -11,6 +11,7 @@ from compensator_theory import (
     CompensatorError,
     NoSolutionError,
     hankel_matrix,
+    laurent_expansion,
     markov_parameters,
     nevanlinna_pick,
     pade_approximant,
@@ -18,7 +19,7 @@ from compensator_theory import (
     transfer_function,
 )
 from compensator_theory.strategies import coprime_pairs, rationals, strictly_proper_plants
-from tests.support.structure_cases import fewer
+from tests.support.structure_cases import fewer, transfer_matrices
 
 s = sympy.Symbol("s")
 
@@ -200,3 +201,40 @@ def test_symbols_say_where_they_hold():
     assert pade_approximant([1, "a", "b"], 1, 1).exceptional == (a, b)
     found = partial_realisation(["a", "b"])
     assert found.order == 1 and a in found.exceptional
+
+
+@fewer(6)
+@given(transfer_matrices(extra=1), st.sampled_from([0, -1, -2, 1, Rational(1, 3)]))
+def test_laurent_against_derivatives(G, point):
+    """The coefficients are derivatives of (s - p)^order G at p (Taylor)."""
+    found = laurent_expansion(G, point, 4)
+    cleared = (G.as_matrix() * (s - point) ** found.order).applyfunc(sympy.cancel)
+    for k, coefficient in enumerate(found.coefficients):
+        derivative = cleared.diff(s, k).applyfunc(sympy.cancel).subs(s, point)
+        assert coefficient == derivative / sympy.factorial(k)
+    if found.order:
+        assert not found.coefficients[0].is_zero_matrix
+    assert found[-found.order - 1].is_zero_matrix and found.certificate.holds
+
+
+@fewer(3)
+@given(strictly_proper_plants(max_order=3), st.integers(-2, 2))
+def test_residues_against_sympy(plant, point):
+    found = laurent_expansion(plant, point, plant.order + 1)
+    assert found.residue[0, 0] == sympy.residue(plant.as_expr(), s, point)
+
+
+def test_laurent_with_symbols_and_complex_points():
+    a = sympy.Symbol("a")
+    found = laurent_expansion("1/((s - a)*(s + 1))", "a", 2, "s")
+    assert found.order == 1 and found.residue[0, 0] == 1 / (a + 1) and found.exceptional == (a + 1,)
+    assert laurent_expansion("1/(s**2 + 1)", "j", 1).residue[0, 0] == -sympy.I / 2
+    for call in (
+        lambda: laurent_expansion("1/s", "s", 1),
+        lambda: laurent_expansion("1/s", 0, 0),
+        lambda: laurent_expansion("1/s", sympy.sqrt(2), 1),
+        lambda: laurent_expansion("1/s", 0, 10**6),
+        lambda: laurent_expansion("1/s", 0, 1)[5],
+    ):
+        with pytest.raises(CompensatorError):
+            call()

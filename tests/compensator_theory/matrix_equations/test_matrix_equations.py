@@ -132,6 +132,7 @@ def test_symbols_say_where_they_hold():
     assert not family.is_unique and family.homogeneous[0] == Matrix([[1]])
 
 
+@fewer(3)
 @given(st.integers(1, 4), st.integers(1, 4), st.integers(-3, 3))
 def test_norm_of_a_second_order_plant(a, b, c):
     """The integral of the square of the impulse response, from the table of James and Nichols."""
@@ -185,7 +186,7 @@ def test_gramians_say_what_is_wrong():
     assert sympy.cancel(gramians("1/(z**2 + a*z + b)", "z").norm_squared - expected) == 0
 
 
-@fewer(2)
+@fewer(3)
 @given(systems(max_block=1), small_matrices(2, 2), st.data())
 def test_regulator_equations_against_their_linear_system(system, S, data):
     n, p = system.n, system.C.rows

@@ -164,7 +164,7 @@ def test_how_often_the_search_ends_without_a_compensator():
     assert all("raise max_order" in f.reason for f in none)
 
 
-@fewer(2)
+@fewer(4)
 @given(signed_plants(), signed_plants())
 def test_two_plants(one, two):
     try:

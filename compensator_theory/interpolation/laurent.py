@@ -1,0 +1,162 @@
+"""Laurent expansions of transfer matrices about a point: principal parts, residues, moments."""
+
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrix_equations.solutions import certificate_of
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.structure.echelon import exceptional_factors
+from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
+
+IDENTITY = "D times the expansion = N, power by power"
+
+
+@dataclass(frozen=True)
+class LaurentExpansion(ExactValue):
+    r"""A transfer matrix as a series about a point.
+
+    .. math:: G(s) = \sum_{k \ge -\mathrm{order}} G_k\,(s - p)^k
+
+    Attributes
+    ----------
+    point : sympy.Expr
+        p.
+    order : int
+        Of the pole, 0 if there is none; with symbols, for generic values of them.
+    coefficients : tuple of sympy.ImmutableMatrix
+        :math:`G_{-\mathrm{order}}, G_{-\mathrm{order} + 1}, \ldots`
+    exceptional : tuple of sympy.Expr
+        Irreducible polynomials in the symbols; everything holds where none of them is zero.
+    certificate : Certificate
+        Multiplied with the denominator again.
+    """
+
+    point: Expr
+    order: int
+    coefficients: tuple[ImmutableMatrix, ...]
+    exceptional: tuple[Expr, ...]
+    certificate: Certificate
+
+    def __getitem__(self, power: int) -> ImmutableMatrix:
+        """Return the coefficient of (s - p)**power; InputError beyond what was asked for."""
+        index = power + self.order
+        if index < 0:
+            return ImmutableMatrix.zeros(*self.coefficients[0].shape)
+        if index >= len(self.coefficients):
+            raise InputError(
+                f"the expansion ends with the power {len(self.coefficients) - 1 - self.order}; "
+                "ask for more terms"
+            )
+        return self.coefficients[index]
+
+    @property
+    def residue(self) -> ImmutableMatrix:
+        """The coefficient of 1/(s - p), zero where there is no pole."""
+        return self[-1]
+
+    def __str__(self) -> str:
+        parts = [
+            f"{c.tolist() if c.shape != (1, 1) else c[0, 0]} of power {k - self.order}"
+            for k, c in enumerate(self.coefficients)
+        ]
+        return f"about {self.point}: " + ", ".join(parts)
+
+
+def laurent_expansion(
+    G: TransferMatrixLike,
+    point: NumberLike,
+    terms: int,
+    variable: str | Symbol | None = None,
+) -> LaurentExpansion:
+    r"""Expand a transfer matrix about a finite point.
+
+    Parameters
+    ----------
+    G : transfer matrix
+        Anything :func:`transfer_matrix` reads, improper ones too, symbols allowed.
+    point : number
+        p, rational, complex with rational parts, or with symbols.
+    terms : int
+        How many coefficients from the first one on, at least 1.
+    variable : str or Symbol, optional
+        As for :func:`transfer_matrix`.
+
+    Raises
+    ------
+    InputError, BudgetError
+        If the point contains the variable or an irrational number, or `terms` is no positive
+        integer or too large.
+
+    Notes
+    -----
+    Poles of the unreduced denominator that all entries cancel do not count. About infinity the
+    coefficients are :func:`markov_parameters`.
+
+    Examples
+    --------
+    >>> from compensator_theory import laurent_expansion
+    >>> found = laurent_expansion("(s + 5)/(s*(s + 1)**2)", -1, 3)
+    >>> print(found, found.residue[0, 0])
+    about -1: -4 of power -2, -5 of power -1, -5 of power 0 -5
+    """
+    source = transfer_matrix(G, variable)
+    s, at = source.variable, sympy.expand(exact_number(point))
+    if isinstance(terms, bool) or not isinstance(terms, int) or terms < 1:
+        raise InputError(f"terms = {terms!r} must be an integer and at least 1")
+    ask("degree", terms + int(source.denominator.degree()), "the expansion")
+    if s in at.free_symbols or (at.is_number and not all(x.is_Rational for x in at.as_real_imag())):
+        raise InputError(
+            f"the point {at} must be rational, complex with rational parts, or another symbol than "
+            f"{s}"
+        )
+    below = _about(source.denominator, at)
+    above = [[_about(entry, at) for entry in row] for row in source.numerators]
+    lowest = next(k for k, c in enumerate(below) if c != 0)
+    entries = [_first(entry) for row in above for entry in row]
+    cancelled = min(entries)
+    order = max(0, lowest - cancelled)
+    shift = lowest - order  # powers of s - p that all entries share with D, and zeros of G
+    count, bottom = terms, below[lowest:]
+    series: list[ImmutableMatrix] = []
+    for k in range(count):
+        right = ImmutableMatrix([[_at(e, k + shift) for e in row] for row in above])
+        for j in range(1, k + 1):
+            right -= series[k - j] * _at(bottom, j)
+        series.append(ImmutableMatrix((right / bottom[0]).applyfunc(sympy.cancel)))
+    left = []
+    for k in range(count):
+        total = sum(
+            (series[j] * _at(bottom, k - j) for j in range(k + 1)), sympy.zeros(*source.shape)
+        )
+        left.append(total - ImmutableMatrix([[_at(e, k + shift) for e in row] for row in above]))
+    divisors = [bottom[0]]
+    if order:
+        divisors.append(next(c for c in series[0] if c != 0))
+    return LaurentExpansion(
+        at, order, tuple(series), exceptional_factors(divisors), certificate_of(IDENTITY, left)
+    )
+
+
+def _about(poly: Poly, point: Expr) -> list[Expr]:
+    """Return the coefficients in ascending powers of s - p, by repeated synthetic division."""
+    rest = [sympy.sympify(c) for c in poly.all_coeffs()]
+    found = []
+    while rest:
+        for k in range(1, len(rest)):
+            rest[k] = sympy.expand(rest[k] + point * rest[k - 1])
+        found.append(sympy.cancel(rest.pop()))
+    return found
+
+
+def _first(ascending: list[Expr]) -> int:
+    return next((k for k, c in enumerate(ascending) if c != 0), len(ascending) + 10**6)
+
+
+def _at(ascending: list[Expr], power: int) -> Expr:
+    return ascending[power] if 0 <= power < len(ascending) else sympy.Integer(0)

@@ -1,0 +1,194 @@
+"""LQG closed-loop poles in continuous time, for any number of signals, by an exact determinant."""
+
+from dataclasses import dataclass
+
+import flint
+import sympy
+from sympy import Poly, Symbol
+
+from compensator_theory.errors import (
+    InputError,
+    NoSolutionError,
+    NotControllableError,
+    NotObservableError,
+)
+from compensator_theory.lqg.poles import interpolated
+from compensator_theory.lqg.regulator_data import regulator_data
+from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.matrices.flint_matrices import rational, to_flint
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.roots.enclosures import PolynomialEnclosure
+from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
+from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
+from compensator_theory.systems.controllability import uncontrollable_polynomial
+from compensator_theory.systems.standard_problems import StandardProblem
+
+
+@dataclass(frozen=True)
+class ContinuousLQGPoles(ExactValue):
+    r"""Where LQG puts the closed-loop poles in continuous time.
+
+    .. math:: \mathrm{mspec}(\tilde A) = \mathrm{mspec}(A + BC_c) \cup \mathrm{mspec}(A - B_cC)
+
+    Attributes
+    ----------
+    regulator, estimator : HalfPlaneFactor
+        The polynomials of :math:`A + BC_c` and :math:`A - B_cC`, each of degree n.
+    """
+
+    regulator: HalfPlaneFactor
+    estimator: HalfPlaneFactor
+
+    @property
+    def polynomial(self) -> Poly | None:
+        """The closed-loop polynomial of degree 2n if it is rational, else None."""
+        chi, psi = self.regulator.polynomial, self.estimator.polynomial
+        return None if chi is None or psi is None else canonical(chi * psi)
+
+    @property
+    def enclosure(self) -> PolynomialEnclosure:
+        """The closed-loop polynomial, certified."""
+        return multiply_enclosures(self.regulator.enclosure, self.estimator.enclosure)
+
+    def __str__(self) -> str:
+        if self.polynomial is None:
+            return f"D = {self.enclosure}"
+        return f"D = {format_polynomial(self.polynomial)}"
+
+
+def continuous_lqg_poles(plant: StandardProblem, *, digits: int = 30) -> ContinuousLQGPoles:
+    r"""Find the closed-loop poles of LQG in continuous time without solving a Riccati equation.
+
+    Parameters
+    ----------
+    plant : StandardProblem
+        Rational, written in s, any number of signals; :math:`R_2 = E_2^TE_2` and :math:`V_2 =
+        D_2D_2^T` nonsingular, cross terms allowed.
+    digits : int
+        Where a factor is not rational, every radius is at most :math:`10^{-\mathrm{digits}}`.
+
+    Returns
+    -------
+    ContinuousLQGPoles
+
+    Raises
+    ------
+    NotControllableError, NotObservableError
+        If a hidden mode is not left of the imaginary axis.
+    NoSolutionError
+        If :math:`R_2` or :math:`V_2` is singular, so that a gain is infinite, or a spectrum
+        vanishes on the imaginary axis.
+    InputError
+        If an entry is symbolic, or the plant is not written in s.
+
+    Notes
+    -----
+    Hidden modes left of the axis stay closed-loop poles. Source: (A.4)-(A.12), in continuous time.
+
+    Examples
+    --------
+    >>> from compensator_theory import StandardProblem, continuous_lqg_poles
+    >>> plant = StandardProblem(A=[[1, 0], [0, 2]], B=[[1, 0], [0, 1]], C=[[1, 0], [0, 1]],
+    ...     D_1=[[0, 0, 0], [0, 0, 0]], D_0=None, D_2=[[1, 0, 0], [0, 1, 0]],
+    ...     E_1=[[0, 0], [0, 0]], E_2=[[1, 0], [0, 1]], E_0=None, variable="s")
+    >>> print(continuous_lqg_poles(plant))
+    D = s**4 + 6*s**3 + 13*s**2 + 12*s + 4
+    """
+    if not isinstance(plant, StandardProblem):
+        raise InputError(f"{plant!r} is not a StandardProblem; make one with standard_problem(...)")
+    s = plant.variable
+    if is_discrete(s, "LQG"):
+        raise InputError(f"{s} means discrete time; use lqg_poles")
+    _require_stable_hidden_modes(plant)
+    data = (
+        ("from u to z", "u", (plant.A, plant.B, plant.E_1, plant.E_2)),
+        ("from w to y", "the sensor noise", (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
+    )
+    factors = []
+    for name, weight, matrices in data:
+        spectrum = continuous_regulator_spectrum(*matrices, s)
+        if spectrum.is_zero or spectrum.degree() < 2 * plant.n:
+            raise NoSolutionError(
+                f"a combination of {weight} costs nothing, so that a gain is infinite; weight all "
+                "of it, or see regulator_locus for the limits of the poles"
+            )
+        try:
+            factors.append(factor_even(spectrum, digits))
+        except NoSolutionError as error:
+            raise NoSolutionError(
+                f"the transfer matrix {name} has a zero on the imaginary axis, so that no LQG "
+                f"controller is stabilising: {error}"
+            ) from error
+    return ContinuousLQGPoles(*factors)
+
+
+def continuous_regulator_spectrum(
+    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol = "s"
+) -> Poly:
+    r"""Return the even polynomial whose stable roots are the regulator's poles.
+
+    .. math:: p(s) = (-1)^n \det\begin{bmatrix} A - sI & 0 & B \\ -R_1 & -A^T - sI & -R_{12} \\
+              R_{12}^T & B^T & R_2 \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
+
+    with :math:`G = E_1(sI - A)^{-1}B + E_2` and :math:`D = \det(sI - A)`.
+
+    Parameters
+    ----------
+    A, B, E_1, E_2 : matrix
+        n x n, n x l_u, l_z x n, l_z x l_u, rational.
+    variable : str or Symbol
+        s: for discrete time see :func:`regulator_spectrum`.
+
+    Returns
+    -------
+    sympy.Poly
+        Of degree 2n or less; the leading coefficient is that of det R_2 up to its sign.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit, an entry is symbolic, or the variable means discrete time.
+
+    Examples
+    --------
+    >>> from compensator_theory import continuous_regulator_spectrum
+    >>> continuous_regulator_spectrum([[0]], [[1]], [[2], [0]], [[0], [1]]).as_expr()
+    4 - s**2
+    """
+    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
+    s = as_symbol(variable)
+    if is_discrete(s, "the spectrum of an LQG regulator"):
+        raise InputError(f"{s} means discrete time; use regulator_spectrum")
+    n, l_u = b.shape
+    zero, eye = sympy.zeros, sympy.eye
+    constant = sympy.BlockMatrix(
+        [[a, zero(n, n), b],
+         [-e_1.T * e_1, -a.T, -e_1.T * e_2],
+         [e_2.T * e_1, b.T, e_2.T * e_2]]
+    ).as_explicit()  # fmt: skip
+    slope = sympy.diag(-eye(2 * n), zero(l_u, l_u))
+    pencil = [to_flint(matrix) for matrix in (constant, slope)]
+    points = [flint.fmpq(k) for k in range(-n, n + 1)]
+    values = [(pencil[0] + point * pencil[1]).det() for point in points]
+    sign = -1 if n % 2 else 1
+    descending = [sign * rational(c) for c in reversed(interpolated(points, values))]
+    return canonical(Poly(descending or [0], s))
+
+
+def _require_stable_hidden_modes(plant: StandardProblem) -> None:
+    """Refuse a mode that no gain moves and that is not left of the imaginary axis."""
+    for error, matrices, what in (
+        (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),
+        (NotObservableError, (plant.A.T, plant.C.T), "unobservable from y"),
+    ):
+        hidden = uncontrollable_polynomial(*matrices, plant.variable)
+        count = count_half_plane_roots(hidden)
+        if count.boundary or count.unstable:
+            raise error(
+                f"the mode(s) {format_polynomial(hidden)} are {what} and not all left of the "
+                "imaginary axis, so that no controller is stabilising; remove them from the plant"
+            )

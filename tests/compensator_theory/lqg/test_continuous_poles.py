@@ -1,0 +1,114 @@
+"""LQG poles in continuous time for several signals, against SciPy's Riccati equation."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    CompensatorError,
+    StandardProblem,
+    continuous_lqg,
+    continuous_lqg_poles,
+    continuous_regulator_spectrum,
+    standard_problem,
+)
+from compensator_theory.strategies import matrices
+from tests.support.structure_cases import fewer
+
+s = sympy.Symbol("s")
+
+
+def as_numpy(matrix):
+    return np.array(matrix.tolist(), float)
+
+
+@st.composite
+def problems(draw, signals=2):
+    n, m, p = draw(st.integers(1, 3)), draw(st.integers(1, signals)), draw(st.integers(1, signals))
+    A, B, C = draw(matrices(n, n)), draw(matrices(n, m)), draw(matrices(p, n))
+    E_1 = sympy.Matrix(draw(matrices(n, n))).col_join(draw(matrices(m, n)))
+    D_1 = sympy.Matrix(draw(matrices(n, n))).row_join(draw(matrices(n, p)))
+    return StandardProblem(
+        A=A, B=B, C=C, D_1=D_1, D_0=None, D_2=sympy.zeros(p, n).row_join(sympy.eye(p)),
+        E_1=E_1, E_2=sympy.zeros(n, m).col_join(sympy.eye(m)), E_0=None, variable="s",
+    )  # fmt: skip
+
+
+def riccati_poles(A, B, E_1, E_2):
+    """Closed-loop poles by SciPy's care, with the cross term; None where it fails."""
+    a, b, e, f = map(as_numpy, (A, B, E_1, E_2))
+    try:
+        P = scipy.linalg.solve_continuous_are(a, b, e.T @ e, f.T @ f, s=e.T @ f)
+    except (np.linalg.LinAlgError, ValueError):
+        return None
+    K = np.linalg.solve(f.T @ f, b.T @ P + f.T @ e)
+    return np.poly(a - b @ K)
+
+
+@fewer(3)
+@given(problems())
+def test_the_poles_are_those_of_the_riccati_equation(plant):
+    try:
+        found = continuous_lqg_poles(plant)
+    except CompensatorError:
+        return
+    sides = (
+        (found.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
+        (found.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
+    )
+    for factor, data in sides:
+        mine = [float(c) for c in factor.enclosure.coefficients]
+        roots = np.roots(mine)
+        assert roots.real.max() < 0
+        expected = riccati_poles(*data)
+        assume(expected is not None and min(-roots.real) > 1e-3)
+        assert np.allclose(mine, expected, rtol=1e-5, atol=1e-6)
+
+
+@fewer(3)
+@given(problems())
+def test_the_spectrum_is_that_of_the_transfer_matrix(plant):
+    """p(s) = det(G'(-s) G(s)) D(s) D(-s), at a point."""
+    p = continuous_regulator_spectrum(plant.A, plant.B, plant.E_1, plant.E_2)
+    point = sympy.Rational(11, 7)
+    eye = sympy.eye(plant.n)
+
+    def G(x):
+        return plant.E_1 * (x * eye - plant.A).inv() * plant.B + plant.E_2
+
+    D = [(x * eye - plant.A).det() for x in (point, -point)]
+    assume(all(D))
+    assert p.eval(point) == (G(-point).T * G(point)).det() * D[0] * D[1]
+
+
+@fewer(3)
+@given(problems(signals=1))
+def test_scalar_plants_as_by_the_gains(plant):
+    try:
+        gains = continuous_lqg(plant)
+    except CompensatorError:
+        return
+    found = continuous_lqg_poles(plant)
+    assert found.polynomial == gains.polynomial
+    assert found.enclosure.degree == 2 * plant.n
+
+
+def test_what_is_refused():
+    two = {"A": [[1]], "B": [[1, 0]], "C": [[1]], "D_1": [[1, 0]], "D_0": None, "D_2": [[0, 1]],
+           "E_1": [[1], [0]], "E_0": None, "variable": "s"}  # fmt: skip
+    with pytest.raises(CompensatorError, match="costs nothing"):
+        continuous_lqg_poles(StandardProblem(E_2=[[0, 0], [1, 0]], **two))
+    with pytest.raises(CompensatorError, match="uncontrollable"):
+        continuous_lqg_poles(StandardProblem(**{**two, "B": [[0]], "E_2": [[0], [1]]}))
+    with pytest.raises(CompensatorError, match="axis"):
+        continuous_lqg_poles(
+            StandardProblem(**{**two, "A": [[0]], "B": [[1]], "E_1": [[0], [0]], "E_2": [[0], [1]]})
+        )
+    for bad in (standard_problem("1/(q - 2)"), "1/s", standard_problem("1/(x - 1)")):
+        with pytest.raises(CompensatorError):
+            continuous_lqg_poles(bad)
+    with pytest.raises(CompensatorError, match="discrete"):
+        continuous_regulator_spectrum([[1]], [[1]], [[1]], [[1]], "z")
