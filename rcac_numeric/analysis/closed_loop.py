@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.stability import decide_stability
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.frames import StateSpace, control_state_space
 from rcac_numeric.arrays.recursions import linear_states
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
@@ -151,6 +152,10 @@ class ClosedLoop(Value):
         inputs = np.hstack([w, u_tilde])
         states = linear_states(A, inputs @ B.T)
         return np.asarray(states[:-1] @ C.T + inputs @ D.T)
+
+    def to_control(self) -> StateSpace:
+        """The python-control loop from [w; u_tilde] to [z; u], with the plant's sample time."""
+        return control_state_space(*self.matrices, self.plant.sample_time)
 
     def _response(self, omega: ArrayLike) -> ComplexArray:
         A, B, C, D = self.matrices

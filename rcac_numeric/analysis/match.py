@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
@@ -45,6 +46,12 @@ class IntercalatedMatch(Value):
     def median(self) -> float:
         """Median relative distance."""
         return float(np.median(self.error))
+
+    def plot(self) -> figures.Figure:
+        """Gain and phase of both, on one branch."""
+        from rcac_numeric.plots.run import plot_match
+
+        return plot_match(self)
 
     def __repr__(self) -> str:
         return f"IntercalatedMatch(worst={self.worst:.3g}, median={self.median:.3g})"

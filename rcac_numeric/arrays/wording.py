@@ -65,3 +65,43 @@ def number_latex(value: float, digits: int = 4) -> str:
     """
     mantissa, e, exponent = f"{value:.{digits}g}".partition("e")
     return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if e else mantissa
+
+
+def polynomial_latex(coefficients: Iterable[float], variable: str = "q") -> str:
+    r"""A polynomial in LaTeX, from its coefficients in descending powers; zeros are left out.
+
+    Examples
+    --------
+    >>> from rcac_numeric.arrays.wording import polynomial_latex
+    >>> print(polynomial_latex([1.0, 0.0, -0.25]))
+    q^{2} - 0.25
+    """
+    listed = list(coefficients)
+    text = ""
+    for power, value in zip(reversed(range(len(listed))), listed, strict=True):
+        if value == 0:
+            continue
+        symbol = {0: "", 1: variable}.get(power, f"{variable}^{{{power}}}")
+        size = number_latex(abs(value))
+        size = "" if size == "1" and symbol else f"{size} " if symbol else size
+        minus = value < 0
+        sign = (" - " if minus else " + ") if text else ("-" if minus else "")
+        text += f"{sign}{size}{symbol}"
+    return text or "0"
+
+
+def sum_latex(terms: Iterable[tuple[int, Iterable[Iterable[float]]]], signal: str) -> str:
+    r"""A sum of matrices times a signal at earlier steps, in LaTeX; zero matrices are left out.
+
+    Examples
+    --------
+    >>> from rcac_numeric.arrays.wording import sum_latex
+    >>> print(sum_latex([(0, [[0.0]]), (1, [[2.0]])], "y"))
+    \begin{bmatrix}2\end{bmatrix} y(k-1)
+    """
+    parts = []
+    for delay, matrix in terms:
+        rows = [list(row) for row in matrix]
+        if any(value for row in rows for value in row):
+            parts.append(f"{matrix_latex(rows)} {signal}(k{f'-{delay}' * (delay > 0)})")
+    return " + ".join(parts)

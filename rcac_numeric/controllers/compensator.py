@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import InputError
-from compensator_theory.libraries import needed
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.frames import StateSpace, control_state_space
 from rcac_numeric.arrays.validation import real_array
 from rcac_numeric.arrays.values import Value
-
-if TYPE_CHECKING:
-    import control
+from rcac_numeric.arrays.wording import polynomial_latex, sum_latex
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -117,15 +114,20 @@ class Compensator(Value):
         shift, outputs, P, _ = self.observer_form()
         return np.linalg.eigvals(shift + P @ outputs).astype(np.complex128)
 
-    def to_control(self, sample_time: float | None = None) -> control.StateSpace:
+    def to_control(self, sample_time: float | None = None) -> StateSpace:
         """The compensator as a discrete-time python-control system.
 
         Without a sample time, in seconds, its period is unspecified, dt = True.
         """
-        with needed("control"):
-            import control  # a second of import time, paid only here
+        return control_state_space(*self.state_space(), sample_time)
 
-        return control.ss(*self.state_space(), True if sample_time is None else sample_time)
+    def _repr_latex_(self) -> str:
+        if self.l_u == self.l_y == 1:
+            parts = polynomial_latex(self.numerator), polynomial_latex(self.denominator)
+            return r"$\displaystyle G_c = \frac{{{}}}{{{}}}$".format(*parts)
+        u = sum_latex(((i, P) for i, P in enumerate(self.past_u, 1)), "u")
+        y = sum_latex(enumerate(self.past_y), "y")
+        return rf"$\displaystyle u(k) = {' + '.join(filter(None, (u, y)))}$"
 
     def _require_scalar(self) -> None:
         if self.past_y.shape[1:] != (1, 1):

@@ -32,6 +32,15 @@ class SimulationCase(Value):
         the plant is what is kept.
     options : mapping
         The keyword arguments of `simulate`: x_0, stride, divergence_limit, saturation, start.
+
+    Examples
+    --------
+    >>> import control
+    >>> from rcac_numeric import Compensator, FixedController, SimulationCase
+    >>> law = FixedController(Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[-0.1]]]))
+    >>> case = SimulationCase(control.tf([1], [1, -0.5], 0.01), law, [[1.0]] * 20)
+    >>> case.plant.sample_time
+    0.01
     """
 
     plant: AnyPlant

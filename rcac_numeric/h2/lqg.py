@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from compensator_theory.errors import IllConditionedError, ImproperError, InputError
-from compensator_theory.libraries import needed
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays import figures
+from rcac_numeric.arrays import figures, frames
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.arrays.values import Value
@@ -27,8 +25,6 @@ from rcac_numeric.h2.state_space import StateSpace, state_space_latex
 from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 
-if TYPE_CHECKING:
-    import control
 FORMS = ("predictor", "filter")
 LARGEST_GAP = 1e-6  # of the cost of the loop to that of the Riccati solutions
 
@@ -96,12 +92,9 @@ class LQG(Value):
         """The plant in a loop with `compensator`."""
         return ClosedLoop(self.plant, self.compensator)
 
-    def to_control(self) -> control.StateSpace:
+    def to_control(self) -> frames.StateSpace:
         """The controller for python-control, with the plant's sample time, or True without one."""
-        with needed("control"):
-            from control import ss
-
-        return ss(*self.state_space, self.plant.sample_time or True)
+        return frames.control_state_space(*self.state_space, self.plant.sample_time)
 
     @cached_property
     def poles(self) -> ComplexArray:
@@ -130,6 +123,13 @@ class LQG(Value):
         from rcac_numeric.plots.lqg import plot_lqg
 
         return plot_lqg(self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: cost, margins and the picture."""
+        from rcac_numeric.reports.lqg import lqg_sheet
+        from rcac_numeric.reports.page.notebook import notebook_html
+
+        return notebook_html(lqg_sheet(self), self.plot)
 
     def _repr_latex_(self) -> str:
         return rf"$\displaystyle J = {self.cost.value:.6g}, {state_space_latex(self.state_space)}$"
@@ -259,11 +259,9 @@ def _weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
 
 
 def _filter_gain(
-    plant: Plant,
-    inputs: NoiseInputs,
-    regulator: StabilisingSolution,
+    plant: Plant, inputs: NoiseInputs, regulator: StabilisingSolution,
     estimator: StabilisingSolution,
-) -> Array:
+) -> Array:  # fmt: skip
     """D_f: the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w from the innovation."""
     from_w = -np.linalg.solve(
         regulator.innovation, plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1

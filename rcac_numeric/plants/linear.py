@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 import compensator_theory
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.frames import StateSpace, control_state_space
 from rcac_numeric.arrays.validation import matrix, number
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import matrix_latex
 from rcac_numeric.plants.any_plant import blocks_of_w
 
 if TYPE_CHECKING:
@@ -162,6 +164,18 @@ class Plant(Value):
             **{name: getattr(self, name).tolist() for name in MATRICES},
             sample_time=time,
         )
+
+    def to_control(self) -> StateSpace:
+        """The python-control plant from [w; u] to [z; y], with the sample time of the plant."""
+        B, C = np.hstack([self.D_1, self.B]), np.vstack([self.E_1, self.C])
+        D = np.block([[self.E_0, self.E_2], [self.D_2, self.D_0]])
+        return control_state_space(self.A, B, C, D, self.sample_time)
+
+    def _repr_latex_(self) -> str:
+        names = [name for name in MATRICES if getattr(self, name).any() or name in "ABC"]
+        parts = (f"{name} = {matrix_latex(getattr(self, name))}" for name in names)
+        joined = r",\; ".join(parts)
+        return rf"$\displaystyle {joined}$"
 
     def scalar_map(self, name: str) -> tuple[Poly, Poly]:
         """Numerator and common denominator det(qI - A) of G_zu, G_yu, ...; scalar maps only."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from compensator_theory.errors import CompensatorError
+from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
@@ -76,3 +77,22 @@ def plot_verification(verification: Verification) -> Figure:
     experiment = verification.experiment
     title = f"{experiment.id}: {experiment.title}".strip(": ")
     return plot_sheet(verification.main.first, title)
+
+
+def plot_match(match: IntercalatedMatch) -> Figure:
+    """Gain and phase of G_f and of the intercalated transfer function, one above the other.
+
+    Examples
+    --------
+    >>> from rcac_numeric import load_example
+    >>> match = load_example("4.7").main_run.execute().first.match
+    >>> [axis.get_ylabel() for axis in match.plot().axes]
+    ['magnitude', 'phase, rad']
+    """
+    figure = Figure(figsize=(7, 5), layout="constrained")
+    above, below = figure.subplots(2, 1, sharex=True)
+    draw_magnitude(above, match)
+    draw_phase(below, match)
+    for axis in (above, below):
+        axis.grid(alpha=0.25)
+    return figure

@@ -12,6 +12,7 @@ from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, real_array, rounded
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import polynomial_latex, sum_latex
 from rcac_numeric.targets.filter_poles import require_no_pole_outside
 
 
@@ -113,6 +114,14 @@ class TargetModel(Value):
         return np.asarray(
             np.linalg.solve(np.einsum("wi,izy->wzy", powers, self.denominator), numerator)
         )
+
+    def _repr_latex_(self) -> str:
+        if self.l_z == self.l_u == 1:
+            sides = (polynomial_latex(side.ravel()) for side in (self.numerator, self.denominator))
+            return r"$\displaystyle G_f = \frac{{{}}}{{{}}}$".format(*sides)
+        past = ((i, -D) for i, D in enumerate(self.denominator) if i)
+        parts = (sum_latex(enumerate(self.numerator), "u"), sum_latex(past, "z_f"))
+        return rf"$\displaystyle z_f(k) = {' + '.join(filter(None, parts))}$"
 
 
 def _require_same(

@@ -59,7 +59,10 @@ def _coefficients(repetition: AnalysedRun) -> Figure:
 
 def _pole_zero(repetition: AnalysedRun) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
-    draw_pole_zero(figure.subplots(), repetition)
+    axis = figure.subplots()
+    draw_pole_zero(axis, repetition)
+    axis.get_legend().remove()  # beside the map there is no room
+    legend_below(figure, always=True)
     return _with_grid(figure)
 
 

@@ -1,0 +1,36 @@
+"""What is said of an LQG controller."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rcac_numeric.h2.lqg import LQG
+from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
+
+
+def lqg_sheet(found: LQG) -> Sheet:
+    """The cost with its evidence, how far the poles are inside, and the controller itself.
+
+    Examples
+    --------
+    >>> from rcac_numeric import lqg, standard_plant
+    >>> from rcac_numeric.reports.lqg import lqg_sheet
+    >>> lqg_sheet(lqg(standard_plant("1/(q - 1.2)"))).record["cost"]  # 1 + 1.2**2
+    2.44
+    """
+    radii = {
+        name: float(np.abs(part.poles).max(initial=0.0))
+        for name, part in (("regulator", found.regulator), ("estimator", found.estimator))
+    }
+    own = found.spectral_radius
+    facts = (
+        Fact(
+            "cost J", f"{found.cost.value:.6g}, by the Riccati solutions {found.cost_gap:.1e} off"
+        ),
+        *(Fact(f"{name}'s poles", f"radius {radius:.6g}") for name, radius in radii.items()),
+        Fact("controller's poles", f"radius {own:.6g}", "plain" if own < 1 else "warning"),
+    )
+    record = {"cost": found.cost.value, "cost_gap": found.cost_gap, "controller_radius": own}
+    record |= {f"{name}_radius": radius for name, radius in radii.items()}
+    remark = f", {found.form} form, order {found.plant.n}"
+    return Sheet("LQG", remark, sections=(Section("", facts, record),))
