@@ -1,5 +1,7 @@
 """Rational matrices of SymPy as those of python-flint, and back."""
 
+from typing import Any
+
 import flint
 from sympy import QQ, ImmutableMatrix, Matrix, Rational
 from sympy.polys.matrices import DomainMatrix
@@ -49,10 +51,13 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
     -2
     """
-    entries = matrix.to_DM(domain=QQ).to_list_flat()
-    if QQ.dtype is not flint.fmpq:  # SymPy's ground types are python-flint's where it found it
-        entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in entries]
-    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
+    by_row = matrix.to_DM(domain=QQ).to_dod()  # Sylvester matrices are half zeros
+    result = flint.fmpq_mat(matrix.rows, matrix.cols)
+    is_flint = QQ.dtype is flint.fmpq  # SymPy's ground types are python-flint's where it found it
+    for i, row in by_row.items():
+        for j, entry in row.items():
+            result[i, j] = entry if is_flint else _fraction(entry)
+    return result
 
 
 def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
@@ -70,6 +75,10 @@ def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
     if QQ.dtype is not flint.fmpq:
         rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
     return DomainMatrix(rows, shape, QQ).to_Matrix().as_immutable()
+
+
+def _fraction(entry: Any) -> flint.fmpq:
+    return flint.fmpq(int(entry.numerator), int(entry.denominator))
 
 
 def rational(value: flint.fmpq) -> Rational:

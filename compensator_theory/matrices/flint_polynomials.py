@@ -3,6 +3,27 @@
 import flint
 from sympy import QQ, Poly, Symbol
 
+from compensator_theory.polynomials.poly import PolynomialLike
+
+
+def kept_in_flint(a: PolynomialLike, b: PolynomialLike) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+    """Return two polynomials in one variable where SymPy keeps both as python-flint's, else None.
+
+    That they are rational and in canonical form then needs no further look.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.matrices.flint_polynomials import kept_in_flint
+    >>> kept_in_flint(polynomial("s"), "s") is None
+    True
+    """
+    if isinstance(a, Poly) and isinstance(b, Poly) and a.gens == b.gens and a.gen.is_Symbol:
+        first, second = getattr(a.rep, "_rep", None), getattr(b.rep, "_rep", None)
+        if type(first) is flint.fmpq_poly and type(second) is flint.fmpq_poly:
+            return first, second
+    return None
+
 
 def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
     """Return a rational polynomial as one of python-flint.

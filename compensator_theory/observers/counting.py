@@ -6,7 +6,7 @@ from sympy import Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.poly import PolynomialLike, polynomial
-from compensator_theory.roots.real_factors import real_multiplicities
+from compensator_theory.roots.certified import real_multiplicities
 
 
 def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
