@@ -51,7 +51,10 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
     -2
     """
-    by_row = matrix.to_DM(domain=QQ).to_dod()  # Sylvester matrices are half zeros
+    kept = getattr(matrix, "_rep", None)  # SymPy's own; to convert integers takes longer than this
+    if not isinstance(kept, DomainMatrix) or not (kept.domain.is_ZZ or kept.domain.is_QQ):
+        kept = matrix.to_DM(domain=QQ)
+    by_row = kept.to_dod()  # Sylvester matrices are half zeros
     result = flint.fmpq_mat(matrix.rows, matrix.cols)
     is_flint = QQ.dtype is flint.fmpq  # SymPy's ground types are python-flint's where it found it
     for i, row in by_row.items():
@@ -71,10 +74,12 @@ def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
     Matrix([[1/2, 3]])
     """
     shape = matrix.nrows(), matrix.ncols()
-    rows = matrix.tolist() if 0 not in shape else [[] for _ in range(shape[0])]
+    rows = matrix.tolist() if 0 not in shape else []
     if QQ.dtype is not flint.fmpq:
         rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
-    return DomainMatrix(rows, shape, QQ).to_Matrix().as_immutable()
+    nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
+    by_row = {i: row for i, row in nonzero.items() if row}
+    return DomainMatrix.from_dod(by_row, shape, QQ).to_Matrix().as_immutable()
 
 
 def _fraction(entry: Any) -> flint.fmpq:

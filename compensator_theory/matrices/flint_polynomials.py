@@ -2,11 +2,14 @@
 
 import flint
 from sympy import QQ, Poly, Symbol
+from sympy.polys.polyclasses import DMP
 
 from compensator_theory.polynomials.poly import PolynomialLike
 
 
-def kept_in_flint(a: PolynomialLike, b: PolynomialLike) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+def kept_in_flint(
+    a: PolynomialLike, b: PolynomialLike
+) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
     """Return two polynomials in one variable where SymPy keeps both as python-flint's, else None.
 
     That they are rational and in canonical form then needs no further look.
@@ -61,4 +64,4 @@ def from_flint_polynomial(poly: flint.fmpq_poly, variable: Symbol) -> Poly:
     descending = poly.coeffs()[::-1]
     if QQ.dtype is not flint.fmpq:
         descending = [QQ(int(c.p), int(c.q)) for c in descending]
-    return Poly.from_list(descending, variable, domain=QQ)
+    return Poly.new(DMP(descending, QQ, 0), variable)

@@ -19,8 +19,6 @@ from compensator_theory.roots.descartes import distinct_real_roots
 
 PRECISIONS = (256, 1024, 4096, 16384)
 """Bits for Routh's array; where none of them suffices a row is singular, or all but so."""
-SMALL = 12
-"""Degree up to which the exact chain is as fast."""
 
 
 @dataclass(frozen=True)
@@ -134,8 +132,8 @@ def count_half_plane_roots(poly: Poly) -> RootCount:
     regular the chain is the array; where a first element vanishes the chain drops a degree, and
     where a row vanishes it ends with the factor whose roots are symmetric about 0. So no case is
     singular: the roots on the axis are the real roots of that last element. The exact numbers of
-    the chain are long, so for higher degrees the factor with the symmetric roots is taken out, and
-    the array of what is left computed in balls, which decide where it is regular.
+    the chain are long, so that the factor with the symmetric roots is taken out first, and the
+    array of what is left computed in balls, which decide where it is regular.
 
     Examples
     --------
@@ -144,7 +142,7 @@ def count_half_plane_roots(poly: Poly) -> RootCount:
     2 stable, 0 on the boundary, 2 unstable
     """
     poly = require_rational(poly)
-    if poly.degree() > SMALL and (found := _count_in_balls(poly)) is not None:
+    if (found := _count_in_balls(poly)) is not None:
         return found
     chain = routh_chain(poly)
     difference = _variations(chain, -1) - _variations(chain, +1)
