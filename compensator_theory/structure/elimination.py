@@ -1,6 +1,6 @@
 """Elementary operations on polynomial matrices, with the unimodular matrices that they make up."""
 
-from compensator_theory.structure.rings import Element, Grid, Ring, identity
+from compensator_theory.structure.rings import Element, Grid, Ring, identity, multiply
 
 
 class Elimination:
@@ -108,14 +108,22 @@ class Elimination:
         a, b = self.matrix[row][target], self.matrix[row][source]
         self.add_column(target, source, -self.ring.divide(a, b)[0])
 
-    def diagonalise(self) -> int:
-        """Reach the Smith form by Euclid's algorithm; return the rank.
+    def combine_rows(self, i: int, j: int, step: Grid, inverse: Grid) -> None:
+        """Multiply two rows by a unimodular 2 x 2 matrix; both are given, as nothing is divided."""
+        for grid in (self.matrix, self.U):
+            grid[i], grid[j] = multiply(self.ring, step, [grid[i], grid[j]])
+        pairs = [[row[i], row[j]] for row in self.U_inverse]
+        for row, pair in zip(self.U_inverse, multiply(self.ring, pairs, inverse), strict=True):
+            row[i], row[j] = pair
+
+    def diagonalise(self, start: int = 0) -> int:
+        """Reach the Smith form by Euclid's algorithm from a row on; return the rank.
 
         The pivot is always an entry of least degree; where it divides its row and column and not
         all that is left, a row that it does not divide is added to its own, and its degree falls.
         """
         size = min(self.rows, self.columns)
-        for k in range(size):
+        for k in range(start, size):
             places = [(i, j) for i in range(k, self.rows) for j in range(k, self.columns)]
             place = self.least(places)
             if place is None:
