@@ -7,8 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, MatrixBase
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
-from compensator_theory.polynomials.formatting import shown
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 

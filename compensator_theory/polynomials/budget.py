@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
@@ -144,9 +144,31 @@ def quoted(obj: object) -> str:
     >>> len(quoted(10**5000))
     200
     """
-    with long_integers():
-        text = str(obj.as_expr() if isinstance(obj, Poly) else obj)
-    return text if len(text) <= 200 else f"{text[:157]}...{text[-40:]}"
+    return _shortened(obj.as_expr() if isinstance(obj, Poly) else obj, str, 200, 40)
+
+
+def shown(value: object, most: int = 60) -> str:
+    """Write anything that was given for an error message, however large or broken it is.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import shown
+    >>> shown("s" * 1000, 8), shown(2)
+    ("'sss...", '2')
+    """
+    return _shortened(value, repr, most)
+
+
+def _shortened(value: object, write: Callable[[object], str], most: int, last: int = 0) -> str:
+    """Write a value and keep the beginning of the text, and its last characters."""
+    try:
+        with long_integers():
+            text = write(value)
+    except Exception:  # of a foreign object, or a number that fits nowhere
+        text = f"an object of type {type(value).__name__}"
+    if len(text) <= most:
+        return text
+    return f"{text[: most - 3 - last - (not last)]}...{text[len(text) - last :]}"
 
 
 def limit_of(name: str) -> int:

@@ -12,7 +12,8 @@ from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
-from compensator_theory.polynomials.formatting import format_polynomial, shown
+from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.descartes import distinct_real_roots

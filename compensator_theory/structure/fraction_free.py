@@ -1,13 +1,20 @@
 """Greatest common divisors over rational functions, and their identities, without fractions."""
 
-from collections.abc import Sequence
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeAlias
 
 import flint
+from sympy.polys.domains.domain import Domain
+from sympy.polys.rings import PolyRing
 
 from compensator_theory.polynomials.budget import ask
-from compensator_theory.structure.rings import Element, SymbolicRing
 
-_Mpoly = flint.fmpq_mpoly
+_Mpoly: TypeAlias = flint.fmpq_mpoly
+Element: TypeAlias = Any
+"""Of a ring of SymPy in the variable, over a field of rational functions."""
+Grid: TypeAlias = list[list[Element]]
 
 
 class FractionFree:
@@ -20,22 +27,22 @@ class FractionFree:
     >>> from compensator_theory.structure.rings import ring_of
     >>> p, q = polynomial("s*(s + a)", "s"), polynomial("s*(s + b)", "s")
     >>> ring = ring_of([p, q])
-    >>> steps = FractionFree(ring)
+    >>> steps = FractionFree(ring.ring)
     >>> x, y, a, b = steps.identity(ring.read(p), ring.read(q))
     >>> ring.write(x * ring.read(p) + y * ring.read(q)), ring.write(a)
     (Poly(s, s, domain='QQ'), Poly(s + a, s, domain='QQ[a]'))
     """
 
-    def __init__(self, ring: SymbolicRing) -> None:
+    def __init__(self, ring: PolyRing) -> None:
         self.ring = ring
-        count = 1 + len(ring.field.symbols)
+        count = 1 + len(ring.domain.symbols)
         names = [f"x{i}" for i in range(count)]
         self.context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
 
     @staticmethod
-    def serves(ring: SymbolicRing) -> bool:
-        """Tell whether the coefficients are rational functions over the rational numbers."""
-        return ring.has_fractions and bool(ring.field.domain.is_QQ)
+    def serves(field: Domain) -> bool:
+        """Tell whether a field holds the rational functions of symbols over QQ."""
+        return bool(field.is_FractionField and field.domain.is_QQ)
 
     def degree_of_gcd(self, elements: Sequence[Element]) -> int:
         """Return the degree of the greatest common divisor, -1 if all are zero."""
@@ -60,6 +67,34 @@ class FractionFree:
         x = self._element([c * below_p for c in X], r)
         y = self._element([c * below_q for c in Y], r)
         return x, y, a, b
+
+    def product(
+        self, left: Sequence[Sequence[Element]], columns: Sequence[Sequence[Element]]
+    ) -> Grid:
+        """Multiply matrices with one common denominator for each row and for each column."""
+        others = [self._over_one(column) for column in columns]
+        result: Grid = []
+        for row, below in map(self._over_one, left):
+            result.append([])
+            for column, under in others:
+                total = self.context.constant(0)
+                for x, y in zip(row, column, strict=True):
+                    total += x * y
+                result[-1].append(self._element(self._coefficients(total), below * under))
+        return result
+
+    def _over_one(self, elements: Sequence[Element]) -> tuple[list[_Mpoly], _Mpoly]:
+        pairs = [self._cleared(element) for element in elements]
+        common = self._common(below for _, below in pairs)
+        return [above * (common / below) for above, below in pairs], common
+
+    def _common(self, denominators: Iterable[_Mpoly]) -> _Mpoly:
+        """Return a least common multiple."""
+        common = self.context.constant(1)
+        for below in denominators:
+            common = common * (below / common.gcd(below))
+        ask("terms", len(common), "a common denominator")
+        return common
 
     def _multipliers(
         self, A: list[_Mpoly], B: list[_Mpoly]
@@ -104,9 +139,7 @@ class FractionFree:
     def _cleared(self, element: Element) -> tuple[_Mpoly, _Mpoly]:
         """Return the element times a common denominator, and that denominator."""
         pairs = {power: self._pair(c) for (power,), c in element.items()}
-        common = self.context.constant(1)
-        for _, below in pairs.values():
-            common = common * (below / common.gcd(below))
+        common = self._common(below for _, below in pairs.values())
         s = self.context.gens()[0]
         total = self.context.constant(0)
         for power, (above, below) in pairs.items():
@@ -140,17 +173,17 @@ class FractionFree:
 
     def _element(self, coefficients: Sequence[_Mpoly], below: _Mpoly) -> Element:
         """Return the element with these ascending coefficients over one denominator."""
-        field = self.ring.field.field
+        field = self.ring.domain.field
         terms = {}
         for power, above in enumerate(coefficients):
             if not above.is_zero():
                 shared = above.gcd(below)
                 sides = (self._side(side / shared) for side in (above, below))
                 terms[power,] = field.new(*sides)
-        return self.ring.ring.from_dict(terms)
+        return self.ring.from_dict(terms)
 
     def _side(self, poly: _Mpoly) -> Element:
-        ring = self.ring.field.field.ring
+        ring = self.ring.domain.field.ring
         convert = ring.domain
         return ring.from_dict({
             powers[1:]: convert(int(c.p), int(c.q)) for powers, c in poly.to_dict().items()

@@ -29,9 +29,9 @@ def diagonalise(work: Elimination) -> int:
     (2, '[[1, 0], [0, s**2]]')
     """
     ring = work.ring
-    if not (isinstance(ring, SymbolicRing) and FractionFree.serves(ring)):
+    if not (isinstance(ring, SymbolicRing) and FractionFree.serves(ring.field)):
         return work.diagonalise()
-    steps = FractionFree(ring)
+    steps = FractionFree(ring.ring)
     for k in range(min(work.rows, work.columns)):
         rest = [row[k:] for row in work.matrix[k:]]
         goal = steps.degree_of_gcd([e for row in rest for e in row])

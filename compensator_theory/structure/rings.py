@@ -12,6 +12,7 @@ from sympy.polys.rings import PolyRing
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.structure.fraction_free import FractionFree
 
 Element: TypeAlias = Any
 """A polynomial of python-flint (rational coefficients) or of a ring of SymPy; both compute."""
@@ -122,6 +123,8 @@ class SymbolicRing:
 
         Adding fractions in several symbols needs a gcd for each term, a hundred times the work.
         """
+        if FractionFree.serves(self.field):
+            return FractionFree(self.ring).product(left, columns)
         rows = [self._cleared(row) for row in left]
         others = [self._cleared(column) for column in columns]
         new = self.field.field.new
