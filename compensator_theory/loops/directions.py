@@ -8,6 +8,7 @@ from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -24,7 +25,7 @@ def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:
     try:
         rows = [[exact_number(entry) for entry in row] for row in value]
     except TypeError as error:
-        raise InputError(f"{name} = {value!r} must be a matrix, a list of its rows") from error
+        raise InputError(f"{name} = {shown(value)} must be a matrix, a list of its rows") from error
     if not rows or not rows[0] or len({len(row) for row in rows}) != 1:
         raise InputError(f"{name} needs rows of one and the same nonzero length")
     if not all(entry.is_rational for row in rows for entry in row):
@@ -57,9 +58,9 @@ def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
     Matrix([[1, 1/2]])
     """
     try:
-        entries = [gaussian(entry, f"the direction {eta!r}") for entry in eta]
+        entries = [gaussian(entry, f"the direction {shown(eta)}") for entry in eta]
     except TypeError as error:
-        raise InputError(f"the direction {eta!r} must be a list of numbers") from error
+        raise InputError(f"the direction {shown(eta)} must be a list of numbers") from error
     if len(entries) != size:
         raise InputError(f"the direction {entries} has {len(entries)} entries; {size} are needed")
     if not any(entries):
