@@ -125,8 +125,8 @@ def zero_direction_target(
     rows, columns = leading.shape
     if rank(leading) < min(rows, columns):
         raise InputError(
-            f"H = {leading.tolist()} does not have full rank, so that no target model with this "
-            "leading coefficient has only the zeros that are asked for; give the first "
+            f"H = {shown(leading.tolist(), 200)} does not have full rank, so that no target model "
+            "with this leading coefficient has only the zeros that are asked for; give the first "
             "coefficient that is not zero of every row, with the delays of the rows."
         )
     tall = rows > columns
@@ -174,7 +174,7 @@ def direction_residual(
     (Matrix([[0, 0]]), Matrix([[0, 2/3]]))
     """
     G = transfer_matrix(G_f)
-    z0, direction = gaussian(zero, f"the zero {zero}"), read_direction(eta, G.shape[0])
+    z0, direction = gaussian(zero, f"the zero {shown(zero)}"), read_direction(eta, G.shape[0])
     return ImmutableMatrix(residual(G, z0, Matrix.eye(G.shape[0]), direction))
 
 
@@ -194,10 +194,10 @@ def _zero(pair: Direction, size: int) -> tuple[Expr, ImmutableMatrix]:
         given, eta = pair
     except (TypeError, ValueError):
         raise InputError(f"{shown(pair)} is not a pair (z0, eta)") from None
-    z0 = gaussian(given, f"the zero {given}")
+    z0 = gaussian(given, f"the zero {shown(given)}")
     a, b = z0.as_real_imag()
     if a**2 + b**2 < (1 - CIRCLE) ** 2:
-        raise InputError(f"the zero {given} is inside the unit circle and belongs in no target")
+        raise InputError(f"the zero {z0} is inside the unit circle and belongs in no target")
     direction = read_direction(eta, size)
     if b == 0 and any(entry.as_real_imag()[1] != 0 for entry in direction):
         raise InputError(f"the direction {list(direction)} of the real zero {z0} must be real")

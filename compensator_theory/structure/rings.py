@@ -9,10 +9,10 @@ from sympy import QQ, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
+from compensator_theory.bezout.fraction_free import FractionFree
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.structure.fraction_free import FractionFree
 
 Element: TypeAlias = Any
 """A polynomial of python-flint (rational coefficients) or of a ring of SymPy; both compute."""

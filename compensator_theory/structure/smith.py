@@ -8,8 +8,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.gcd_steps import diagonalise
+from compensator_theory.structure.elimination import Elimination, diagonalise
 from compensator_theory.structure.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,

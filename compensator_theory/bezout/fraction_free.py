@@ -22,15 +22,15 @@ class FractionFree:
 
     Examples
     --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.structure.fraction_free import FractionFree
-    >>> from compensator_theory.structure.rings import ring_of
-    >>> p, q = polynomial("s*(s + a)", "s"), polynomial("s*(s + b)", "s")
-    >>> ring = ring_of([p, q])
-    >>> steps = FractionFree(ring.ring)
-    >>> x, y, a, b = steps.identity(ring.read(p), ring.read(q))
-    >>> ring.write(x * ring.read(p) + y * ring.read(q)), ring.write(a)
-    (Poly(s, s, domain='QQ'), Poly(s + a, s, domain='QQ[a]'))
+    >>> from sympy import QQ
+    >>> from sympy.abc import a, b, s
+    >>> from sympy.polys.rings import PolyRing
+    >>> from compensator_theory.bezout.fraction_free import FractionFree
+    >>> ring = PolyRing([s], QQ.frac_field(a, b), "lex")
+    >>> p, q = ring.from_expr(s * (s + a)), ring.from_expr(s * (s + b))
+    >>> x, y, first, second = FractionFree(ring).identity(p, q)
+    >>> x * p + y * q, first
+    (s, s + a)
     """
 
     def __init__(self, ring: PolyRing) -> None:
