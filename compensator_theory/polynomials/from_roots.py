@@ -11,7 +11,7 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
-from compensator_theory.polynomials.budget import ask, listed, quoted
+from compensator_theory.polynomials.budget import ask, listed, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import (
     PolynomialLike,
@@ -53,9 +53,7 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
         if not roots or not all(roots):
             raise InputError(f"{text[:60]!r} has an empty entry; write for instance '-1, -2+1j'")
     elif isinstance(roots, Mapping | bytes | bytearray) or not isinstance(roots, Iterable):
-        raise InputError(
-            f"the roots {str(roots)[:60]} must be a list, for instance ['-1', '-2+1j']"
-        )
+        raise InputError(f"the roots {shown(roots)} must be a list, for instance ['-1', '-2+1j']")
     given = listed(roots, "degree", "the list of roots")
     return tuple(sympy.expand(exact_number(root)) for root in given)
 
