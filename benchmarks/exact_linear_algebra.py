@@ -1,15 +1,20 @@
 """Exact linear algebra beside the best call of SymPy and python-flint, on the same work in one run.
 
-Rational: resultant, number of common roots, number of real roots, solve and determinant of the
-2n x 2n Sylvester system of a pole placement, and the placement itself, where the peers are handed
-the finished system and have only to solve it. Each is timed as the best of several runs; a peer
-that would take more than the budget is left out at larger n. The last column is ours over the best
-peer; the aim is at most 3 at n = 10, where a door costs more than the work, and 1.5 from n = 50 on.
+Rational: resultant, number of common roots, gcd with its identity, numbers of real roots and of
+roots in the half planes (flint isolates them), characteristic polynomial, solve and determinant of
+the 2n x 2n Sylvester system of a pole placement, and the placement itself, where the peers are
+handed the finished system, or the polynomials, and have only to solve it. The product of two
+transfer functions is also timed with python-control, in floats; nothing else of python-control's
+can be compared, as its floats are of no use from n = 15 on.
 
-python-control has no exact routine; its floats are of no use from n = 15 on.
+Ours and the peers take turns, the processor time of each turn is taken, and the medians are
+compared: so the last column, ours over the best peer, holds on a busy machine too. The bar is 3 up
+to n = 10, where a door costs more than the work, and 1.5 from n = 50 on; the rest is marked.
+A peer that would take more than the budget is left out at larger n.
 
-Symbolic: generic determinant at n = 4, that is, the resultant of two quartics with free
-coefficients, and the generic pole placement at n = 3 with free target coefficients.
+Then to_control() at n = 100, whose check has to end within a second, and symbols: the generic
+determinant at n = 4, that is, the resultant of two quartics with free coefficients, and the generic
+pole placement at n = 3 with free target coefficients.
 
     python benchmarks/exact_linear_algebra.py [--budget 20] [--seed 0] [--sizes 10 50 100]
 """
@@ -17,12 +22,17 @@ coefficients, and the generic pole placement at n = 3 with free target coefficie
 import argparse
 import random
 import time
+import warnings
 from math import prod
+from statistics import median
 
+import flint
 import sympy
 
 from compensator_theory import (
     TransferFunction,
+    bezout_identity,
+    count_half_plane_roots,
     number_of_common_roots,
     number_of_real_roots,
     place_poles,
@@ -32,22 +42,38 @@ from compensator_theory import (
 )
 from compensator_theory.matrices.flint_matrices import to_flint
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
-from compensator_theory.matrices.linear_algebra import determinant, solve
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    determinant,
+    solve,
+)
 
 S = sympy.Symbol("s")
+WHO = ("ours", "sympy", "flint", "control")
+TURNS, SHORTEST = 9, 0.002  # turns of each call, and the least processor time of one
 
 
-def timed(function, *arguments):
-    start = time.perf_counter()
-    result = function(*arguments)
-    return time.perf_counter() - start, result
+def seconds_of(call, repetitions):
+    start = time.process_time()
+    for _ in range(repetitions):
+        call()
+    return (time.process_time() - start) / repetitions
 
 
-def best(function, *arguments):
-    """Best of as many runs as fit into a tenth of a second, three at least, one if it is slow."""
-    first, _ = timed(function, *arguments)
-    runs = 1 if first > 2 else max(3, min(50, int(0.1 / first)))
-    return min([first, *(timed(function, *arguments)[0] for _ in range(runs - 1))])
+def medians(calls):
+    """Median processor time of each call; all take turns, and slow ones fewer."""
+    once = {who: seconds_of(call, 1) for who, call in calls.items()}
+    turns = 1 if max(once.values()) > 1 else TURNS
+    repetitions = {who: max(1, int(SHORTEST / max(t, 1e-6))) for who, t in once.items()}
+    found = {who: [] for who in calls}
+    for _ in range(turns):
+        for who, call in calls.items():
+            found[who].append(seconds_of(call, repetitions[who]))
+    return {who: median(values) for who, values in found.items()}
+
+
+def median_seconds(function, *arguments):
+    return medians({"it": lambda: function(*arguments)})["it"]
 
 
 def random_polynomial(n, rng, leading=1):
@@ -60,71 +86,129 @@ def with_roots(roots):
 
 
 def works(n, rng):
-    """Yield name, our call and the calls of the peers."""
+    """Yield name and calls: ours, and those of the peers, of each the best that it has."""
     a, b = random_polynomial(n, rng), random_polynomial(n - 1, rng, 2)
     A, B = map(to_flint_polynomial, (a, b))
-    yield "resultant", (resultant, a, b), {
-        "sympy": (a.resultant, b), "flint": (A.resultant, B),
+    yield "resultant", {
+        "ours": lambda: resultant(a, b), "sympy": lambda: a.resultant(b),
+        "flint": lambda: A.resultant(B),
     }  # fmt: skip
-    yield "common roots", (number_of_common_roots, a, b), {
-        "sympy": (a.gcd, b), "flint": (A.gcd, B),
+    yield "common roots", {
+        "ours": lambda: number_of_common_roots(a, b), "sympy": lambda: a.gcd(b),
+        "flint": lambda: A.gcd(B),
     }  # fmt: skip
-    yield "real roots", (number_of_real_roots, a), {
-        "sympy": (a.count_roots,), "flint": (A.numer().complex_roots,),
+    yield "gcd and identity", {
+        "ours": lambda: bezout_identity(a, b), "sympy": lambda: a.gcdex(b),
+        "flint": lambda: A.xgcd(B),
     }  # fmt: skip
+    yield "real roots", {
+        "ours": lambda: number_of_real_roots(a), "sympy": a.count_roots,
+        "flint": A.numer().complex_roots,
+    }  # fmt: skip
+    yield (
+        "half planes",
+        {"ours": lambda: count_half_plane_roots(a), "flint": A.numer().complex_roots},
+    )
+    square = sympy.ImmutableMatrix(n, n, lambda *_: rng.randint(-9, 9))
+    domain, integers = square.to_DM(), [int(entry) for entry in square]
+    yield "characteristic polynomial", {
+        "ours": lambda: characteristic_polynomial(square, S), "sympy": domain.charpoly,
+        "flint": lambda: flint.fmpz_mat(n, n, integers).charpoly(),
+    }  # fmt: skip
+    yield from systems(n, rng, a, b)
+    G, H = TransferFunction(b, a), TransferFunction(random_polynomial(n - 1, rng), a)
+    floats, symbols = [g.to_control() for g in (G, H)], [g.to_sympy() for g in (G, H)]
+    yield "product of two systems", {
+        "ours": lambda: G * H, "sympy": (symbols[0] * symbols[1]).doit,
+        "control": lambda: floats[0] * floats[1],
+    }  # fmt: skip
+
+
+def systems(n, rng, a, b):
     M = sylvester_m(a.all_coeffs(), b.all_coeffs(), n + 1, n - 1)
     right = sympy.ImmutableMatrix(random_polynomial(2 * n, rng).all_coeffs())
-    domain, column, raw, raw_column = M.to_DM(), right.to_DM(), to_flint(M), to_flint(right)
-    field = domain.to_field().to_dense()
-    yield "solve", (solve, M, right), {
-        "sympy": (lambda: field.lu_solve(column.to_field().to_dense()),),
-        "flint": (raw.solve, raw_column),
+    raw, raw_column = to_flint(M), to_flint(right)
+    field, column = (x.to_DM().to_field().to_dense() for x in (M, right))
+    yield "solve", {
+        "ours": lambda: solve(M, right), "sympy": lambda: field.lu_solve(column),
+        "flint": lambda: raw.solve(raw_column),
     }  # fmt: skip
-    yield "determinant", (determinant, M), {"sympy": (field.det,), "flint": (raw.det,)}
+    yield "determinant", {"ours": lambda: determinant(M), "sympy": field.det, "flint": raw.det}
     for kind, D, N, T in (
         ("dense", a, b, random_polynomial(2 * n, rng)),
-        ("integer roots", with_roots(range(1, n + 1)),
-         with_roots(sympy.Rational(2 * k + 1, 2) for k in range(1, n)),
-         with_roots(sympy.Rational(k, 4) for k in range(-2 * n, 0))),
-    ):  # fmt: skip
-        G = TransferFunction(N.set_domain("QQ"), D.set_domain("QQ"))
-        system = to_flint(sylvester_m(D.all_coeffs(), N.all_coeffs(), n + 1, n - 1))
+        ("integer roots", *integer_roots(n)),
+    ):
+        D, N, T = (p.set_domain("QQ") for p in (D, N, T))  # noqa: PLW2901
+        G = TransferFunction(N, D)
+        matrix = to_flint(sylvester_m(D.all_coeffs(), N.all_coeffs(), n + 1, n - 1))
         goal = to_flint(sympy.ImmutableMatrix(T.all_coeffs()))
-        yield f"placement, {kind}", (
-            lambda G=G, T=T: place_poles(G, polynomial=T.set_domain("QQ"), feedback=-1),
-        ), {"flint": (system.solve, goal)}  # fmt: skip
+        calls = {"ours": lambda G=G, T=T: place_poles(G, polynomial=T, feedback=-1)}
+        calls["flint"] = lambda matrix=matrix, goal=goal: matrix.solve(goal)
+        yield f"placement, {kind}", calls
+        raw = tuple(map(to_flint_polynomial, (D, N, T)))
+        calls["flint"] = lambda raw=raw: by_euclid(*raw)
+        yield f"placement, {kind}, xgcd", calls
+
+
+def by_euclid(D, N, T):
+    """The same through flint's extended Euclidean algorithm."""
+    y = (T * N.xgcd(D)[1]) % D
+    return (T - N * y) // D, y
+
+
+def integer_roots(n):
+    """Plant and target whose numbers are long, as Wilkinson's are."""
+    halves = (sympy.Rational(2 * k + 1, 2) for k in range(1, n))
+    quarters = (sympy.Rational(k, 4) for k in range(-2 * n, 0))
+    return with_roots(range(1, n + 1)), with_roots(halves), with_roots(quarters)
 
 
 def compare(sizes, budget, rng):
-    print(f"{'work':<26}{'n':>4} {'ours':>11} {'SymPy':>11} {'flint':>11}   ours / best   seconds")
+    names = " ".join(f"{who:>11}" for who in WHO)
+    print(f"{'work':<29}{'n':>4} {names}   ours / best   seconds")
     last = {}
     for n in sizes:
-        for name, ours, peers in works(n, rng):
-            seconds = {"ours": best(*ours)}
-            for peer, call in peers.items():
-                expected = last.get((name, peer), (0.0, n))
-                if expected[0] * (n / expected[1]) ** 4 <= budget:
-                    seconds[peer] = best(*call)
-                    last[name, peer] = seconds[peer], n
-            rivals = [seconds[peer] for peer in peers if peer in seconds]
-            shown = [
-                f"{seconds[who]:11.6f}" if who in seconds else f"{'-':>11}"
-                for who in ("ours", "sympy", "flint")
-            ]
-            ratio = f"{seconds['ours'] / min(rivals):11.2f}" if rivals else f"{'-':>11}"
-            print(f"{name:<26}{n:>4} {' '.join(shown)}   {ratio}", flush=True)
+        for name, calls in works(n, rng):
+            for peer in list(calls):
+                before, size = last.get((name, peer), (0.0, n))
+                if peer != "ours" and before * (n / size) ** 4 > budget:
+                    del calls[peer]
+            seconds = medians(calls)
+            last.update({(name, peer): (t, n) for peer, t in seconds.items()})
+            rivals = [t for who, t in seconds.items() if who != "ours"]
+            shown = [f"{seconds[w]:11.6f}" if w in seconds else f"{'-':>11}" for w in WHO]
+            ratio = seconds["ours"] / min(rivals) if rivals else 0.0
+            bar = 3 if n <= 10 else 1.5 if n >= 50 else float("inf")
+            mark = "  ABOVE" if ratio > bar else ""
+            print(f"{name:<29}{n:>4} {' '.join(shown)}   {ratio:11.2f}{mark}", flush=True)
+
+
+def check_part(n, rng):
+    """Time the check of to_control() where it is easy and where rounding is fatal."""
+    random_plant = random_polynomial(n, rng), random_polynomial(n - 1, rng, 2)
+    for kind, (D, N, T) in {
+        "dense": (*random_plant, random_polynomial(2 * n, rng)),
+        "stable target": (*random_plant, integer_roots(n)[2]),
+        "integer roots": integer_roots(n),
+        "integer roots, dense target": (*integer_roots(n)[:2], random_polynomial(2 * n, rng)),
+    }.items():
+        D, N, T = (p.set_domain("QQ") for p in (D, N, T))  # noqa: PLW2901
+        placed = place_poles(TransferFunction(N, D), polynomial=T, feedback=-1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            print(f"to_control() at n = {n}, {kind}: {seconds_of(placed.to_control, 1):.3f} s")
 
 
 def symbolic_part():
     symbols = [list(sympy.symbols(f"{letter}0:5")) for letter in "ab"]
     matrix = sympy.Matrix(sylvester_m1(*symbols))
-    ours = best(determinant, matrix)
-    sympys, _ = timed(lambda: matrix.det(method="berkowitz"))
+    ours = median_seconds(determinant, matrix)
+    sympys = median_seconds(lambda: matrix.det(method="berkowitz"))
     print(f"generic determinant n = 4: ours {ours:.4f} s, SymPy's berkowitz {sympys:.2f} s")
     a, b, t = sympy.symbols("a0:3"), sympy.symbols("b0:3"), sympy.symbols("t0:6")
     system = sympy.Matrix(sylvester_m([sympy.Integer(1), *a], list(b), 3, 2)), sympy.Matrix(t)
-    ours = best(solve, *system)
-    sympys, _ = timed(lambda: system[0].LUsolve(system[1]))
+    ours = median_seconds(solve, *system)
+    sympys = median_seconds(lambda: system[0].LUsolve(system[1]))
     print(f"generic solve n = 3: ours {ours:.4f} s, SymPy's LUsolve, unsimplified {sympys:.2f} s")
 
 
@@ -135,6 +219,7 @@ def main():
     parser.add_argument("--sizes", type=int, nargs="+", default=[10, 20, 50, 100])
     arguments = parser.parse_args()
     compare(arguments.sizes, arguments.budget, random.Random(arguments.seed))
+    check_part(100, random.Random(arguments.seed))
     symbolic_part()
 
 

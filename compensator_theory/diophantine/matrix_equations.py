@@ -7,6 +7,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.diophantine.minimal_bases import MinimalBasis, minimal_basis
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.structure.elimination import Elimination
@@ -157,7 +158,7 @@ def solve_matrix_diophantine(
     ((1, 1), (2,), 1)
     """
     if side not in IDENTITY:
-        raise InputError(f"side = {side!r} must be 'right' or 'left'")
+        raise InputError(f"side = {shown(side)} must be 'right' or 'left'")
     given = [polynomial_matrix(matrix, variable) for matrix in (A, B, C)]
     a, b, c = given if side == "right" else [matrix.T for matrix in given]
     if not a.shape[0] == b.shape[0] == c.shape[0]:

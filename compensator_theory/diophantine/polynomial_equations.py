@@ -9,7 +9,7 @@ from sympy.polys.domains.domain import Domain
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import (
     PolynomialLike,
@@ -116,7 +116,7 @@ def solve_diophantine(
     Poly(s**2 - s + 7, s, domain='QQ')
     """
     if least not in ("x", "y"):
-        raise InputError(f"least = {least!r} must be 'x' or 'y'")
+        raise InputError(f"least = {shown(least)} must be 'x' or 'y'")
     first, second, right = in_one_variable(a, b, c, variable=variable)
     for name, side in (("a", first), ("b", second)):
         if side.is_zero:

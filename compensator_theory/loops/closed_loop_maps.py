@@ -5,7 +5,7 @@ from __future__ import annotations
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop
+from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop, require_problem
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -121,6 +121,7 @@ def closed_loop_zero_polynomial(
     >>> closed_loop_zero_polynomial(standard_problem("1/(q - 2)"), "-2", "q")
     Poly(q, q, domain='QQ')
     """
+    require_problem(problem)
     if not (0 <= w_channel < problem.l_w and 0 <= z_channel < problem.l_z):
         raise InputError(
             f"there is no map from w[{w_channel}] to z[{z_channel}]: w has {problem.l_w} and z has "

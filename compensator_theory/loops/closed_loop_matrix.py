@@ -5,6 +5,7 @@ from sympy import ImmutableMatrix
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import agreed_sign
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.systems.realisations import Realisation
 
 
@@ -51,7 +52,7 @@ def closed_loop_matrix(
     """
     for value in (plant, compensator):
         if not isinstance(value, Realisation):
-            raise InputError(f"{value!r} is not a Realisation; make one with realisation(...)")
+            raise InputError(f"{shown(value)} is not a Realisation; make one with realisation(...)")
     if compensator.variable != plant.variable:
         raise InputError(
             f"the plant is written in {plant.variable} and the compensator in "

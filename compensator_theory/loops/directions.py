@@ -8,6 +8,7 @@ from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -22,9 +23,11 @@ def rational_matrix(value: Sequence[Sequence[NumberLike]], name: str) -> Matrix:
     Matrix([[1/2, 1]])
     """
     try:
-        rows = [[exact_number(entry) for entry in row] for row in value]
+        given = [listed(row, "degree", name) for row in listed(value, "degree", name)]
+        ask("entries", sum(map(len, given)), name)
+        rows = [[exact_number(entry) for entry in row] for row in given]
     except TypeError as error:
-        raise InputError(f"{name} = {value!r} must be a matrix, a list of its rows") from error
+        raise InputError(f"{name} = {shown(value)} must be a matrix, a list of its rows") from error
     if not rows or not rows[0] or len({len(row) for row in rows}) != 1:
         raise InputError(f"{name} needs rows of one and the same nonzero length")
     if not all(entry.is_rational for row in rows for entry in row):
@@ -42,7 +45,7 @@ def gaussian(value: NumberLike, name: str) -> Expr:
     1/2 + I
     """
     number = exact_number(value)
-    if not all(part.is_rational for part in number.as_real_imag()):
+    if number.free_symbols or not all(part.is_rational for part in number.as_real_imag()):
         raise InputError(f"{name} is not rational; give a decimal of it")
     return sympy.expand(number)
 
@@ -56,10 +59,8 @@ def read_direction(eta: Sequence[NumberLike], size: int) -> ImmutableMatrix:
     >>> read_direction([1, "1/2"], 2).T
     Matrix([[1, 1/2]])
     """
-    try:
-        entries = [gaussian(entry, f"the direction {eta!r}") for entry in eta]
-    except TypeError as error:
-        raise InputError(f"the direction {eta!r} must be a list of numbers") from error
+    name = f"the direction {shown(eta)}"
+    entries = [gaussian(entry, name) for entry in listed(eta, "degree", name)]
     if len(entries) != size:
         raise InputError(f"the direction {entries} has {len(entries)} entries; {size} are needed")
     if not any(entries):

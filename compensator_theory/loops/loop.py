@@ -15,6 +15,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.poly import PolynomialLike, from_expression, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
@@ -181,10 +182,7 @@ def close_loop(
     >>> close_loop(standard_problem("1/(q - 2)"), "1", "q + 1").n_c
     1
     """
-    if not isinstance(problem, StandardProblem):
-        raise InputError(
-            f"{problem!r} is not a StandardProblem; make one with standard_problem or servo_problem"
-        )
+    require_problem(problem)
     q = problem.variable
     numerator = _polynomial_rows(N_c, (problem.l_u, problem.l_y), q, "N_c")
     denominator = _polynomial_rows(D_c, (problem.l_u, problem.l_u), q, "D_c")
@@ -208,15 +206,33 @@ def close_loop(
     return Loop(problem, _as_matrix(numerator), _as_matrix(denominator), n_c)
 
 
+def require_problem(problem: StandardProblem) -> None:
+    """Refuse what is no standard problem.
+
+    Examples
+    --------
+    >>> from compensator_theory import servo_problem
+    >>> from compensator_theory.loops.loop import require_problem
+    >>> require_problem(servo_problem("1/q"))
+    """
+    if not isinstance(problem, StandardProblem):
+        raise InputError(
+            f"{shown(problem)} is not a StandardProblem; make one with standard_problem or "
+            "servo_problem"
+        )
+
+
 def _polynomial_rows(
     value: PolynomialMatrixLike, shape: tuple[int, int], variable: Symbol, name: str
 ) -> list[list[Poly]]:
-    rows = [[_entry(entry, variable) for entry in row] for row in _nested(value)]
-    if {len(row) for row in rows} != {shape[1]} or len(rows) != shape[0]:
+    given = _nested(value)
+    if {len(row) for row in given} != {shape[1]} or len(given) != shape[0]:
+        lengths = shown([len(row) for row in given])
         raise InputError(
-            f"{name} has rows of lengths {[len(row) for row in rows]}; this plant needs a "
-            f"{shape[0]} x {shape[1]} matrix"
+            f"{name} has rows of lengths {lengths}; this plant needs a {shape[0]} x {shape[1]} "
+            "matrix"
         )
+    rows = [[_entry(entry, variable) for entry in row] for row in given]
     if name == "D_c" and all(entry.is_zero for row in rows for entry in row):
         raise InputError("D_c is zero; a compensator needs a denominator")
     return rows

@@ -4,7 +4,7 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError, NotReachableTargetError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -56,7 +56,7 @@ def target_characteristic_polynomial(
     """
     N_zu, n = _scalar_numerator(plant)
     if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < 0:
-        raise InputError(f"the compensator order n_c = {n_c!r} must be an integer of at least 0")
+        raise InputError(f"the order n_c = {shown(n_c)} must be an integer of at least 0")
     ask("degree", n + n_c, "the closed loop")
     G_f = transfer_function(target, N_zu.gen).reduced()
     reachable = N_zu * Poly(N_zu.gen**n_c, N_zu.gen)
@@ -89,7 +89,7 @@ def _scalar_numerator(plant: StandardProblem | tuple[Poly, int]) -> tuple[Poly, 
     elif isinstance(plant, tuple) and len(plant) == 2 and isinstance(plant[0], Poly):
         N_zu, n = plant
     else:
-        raise InputError(f"{plant!r} is neither a StandardProblem nor a pair (N_zu, n)")
+        raise InputError(f"{shown(plant)} is neither a StandardProblem nor a pair (N_zu, n)")
     if N_zu.is_zero:
         raise InputError("N_zu = 0: the control does not reach z, so there is nothing to match")
     return canonical(N_zu), n

@@ -6,6 +6,7 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.variables import is_operator
@@ -34,7 +35,7 @@ def require_sign(feedback: object) -> None:
     >>> require_sign(-1)
     """
     if isinstance(feedback, bool) or feedback not in (1, -1):
-        raise InputError(f"feedback = {feedback!r} must be +1 (u = G_c y) or -1 (u = -G_c y)")
+        raise InputError(f"feedback = {shown(feedback)} must be +1 (u = G_c y) or -1 (u = -G_c y)")
 
 
 def agreed_sign(compensator: TransferFunction | Realisation, feedback: int | None) -> int:

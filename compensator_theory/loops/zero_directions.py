@@ -1,6 +1,6 @@
 """Target models that keep transmission zeros with their directions, exactly."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -16,6 +16,7 @@ from compensator_theory.loops.directions import (
 )
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import rank, solve
+from compensator_theory.polynomials.budget import listed, shown
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -58,8 +59,8 @@ class ZeroDirectionTarget(ExactValue):
     certificate: Certificate
 
     def __str__(self) -> str:
-        listed = [f"{zero} in the direction {list(eta)}" for zero, eta in self.zeros]
-        return "\n".join([f"G_f = {self.transfer_matrix}", *listed])
+        lines = [f"{zero} in the direction {list(eta)}" for zero, eta in self.zeros]
+        return "\n".join([f"G_f = {self.transfer_matrix}", *lines])
 
 
 def zero_direction_target(
@@ -124,14 +125,16 @@ def zero_direction_target(
     rows, columns = leading.shape
     if rank(leading) < min(rows, columns):
         raise InputError(
-            f"H = {leading.tolist()} does not have full rank, so that no target model with this "
-            "leading coefficient has only the zeros that are asked for; give the first "
+            f"H = {shown(leading.tolist(), 200)} does not have full rank, so that no target model "
+            "with this leading coefficient has only the zeros that are asked for; give the first "
             "coefficient that is not zero of every row, with the delays of the rows."
         )
     tall = rows > columns
     size = columns if tall else rows
     steps = _delays(delays, rows, tall)
-    known = tuple(_zero(pair, size) for pair in zeros)
+    if not isinstance(zeros, Iterable):
+        raise InputError(f"zeros = {shown(zeros)} must be a list of pairs (z0, eta)")
+    known = tuple(_zero(pair, size) for pair in listed(zeros, "degree", "the list of zeros"))
     E, Z = _real_form(known, [0] * size if tall else list(steps), size)
     L = _least_squares(E, Z, size, taps)
     right = leading.T * leading if tall else leading
@@ -171,30 +174,30 @@ def direction_residual(
     (Matrix([[0, 0]]), Matrix([[0, 2/3]]))
     """
     G = transfer_matrix(G_f)
-    z0, direction = gaussian(zero, f"the zero {zero}"), read_direction(eta, G.shape[0])
+    z0, direction = gaussian(zero, f"the zero {shown(zero)}"), read_direction(eta, G.shape[0])
     return ImmutableMatrix(residual(G, z0, Matrix.eye(G.shape[0]), direction))
 
 
 def _delays(delays: int | Sequence[int], rows: int, tall: bool) -> tuple[int, ...]:
-    listed = tuple(delays) if isinstance(delays, Sequence) else (delays,) * rows
-    if len(listed) != rows or any(
-        isinstance(d, bool) or not isinstance(d, int) or d < 0 for d in listed
+    steps = tuple(delays) if isinstance(delays, Sequence) else (delays,) * rows
+    if len(steps) != rows or any(
+        isinstance(d, bool) or not isinstance(d, int) or d < 0 for d in steps
     ):
-        raise InputError(f"delays = {delays!r}: a count of steps, or {rows} of them, is needed")
-    if tall and len(set(listed)) > 1:
+        raise InputError(f"delays = {shown(delays)}: a count of steps, or {rows} of them, is due")
+    if tall and len(set(steps)) > 1:
         raise InputError("with more rows than columns all rows need one delay")
-    return listed
+    return steps
 
 
 def _zero(pair: Direction, size: int) -> tuple[Expr, ImmutableMatrix]:
     try:
         given, eta = pair
     except (TypeError, ValueError):
-        raise InputError(f"{pair!r} is not a pair (z0, eta)") from None
-    z0 = gaussian(given, f"the zero {given}")
+        raise InputError(f"{shown(pair)} is not a pair (z0, eta)") from None
+    z0 = gaussian(given, f"the zero {shown(given)}")
     a, b = z0.as_real_imag()
     if a**2 + b**2 < (1 - CIRCLE) ** 2:
-        raise InputError(f"the zero {given} is inside the unit circle and belongs in no target")
+        raise InputError(f"the zero {z0} is inside the unit circle and belongs in no target")
     direction = read_direction(eta, size)
     if b == 0 and any(entry.as_real_imag()[1] != 0 for entry in direction):
         raise InputError(f"the direction {list(direction)} of the real zero {z0} must be real")
@@ -224,7 +227,7 @@ def _real_form(
 def _least_squares(E: Matrix, Z: Matrix, size: int, taps: int | None) -> list[Matrix]:
     """L_1, ..., L_m of least norm with E + sum of Z^{-k} E L_k = 0."""
     if taps is not None and (isinstance(taps, bool) or not isinstance(taps, int) or taps < 0):
-        raise InputError(f"taps = {taps!r} must be a count")
+        raise InputError(f"taps = {shown(taps)} must be a count")
     if not E.rows:
         return [Matrix.zeros(size, size)] * (taps or 0)
     inverse = Z.inv()

@@ -11,6 +11,7 @@ from compensator_theory.lqg.continuous_riccati import (
     ContinuousRiccatiSolution,
     solve_continuous_riccati,
 )
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -137,7 +138,7 @@ def continuous_lqg(plant: StandardProblem, *, digits: int = 30) -> ContinuousLQG
     (True, 4)
     """
     if not isinstance(plant, StandardProblem):
-        raise InputError(f"{plant!r} is not a StandardProblem; make one with standard_problem(...)")
+        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
     s = plant.variable
     if is_discrete(s, "LQG"):
         raise InputError(f"{s} means discrete time; use lqg_poles or high_authority_lqg")

@@ -16,6 +16,7 @@ from compensator_theory.errors import (
 from compensator_theory.lqg.regulator_data import regulator_data
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import rational, to_flint
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -121,7 +122,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     Poly(q**4, q, domain='QQ')
     """
     if not isinstance(plant, StandardProblem):
-        raise InputError(f"{plant!r} is not a StandardProblem; make one with standard_problem(...)")
+        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
     q = plant.variable
     require_discrete(q, "LQG")
     _require_stable_hidden_modes(plant)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_discrete
@@ -144,7 +145,7 @@ def scalar_numerators(plant: StandardProblem) -> tuple[Poly, Poly]:
     q - 2
     """
     if not isinstance(plant, StandardProblem):
-        raise InputError(f"{plant!r} is not a StandardProblem; see standard_problem()")
+        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
     require_discrete(plant.variable, "high-authority LQG")
     sizes = (plant.l_u, plant.l_w, plant.l_y, plant.l_z)
     if sizes != (1, 1, 1, 1):

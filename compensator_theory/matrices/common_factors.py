@@ -2,10 +2,15 @@
 
 from dataclasses import dataclass
 
+import flint
 import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.flint_polynomials import (
+    from_flint_polynomial,
+    kept_in_flint,
+)
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic
 from compensator_theory.polynomials.shared import in_one_variable
@@ -100,6 +105,8 @@ def bezout_identity(
     None
     """
     first, second = in_one_variable(a, b, variable=variable)
+    if (kept := kept_in_flint(first, second)) is not None and kept[0] and kept[1]:
+        return _of_rationals(first, second, *kept)
     if first.is_zero and second.is_zero:
         raise InputError("a and b are both zero; every polynomial divides them")
     field = (first.unify(second)[0]).domain.get_field()
@@ -110,3 +117,15 @@ def bezout_identity(
     quotients = (canonical(over_field[0].quo(gcd)), canonical(over_field[1].quo(gcd)))
     x, y = (canonical(p.set_domain(p.domain.get_field()).quo_ground(leading)) for p in (x, y))
     return BezoutIdentity(first, second, gcd, x, y, quotients)
+
+
+def _of_rationals(
+    first: Poly, second: Poly, a: flint.fmpq_poly, b: flint.fmpq_poly
+) -> BezoutIdentity:
+    gcd, x, y = a.xgcd(b)
+    s = first.gen
+    divisor, left, right = (from_flint_polynomial(p, s) for p in (gcd, x, y))
+    quotients = first, second
+    if gcd.degree() > 0:
+        quotients = from_flint_polynomial(a // gcd, s), from_flint_polynomial(b // gcd, s)
+    return BezoutIdentity(first, second, divisor, left, right, quotients)

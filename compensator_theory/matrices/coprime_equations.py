@@ -50,12 +50,15 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
     ['s + 2/5', '-2*s/5 - 1/5']
     """
     first, second, goal = (to_flint_polynomial(p) for p in (a, b, c))
-    if first.gcd(second).degree() > 0:
-        return None
     found = None
     if first.degree() > 1 and _is_tall(first, second):
+        if first.gcd(second).degree() > 0:
+            return None
         found = _p_adic(first, second, goal)
-    x, y = _euclidean(first, second, goal) if found is None else found
+    found = _euclidean(first, second, goal) if found is None else found
+    if found is None:
+        return None
+    x, y = found
     return from_flint_polynomial(x, a.gen), from_flint_polynomial(y, a.gen)
 
 
@@ -68,8 +71,10 @@ def _is_tall(a: flint.fmpq_poly, b: flint.fmpq_poly) -> bool:
 
 def _euclidean(
     a: flint.fmpq_poly, b: flint.fmpq_poly, c: flint.fmpq_poly
-) -> tuple[flint.fmpq_poly, flint.fmpq_poly]:
-    _, inverse, _ = b.xgcd(a)
+) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+    gcd, inverse, _ = b.xgcd(a)
+    if gcd.degree() > 0:
+        return None
     y = (c * inverse) % a
     return (c - b * y) // a, y
 

@@ -7,8 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, MatrixBase
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
-from compensator_theory.polynomials.formatting import shown
+from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 
@@ -57,7 +56,7 @@ def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:
         raise InputError(f"{name} is a sparse matrix; write it out with .toarray()")
     shape = getattr(value, "shape", None)
     iterable = hasattr(value, "__iter__") and not isinstance(value, str | bytes | set | dict)
-    rows = list(value) if iterable and shape != () else None
+    rows = listed(value, "entries", f"the matrix {name}") if iterable and shape != () else None
     if rows is None or any(isinstance(r, str | bytes) or not hasattr(r, "__len__") for r in rows):
         raise InputError(
             f"{name} = {shown(value)} is not a matrix; write rows, as in [[1, 2], [3, 4]]"

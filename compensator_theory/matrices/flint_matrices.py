@@ -1,5 +1,7 @@
 """Rational matrices of SymPy as those of python-flint, and back."""
 
+from typing import Any
+
 import flint
 from sympy import QQ, ImmutableMatrix, Matrix, Rational
 from sympy.polys.matrices import DomainMatrix
@@ -49,10 +51,16 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
     -2
     """
-    entries = matrix.to_DM(domain=QQ).to_list_flat()
-    if QQ.dtype is not flint.fmpq:  # SymPy's ground types are python-flint's where it found it
-        entries = [flint.fmpq(int(entry.numerator), int(entry.denominator)) for entry in entries]
-    return flint.fmpq_mat(matrix.rows, matrix.cols, entries)
+    kept = getattr(matrix, "_rep", None)  # SymPy's own; to convert integers takes longer than this
+    if not isinstance(kept, DomainMatrix) or not (kept.domain.is_ZZ or kept.domain.is_QQ):
+        kept = matrix.to_DM(domain=QQ)
+    by_row = kept.to_dod()  # Sylvester matrices are half zeros
+    result = flint.fmpq_mat(matrix.rows, matrix.cols)
+    is_flint = QQ.dtype is flint.fmpq  # SymPy's ground types are python-flint's where it found it
+    for i, row in by_row.items():
+        for j, entry in row.items():
+            result[i, j] = entry if is_flint else _fraction(entry)
+    return result
 
 
 def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
@@ -66,10 +74,16 @@ def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
     Matrix([[1/2, 3]])
     """
     shape = matrix.nrows(), matrix.ncols()
-    rows = matrix.tolist() if 0 not in shape else [[] for _ in range(shape[0])]
+    rows = matrix.tolist() if 0 not in shape else []
     if QQ.dtype is not flint.fmpq:
         rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
-    return DomainMatrix(rows, shape, QQ).to_Matrix().as_immutable()
+    nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
+    by_row = {i: row for i, row in nonzero.items() if row}
+    return DomainMatrix.from_dod(by_row, shape, QQ).to_Matrix().as_immutable()
+
+
+def _fraction(entry: Any) -> flint.fmpq:
+    return flint.fmpq(int(entry.numerator), int(entry.denominator))
 
 
 def rational(value: flint.fmpq) -> Rational:

@@ -2,6 +2,30 @@
 
 import flint
 from sympy import QQ, Poly, Symbol
+from sympy.polys.polyclasses import DMP
+
+from compensator_theory.polynomials.poly import PolynomialLike
+
+
+def kept_in_flint(
+    a: PolynomialLike, b: PolynomialLike
+) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+    """Return two polynomials in one variable where SymPy keeps both as python-flint's, else None.
+
+    That they are rational and in canonical form then needs no further look.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.matrices.flint_polynomials import kept_in_flint
+    >>> kept_in_flint(polynomial("s"), "s") is None
+    True
+    """
+    if isinstance(a, Poly) and isinstance(b, Poly) and a.gens == b.gens and a.gen.is_Symbol:
+        first, second = getattr(a.rep, "_rep", None), getattr(b.rep, "_rep", None)
+        if type(first) is flint.fmpq_poly and type(second) is flint.fmpq_poly:
+            return first, second
+    return None
 
 
 def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
@@ -40,4 +64,4 @@ def from_flint_polynomial(poly: flint.fmpq_poly, variable: Symbol) -> Poly:
     descending = poly.coeffs()[::-1]
     if QQ.dtype is not flint.fmpq:
         descending = [QQ(int(c.p), int(c.q)) for c in descending]
-    return Poly.from_list(descending, variable, domain=QQ)
+    return Poly.new(DMP(descending, QQ, 0), variable)

@@ -1,17 +1,19 @@
 """Common roots of two polynomials: how many, and whether there are any."""
 
+import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.flint_matrices import rational
-from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
+from compensator_theory.matrices.flint_polynomials import kept_in_flint, to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.matrices.sylvester import (
     formal_coefficients,
     matrix_of_coefficients,
     with_formal_degrees,
 )
+from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import PolynomialLike, is_rational
 
 
@@ -53,6 +55,8 @@ def number_of_common_roots(
     >>> number_of_common_roots("(s + 1)**2*(s + 2)", "(s + 1)**3*(s - 7)*s")
     2
     """
+    if (kept := _kept(a, b, variable)) is not None:
+        return int(kept[0].gcd(kept[1]).degree())
     first, second = with_formal_degrees(a, b, variable)
     _require_leading(*first)
     if is_rational(first[0]) and is_rational(second[0]):
@@ -88,6 +92,8 @@ def resultant(
     >>> resultant("s + 1", "s + 2"), resultant("s + a", "s + b")
     (1, -a + b)
     """
+    if (kept := _kept(a, b, variable)) is not None:
+        return rational(kept[0].resultant(kept[1]))
     first, second = with_formal_degrees(a, b, variable)
     _require_leading(*first)
     if not (is_rational(first[0]) and is_rational(second[0])):
@@ -95,6 +101,17 @@ def resultant(
     lacking = second[1] - (0 if second[0].is_zero else int(second[0].degree()))
     p, q = to_flint_polynomial(first[0]), to_flint_polynomial(second[0])
     return rational(p.coeffs()[-1] ** lacking * p.resultant(q))
+
+
+def _kept(
+    a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None
+) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
+    """Return what is read already, at its true degrees: a door would cost more than the work."""
+    kept = kept_in_flint(a, b) if variable is None else None
+    if kept is None or not kept[0] or not kept[1]:
+        return None
+    ask("degree", max(kept[0].degree(), kept[1].degree()), "the polynomial")
+    return kept
 
 
 def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:

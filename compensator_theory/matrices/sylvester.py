@@ -7,7 +7,7 @@ from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import PolynomialLike
 from compensator_theory.polynomials.shared import in_one_variable, is_list
 
@@ -64,7 +64,7 @@ def sylvester_m(
     """
     for name, number in (("n_c", n_c), ("m_hat", m_hat)):
         if isinstance(number, bool) or not isinstance(number, int):
-            raise InputError(f"{name} = {number!r} must be an integer")
+            raise InputError(f"{name} = {shown(number)} must be an integer")
     d, n = (p.all_coeffs() for p in in_one_variable(D, N, variable=variable, default="s"))
     rows = len(d) - 1 + n_c
     if n_c < 0 or m_hat < -1:
@@ -207,7 +207,7 @@ def with_formal_degrees(
             degree = size - 1 if size else _degree(poly)
         if isinstance(degree, bool) or not isinstance(degree, int) or degree < 0:
             raise InputError(
-                f"the formal degree of {name} must be a natural number, not {degree!r}"
+                f"the formal degree of {name} must be a natural number, not {shown(degree)}"
             )
         if _degree(poly) > degree:
             raise InputError(f"{name} has degree {poly.degree()}, above the formal {degree}")

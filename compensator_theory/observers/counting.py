@@ -5,8 +5,9 @@ from collections.abc import Iterable, Iterator
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.poly import PolynomialLike, polynomial
-from compensator_theory.roots.real_factors import real_multiplicities
+from compensator_theory.roots.certified import real_multiplicities
 
 
 def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
@@ -47,7 +48,7 @@ def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
     1
     """
     if isinstance(n, bool) or not isinstance(n, int) or n < 0:
-        raise InputError(f"n = {n!r} must be the order of a plant, 0 or more")
+        raise InputError(f"n = {shown(n)} must be the order of a plant, 0 or more")
     return number_of_selections(real_multiplicities(polynomial(Dtilde)), n)
 
 

@@ -19,9 +19,12 @@ from compensator_theory.matrices.subspace_families import sample_subspaces, subs
 from compensator_theory.observers.counting import number_of_selections
 from compensator_theory.observers.form import ObserverForm, form_of_subspace
 from compensator_theory.observers.form_lists import ObserverForms
+from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
+
+_SEARCH = "the search for invariant subspaces of the closed loop"
 
 
 def observer_forms(
@@ -86,7 +89,10 @@ def observer_forms(
     Matrix([[-1, -3]]) Matrix([[6, 3/4]])
     Matrix([[-3/4, -2]]) Matrix([[7, 3/2]])
     """
-    system, given = realisation(plant), realisation(compensator)
+    system = realisation(plant)
+    ask("entries", system.n**3, _SEARCH)  # before the compensator is read, which takes as long
+    given = realisation(compensator)
+    ask("entries", (system.n + given.n) ** 3, _SEARCH)
     controller = given.with_sign(agreed_sign(given, feedback))
     loop = closed_loop_matrix(system, controller)
     if not (system.n and controller.n):

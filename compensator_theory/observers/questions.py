@@ -6,8 +6,7 @@ from compensator_theory.loops.siso import LoopPart, closed_loop_of_pair, siso_lo
 from compensator_theory.observers.counting import count_observer_forms
 from compensator_theory.observers.decisions import ObserverDecision
 from compensator_theory.polynomials.poly import is_rational
-from compensator_theory.roots.counts import number_of_real_roots
-from compensator_theory.roots.real_factors import has_real_root
+from compensator_theory.roots.counts import has_real_root, number_of_real_roots
 from compensator_theory.systems.conversions import TransferFunctionLike
 
 

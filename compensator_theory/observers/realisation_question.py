@@ -20,7 +20,7 @@ from compensator_theory.observers.questions import decide_by_parity
 from compensator_theory.observers.youla import youla_forms
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, is_rational, monic
-from compensator_theory.roots.real_factors import real_multiplicities
+from compensator_theory.roots.certified import real_multiplicities
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.placement.pole_placement import place_poles
 from compensator_theory.placement.solutions import PolePlacement
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -60,7 +61,7 @@ def place_poles_at_least_order(
     """
     poles = list(poles) if isinstance(poles, Iterable) and not isinstance(poles, str) else poles
     if not isinstance(poles, list):
-        raise InputError(f"the poles {poles!r} must be a list, for instance ['-1', '-2+1j']")
+        raise InputError(f"the poles {shown(poles)} must be a list, for instance ['-1', '-2+1j']")
     G = transfer_function(plant)
     require_proper(G, "plant")
     if len(poles) < G.order:

@@ -17,7 +17,7 @@ from compensator_theory.placement.matrix_equations import (
     pair_of_columns,
     reduced_left_fraction,
 )
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import (
@@ -174,7 +174,7 @@ def place_matrix_poles(
     if any(not G[i, j].is_strictly_proper for i in range(p) for j in range(m)):
         raise ImproperError(f"the plant {G} must be strictly proper")
     if isinstance(order, bool) or not isinstance(order, int) or order < 0:
-        raise InputError(f"order = {order!r} must be a natural number")
+        raise InputError(f"order = {shown(order)} must be a natural number")
     model = polynomial(1 if internal_model is None else internal_model, s)
     require_no_other_operator(model)
     if model.is_zero or model.degree() > order:
@@ -228,9 +228,10 @@ def _targets(
     targets: Sequence[SpectrumLike], degrees: list[int], order: int, s: Symbol
 ) -> tuple[Poly, ...]:
     wanted = [degree + order for degree in degrees]
-    if isinstance(targets, str) or len(targets) != len(wanted):
+    given = [] if isinstance(targets, str) else listed(targets, "degree", "the list of targets")
+    if len(given) != len(wanted):
         raise InputError(f"give {len(wanted)} targets, of degrees {wanted}, one for each output")
-    goals = [monic(polynomial_or_roots(target, s)) for target in targets]
+    goals = [monic(polynomial_or_roots(target, s)) for target in given]
     for goal in goals:
         require_no_other_operator(goal)
     if [int(goal.degree()) for goal in goals] != wanted:

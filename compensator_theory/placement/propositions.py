@@ -6,7 +6,7 @@ from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.sylvester import sylvester_m, sylvester_m1, sylvester_m2
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import PolynomialLike
 from compensator_theory.polynomials.shared import in_one_variable
 from compensator_theory.polynomials.values import ExactValue
@@ -149,7 +149,7 @@ def _read(
     if m >= n:
         raise InputError(f"deg N = {m} must be below deg D = {n}, as for a strictly proper plant")
     if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < max(m, 0):
-        raise InputError(f"n_c = {n_c!r} must be an integer of at least deg N = {m}")
+        raise InputError(f"n_c = {shown(n_c)} must be an integer of at least deg N = {m}")
     ask("entries", (n + n_c) ** 2, "the Sylvester matrix")
     return d, b, n
 

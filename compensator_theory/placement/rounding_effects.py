@@ -1,18 +1,21 @@
 """What rounding the coefficients of a compensator to float64 does to the closed-loop poles."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.placement.displacement_bounds import are_far, stay_close
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import Root, certified_roots
-from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
+from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 DANGEROUS_SHARE = 0.1
@@ -26,10 +29,6 @@ class RoundingEffect(ExactValue):
     ----------
     target, rounded : sympy.Poly
         Closed-loop polynomial of the exact and of the rounded compensator, both exact.
-    displacement : float
-        Largest distance from a rounded pole to the nearest exact one.
-    share : float
-        The same relative to the distance of that exact pole from the stability boundary.
     was_stable, is_stable : bool
         Before and after: every pole in the open left half plane (s) or unit disk (z, q).
 
@@ -45,21 +44,52 @@ class RoundingEffect(ExactValue):
 
     target: Poly
     rounded: Poly
-    displacement: float
-    share: float
     was_stable: bool
     is_stable: bool
 
     @property
+    def displacement(self) -> float:
+        """Largest distance from a rounded pole to the nearest exact one."""
+        return self._largest_move[0]
+
+    @property
+    def share(self) -> float:
+        """The same relative to the distance of that exact pole from the stability boundary."""
+        return self._largest_move[1]
+
+    @cached_property
     def is_dangerous(self) -> bool:
-        """Whether stability is lost, or a pole moves by a tenth of its distance to the boundary."""
-        return (self.was_stable and not self.is_stable) or self.share > DANGEROUS_SHARE
+        """Whether stability is lost, or a pole moves by a tenth of its distance to the boundary.
+
+        Where rounding is fatal, the rounded poles are so ill-conditioned that their isolation takes
+        long; the coefficients, and the poles before, decide in most cases.
+        """
+        if self.is_lost or self._known_far:
+            return True
+        return not stay_close(self.target, self.rounded) and self.share > DANGEROUS_SHARE
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether a stable loop becomes unstable."""
+        return self.was_stable and not self.is_stable
+
+    @cached_property
+    def _known_far(self) -> bool:
+        return are_far(self.target, self.rounded)
+
+    @cached_property
+    def _largest_move(self) -> tuple[float, float]:
+        before, after = certified_roots(self.target), certified_roots(self.rounded)
+        return _largest_move(before, after, self.target.gen)
 
     def __str__(self) -> str:
-        lost = ": the loop becomes UNSTABLE" if self.was_stable and not self.is_stable else ""
+        if self.is_lost:
+            return "rounding moves a closed-loop pole across the boundary: the loop is UNSTABLE"
+        if self._known_far:
+            return "rounding moves a closed-loop pole farther than it was from the boundary"
         return (
             f"rounding moves a closed-loop pole by {self.displacement:.2g}, that is "
-            f"{self.share:.2g} of its distance to the stability boundary{lost}"
+            f"{self.share:.2g} of its distance to the stability boundary"
         )
 
 
@@ -100,10 +130,8 @@ def rounding_effect(
         rounded_polynomial(compensator.numerator), rounded_polynomial(compensator.denominator)
     )
     exact, moved = (closed_loop_of_pair(plant, G_c, feedback) for G_c in (compensator, rounded))
-    roots = certified_roots(exact), certified_roots(moved)
-    displacement, share = _largest_move(*roots, plant.variable)
-    stable = (_known_stable(found, poly) for found, poly in zip(roots, (exact, moved), strict=True))
-    return RoundingEffect(exact, moved, displacement, share, *stable)
+    is_discrete(plant.variable, "the distance to the stability boundary")
+    return RoundingEffect(exact, moved, is_stable(exact), is_stable(moved))
 
 
 def rounded_polynomial(poly: Poly) -> Poly:
@@ -146,20 +174,8 @@ def is_stable(poly: Poly) -> bool:
     (True, False)
     """
     discrete = is_discrete(poly.gen, "stability")
-    locate = locate_unit_disk_roots if discrete else locate_half_plane_roots
-    return bool(locate(poly).stable == poly.degree())
-
-
-def _known_stable(roots: tuple[Root, ...], poly: Poly) -> bool:
-    """Read stability off the certified disks; ask anew only where one touches the boundary."""
-    discrete = is_discrete(poly.gen, "stability")
-    for root in roots:
-        margin = 1 - abs(root.value) if discrete else -root.value.real
-        if abs(margin) <= root.radius + 1e-15 * abs(root.value):
-            return is_stable(poly)
-        if margin < 0:
-            return False
-    return True
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    return bool(count(poly).stable == poly.degree())
 
 
 def _largest_move(

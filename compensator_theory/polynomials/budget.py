@@ -2,10 +2,12 @@
 
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sized
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
+from itertools import islice
+from typing import TypeVar
 
 from sympy import Poly
 
@@ -49,6 +51,7 @@ class Budget:
     entries: int = 500_000
 
 
+Item = TypeVar("Item")
 _USUAL = Budget()
 _current: ContextVar[Budget] = ContextVar("budget", default=_USUAL)
 _UNITS = {
@@ -86,9 +89,9 @@ def budget(**limits: int) -> Iterator[Budget]:
     names = [field.name for field in fields(Budget)]
     for name, limit in limits.items():
         if name not in names:
-            raise InputError(f"there is no limit {name!r}; choose among {', '.join(names)}")
+            raise InputError(f"there is no limit {shown(name)}; choose among {', '.join(names)}")
         if isinstance(limit, bool) or not isinstance(limit, int) or limit < 1:
-            raise InputError(f"the limit {name} = {limit!r} must be a positive integer")
+            raise InputError(f"the limit {name} = {shown(limit)} must be a positive integer")
     changed = replace(_current.get(), **limits)
     token = _current.set(changed)
     try:
@@ -144,9 +147,31 @@ def quoted(obj: object) -> str:
     >>> len(quoted(10**5000))
     200
     """
-    with long_integers():
-        text = str(obj.as_expr() if isinstance(obj, Poly) else obj)
-    return text if len(text) <= 200 else f"{text[:157]}...{text[-40:]}"
+    return _shortened(obj.as_expr() if isinstance(obj, Poly) else obj, str, 200, 40)
+
+
+def shown(value: object, most: int = 60) -> str:
+    """Write anything that was given for an error message, however large or broken it is.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import shown
+    >>> shown("s" * 1000, 8), shown(2)
+    ("'sss...", '2')
+    """
+    return _shortened(value, repr, most)
+
+
+def _shortened(value: object, write: Callable[[object], str], most: int, last: int = 0) -> str:
+    """Write a value and keep the beginning of the text, and its last characters."""
+    try:
+        with long_integers():
+            text = write(value)
+    except Exception:  # of a foreign object, or a number that fits nowhere
+        text = f"an object of type {type(value).__name__}"
+    if len(text) <= most:
+        return text
+    return f"{text[: most - 3 - last - (not last)]}...{text[len(text) - last :]}"
 
 
 def limit_of(name: str) -> int:
@@ -190,6 +215,26 @@ def ask(name: str, amount: int, what: str) -> None:
             f"{what} needs {wanted} {_UNITS[name]}, and the limit is {limit}; ask for less, or "
             f"raise it: with compensator_theory.budget({name}=...)"
         )
+
+
+def listed(values: Iterable[Item], name: str, what: str, more: int = 0) -> list[Item]:
+    """Return what an iterable holds, or refuse it as soon as it exceeds a limit by more.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import listed
+    >>> listed(range(3), "entries", "the matrix")
+    [0, 1, 2]
+    """
+    if hasattr(values, "toarray"):
+        raise InputError(f"{what} is a sparse array; write it out with .toarray()")
+    if not isinstance(values, Iterable) or getattr(values, "shape", None) == ():
+        raise InputError(f"{what} must be a list, not {shown(values)}")
+    if isinstance(values, Sized):
+        ask(name, len(values) - more, what)
+    found = list(islice(values, limit_of(name) + more + 1))
+    ask(name, len(found) - more, what)
+    return found
 
 
 def ask_for_number(numerator: int, denominator: int, what: str = "a number") -> None:

@@ -10,7 +10,7 @@ import sympy
 from sympy import Expr, Integer, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask, ask_for_number
+from compensator_theory.polynomials.budget import ask, ask_for_number, shown
 from compensator_theory.polynomials.quotients import (
     Leaf,
     Power,
@@ -114,7 +114,7 @@ def read_text(text: str) -> Quotient:
     (s, s)
     """
     if not isinstance(text, str):
-        raise InputError(f"{text!r} is not a string; write for instance 's**2 + 0.1*s + 1/3'")
+        raise InputError(f"{shown(text)} is not a string; write for instance 's**2 + 0.1*s + 1/3'")
     ask("characters", len(text), "the expression")
     if not text.strip():
         raise InputError("the expression is empty; write for instance 's**2 + 0.1*s + 1/3'")

@@ -1,6 +1,13 @@
-"""Polynomials as text that reads back to the same polynomial."""
+"""The canonical form of a polynomial: the least domain that holds it, and text that reads back."""
 
-from sympy import Poly
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Any
+
+import sympy
+from sympy import QQ, Poly, Symbol
+from sympy.polys.domains.domain import Domain
+from sympy.polys.polyclasses import DMP
 
 from compensator_theory.polynomials.budget import long_integers
 
@@ -34,18 +41,67 @@ def _formatted(poly: Poly) -> str:
     return text[3:] if text.startswith(" +") else "-" + text[3:]
 
 
-def shown(value: object, most: int = 60) -> str:
-    """Write anything that was given for an error message, however large or broken it is.
+def in_least_domain(poly: Poly) -> Poly | None:
+    """Return a polynomial over the smallest of QQ, QQ[a, ...] and QQ(a, ...) that contains it.
+
+    SymPy's own ``retract`` writes every coefficient as an expression and reads it again.
+
+    Returns
+    -------
+    sympy.Poly or None
+        None if the coefficients are no rational functions of symbols over QQ or ZZ.
 
     Examples
     --------
-    >>> from compensator_theory.polynomials.formatting import shown
-    >>> shown("s" * 1000, 8), shown(2)
-    ("'sss...", '2')
+    >>> from sympy import Poly, QQ
+    >>> from sympy.abc import a, b, s
+    >>> from compensator_theory.polynomials.formatting import in_least_domain
+    >>> in_least_domain(Poly(s + a, s, domain=QQ.frac_field(a, b)))
+    Poly(s + a, s, domain='QQ[a]')
     """
-    try:
-        with long_integers():
-            text = repr(value)
-    except Exception:  # of a foreign object, or a number that fits nowhere
-        text = f"an object of type {type(value).__name__}"
-    return text if len(text) <= most else text[: most - 4] + "..."
+    domain = poly.domain
+    if not (domain.is_PolynomialRing or domain.is_FractionField):
+        return None
+    if not (domain.domain.is_QQ or domain.domain.is_ZZ):
+        return None
+    if not all(isinstance(symbol, Symbol) for symbol in domain.symbols):
+        return None
+    used: set[int] = set()
+    divides = False
+    for numerator, denominator in _sides(poly):
+        for side in (numerator, denominator):
+            for powers in side or ():
+                used.update(i for i, power in enumerate(powers) if power)
+        divides |= denominator is not None and not denominator.is_ground
+    least = _domain(frozenset(domain.symbols[i] for i in used), divides)
+    if domain == least:
+        return poly
+    if least.is_FractionField:
+        return poly.set_domain(least)
+    places = [domain.symbols.index(symbol) for symbol in least.symbols] if used else []
+    values = []
+    for numerator, denominator in _sides(poly):
+        ground = QQ.one if denominator is None else _rational(denominator.LC)
+        terms = {tuple(p[i] for i in places): _rational(c) / ground for p, c in numerator.items()}
+        values.append(least.ring.from_dict(terms) if used else terms.get((), QQ.zero))
+    return Poly.new(DMP(values, least, 0), poly.gen)
+
+
+def _rational(number: Any) -> Any:
+    return QQ(int(number.numerator), int(number.denominator))
+
+
+def _sides(poly: Poly) -> Iterator[tuple[Any, Any]]:
+    for coefficient in poly.rep.to_list():
+        if poly.domain.is_FractionField:
+            yield coefficient.numer, coefficient.denom
+        else:
+            yield coefficient, None
+
+
+@lru_cache(maxsize=256)
+def _domain(symbols: frozenset[Symbol], divides: bool) -> Domain:
+    if not symbols:
+        return QQ
+    ordered = Poly(sympy.Add(*symbols), domain=QQ).gens
+    return QQ.frac_field(*ordered) if divides else QQ.poly_ring(*ordered)

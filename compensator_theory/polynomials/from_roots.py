@@ -2,9 +2,8 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence, Sized
+from collections.abc import Iterable, Mapping, Sequence
 from functools import reduce
-from itertools import islice
 from typing import TypeAlias, cast
 
 import sympy
@@ -12,7 +11,7 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
-from compensator_theory.polynomials.budget import ask, limit_of, quoted
+from compensator_theory.polynomials.budget import ask, listed, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import (
     PolynomialLike,
@@ -54,14 +53,9 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
         if not roots or not all(roots):
             raise InputError(f"{text[:60]!r} has an empty entry; write for instance '-1, -2+1j'")
     elif isinstance(roots, Mapping | bytes | bytearray) or not isinstance(roots, Iterable):
-        raise InputError(
-            f"the roots {str(roots)[:60]} must be a list, for instance ['-1', '-2+1j']"
-        )
-    if isinstance(roots, Sized):
-        ask("degree", len(roots), "the list of roots")
-    found = tuple(sympy.expand(exact_number(r)) for r in islice(roots, limit_of("degree") + 1))
-    ask("degree", len(found), "the list of roots")
-    return found
+        raise InputError(f"the roots {shown(roots)} must be a list, for instance ['-1', '-2+1j']")
+    given = listed(roots, "degree", "the list of roots")
+    return tuple(sympy.expand(exact_number(root)) for root in given)
 
 
 def polynomial_from_roots(roots: Iterable[NumberLike], variable: str | Symbol) -> Poly:

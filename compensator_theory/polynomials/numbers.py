@@ -2,10 +2,9 @@
 
 import math
 import numbers
-from collections.abc import Iterable, Sized
+from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
-from itertools import islice
 from typing import Any, TypeAlias
 
 import flint
@@ -13,7 +12,7 @@ import sympy
 from sympy import Expr, Rational
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask, ask_for_number, limit_of
+from compensator_theory.polynomials.budget import ask, ask_for_number, listed, shown
 from compensator_theory.polynomials.expressions import parse_expression
 from compensator_theory.polynomials.sympy_trees import rational_floats, require_readable
 
@@ -63,7 +62,7 @@ def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
     if isinstance(value, str):
         return parse_expression(value)
     if isinstance(value, bool) or value is None:
-        raise InputError(f"{value!r} is not a number")
+        raise InputError(f"{shown(value)} is not a number")
     if isinstance(value, Expr):
         require_readable(value)
         return rational_floats(value, binary)
@@ -88,11 +87,9 @@ def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
     [0, 1/2]
     """
     if getattr(values, "shape", None) == ():
-        raise InputError(f"{values!r} is one number and no list; give the number itself")
-    if isinstance(values, Sized):
-        ask("degree", len(values) - 1, "the list of coefficients")
-    found = [sympy.sympify(exact_number(v)) for v in islice(values, limit_of("degree") + 2)]
-    ask("degree", len(found) - 1, "the list of coefficients")
+        raise InputError(f"{shown(values)} is one number and no list; give the number itself")
+    given = listed(values, "degree", "the list of coefficients", more=1)
+    found = [sympy.sympify(exact_number(v)) for v in given]
     if not found:
         raise InputError("the list of coefficients is empty; the zero polynomial is [0]")
     return found

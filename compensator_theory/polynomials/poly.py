@@ -8,9 +8,9 @@ from sympy import EX, QQ, Expr, Poly, Symbol
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import quoted, unlimited
+from compensator_theory.polynomials.budget import quoted, shown, unlimited
 from compensator_theory.polynomials.expressions import read_text
-from compensator_theory.polynomials.formatting import shown
+from compensator_theory.polynomials.formatting import in_least_domain
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
@@ -139,19 +139,19 @@ def canonical(poly: Poly) -> Poly:
         )
     if not poly.domain.is_Exact or poly.domain.is_EX or poly.domain.is_EXRAW:
         return from_expression(exact_number(poly.as_expr()), poly.gen)
+    require_one_symbol_a_name({*poly.free_symbols_in_domain, poly.gen})
+    if (least := in_least_domain(poly)) is not None:
+        return least
     if any(value.has(sympy.I) for value in poly.all_coeffs()):
         raise InputError(
             f"{quoted(poly)} has complex coefficients; complex roots must come in conjugate pairs"
         )
-    require_one_symbol_a_name(poly.free_symbols | {poly.gen})
     small = poly.retract() if poly.domain.is_Composite else poly
     domain = small.domain
     if domain.is_ZZ or (domain.is_Algebraic and all(c.is_Rational for c in small.all_coeffs())):
         return small.set_domain(QQ)
     if domain.is_Composite and not all(symbol.is_Symbol for symbol in domain.symbols):
         return Poly(poly.as_expr(), poly.gen, extension=True)  # sqrt(2) is no free generator
-    if domain.is_Composite and domain.domain.is_ZZ:
-        return small.set_domain(domain.set_domain(QQ))
     return small
 
 

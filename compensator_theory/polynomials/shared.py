@@ -35,9 +35,10 @@ def in_one_variable(
     >>> in_one_variable("s + 1", [2, "a"])
     (Poly(s + 1, s, domain='QQ'), Poly(2*s + a, s, domain='QQ[a]'))
     """
-    read = tuple(obj for obj in objects if isinstance(obj, Poly) and _is_read(obj))
-    if variable is None and len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
-        return read  # what is read already costs nothing
+    if variable is None:
+        read = tuple(obj for obj in objects if isinstance(obj, Poly) and _is_read(obj))
+        if len(read) == len(objects) and len({obj.gens for obj in read}) == 1:
+            return read  # what is read already costs nothing
     parts = [_shown(obj) for obj in objects]
     shows = any(isinstance(part, Poly) or part.free_symbols for part in parts if part is not None)
     if variable is None and default is not None and not shows:

@@ -6,7 +6,7 @@ from typing import TypeAlias
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import quoted
+from compensator_theory.polynomials.budget import quoted, shown
 from compensator_theory.polynomials.expressions import parse_expression
 
 CONTINUOUS, DISCRETE = ("s",), ("z", "q")
@@ -30,7 +30,7 @@ def as_symbol(variable: str | Symbol) -> Symbol:
         return variable
     found = parse_expression(variable) if isinstance(variable, str) else None
     if not isinstance(found, Symbol):
-        raise InputError(f"{variable!r} cannot be a variable; give a name such as 's' or 'q'")
+        raise InputError(f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'")
     return found
 
 

@@ -82,6 +82,21 @@ def certified_roots(poly: Poly) -> tuple[Root, ...]:
     return tuple(sorted(found, key=_order))
 
 
+def real_multiplicities(poly: Poly) -> list[tuple[int, int]]:
+    """Return (degree, multiplicity) of each distinct irreducible real factor, 1 or 2 in degree.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.certified import real_multiplicities
+    >>> real_multiplicities(polynomial("(s + 1)**2*(s**2 + 1)**3"))
+    [(1, 2), (2, 3)]
+    """
+    roots = certified_roots(poly)
+    kept = [root for root in roots if root.is_real or root.value.imag > 0]
+    return [(1 if root.is_real else 2, root.multiplicity) for root in kept]
+
+
 def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
     """Return the certified complex balls of python-flint with their multiplicities.
 

@@ -3,12 +3,23 @@
 from dataclasses import dataclass
 from itertools import pairwise
 
+import flint
+import sympy
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.formatting import format_polynomial, shown
+from compensator_theory.matrices.flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
+from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.roots.descartes import distinct_real_roots
+
+PRECISIONS = (256, 1024, 4096, 16384)
+"""Bits for Routh's array; where none of them suffices a row is singular, or all but so."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +53,7 @@ class RootCount(ExactValue):
 
 
 def number_of_real_roots(poly: Poly) -> int:
-    r"""Count the real roots with multiplicity by Sturm's theorem.
+    r"""Count the real roots with multiplicity by Descartes' rule of signs, or Sturm's theorem.
 
     Parameters
     ----------
@@ -56,9 +67,11 @@ def number_of_real_roots(poly: Poly) -> int:
 
     Notes
     -----
-    Sturm's theorem counts distinct roots; it is applied to each square-free factor. Theorem 1
-    needs the count with multiplicity: :math:`(s+1)^2(s^2+1)^2` has two real roots and not one.
-    The flags ``is_real`` of :func:`certified_roots` give the same number by another way.
+    Both count distinct roots; they are applied to each square-free factor. Bisection by Descartes'
+    rule takes about as many Taylor shifts as there are real roots; only where two roots almost
+    coincide does Sturm's chain take less. Theorem 1 needs the count with multiplicity:
+    :math:`(s+1)^2(s^2+1)^2` has two real roots and not one. The flags ``is_real`` of
+    :func:`certified_roots` give the same number by another way.
 
     Examples
     --------
@@ -67,7 +80,33 @@ def number_of_real_roots(poly: Poly) -> int:
     2
     """
     poly = require_rational(poly)
-    return sum(m * _distinct_real_roots(factor) for factor, m in poly.sqf_list()[1])
+    _, factors = to_flint_polynomial(poly).numer().factor_squarefree()
+    return sum(int(m) * _distinct_real_roots(factor, poly.gen) for factor, m in factors)
+
+
+def has_real_root(poly: Poly) -> bool | None:
+    """Tell whether a monic real polynomial has a real root; None if symbols decide.
+
+    Symbols stand for real numbers. A factor of odd degree has a real root whatever they are.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.counts import has_real_root
+    >>> has_real_root(polynomial("(s + a)*(s**2 + 1)")), has_real_root(polynomial("s**2 + a", "s"))
+    (True, None)
+    """
+    if is_rational(poly):
+        return number_of_real_roots(poly) > 0
+    factors = [factor for factor, _ in poly.factor_list()[1]]
+    if any(factor.degree() % 2 for factor in factors):
+        return True
+    real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in poly.free_symbols_in_domain}
+    signs = [
+        sympy.sympify(f.discriminant()).xreplace(real).is_nonnegative if f.degree() == 2 else None
+        for f in factors
+    ]
+    return True if True in signs else False if set(signs) == {False} else None
 
 
 def count_half_plane_roots(poly: Poly) -> RootCount:
@@ -93,7 +132,9 @@ def count_half_plane_roots(poly: Poly) -> RootCount:
     The Cauchy index I is read off the Sturm chain of the two polynomials. Where Routh's array is
     regular the chain is the array; where a first element vanishes the chain drops a degree, and
     where a row vanishes it ends with the factor whose roots are symmetric about 0. So no case is
-    singular: the roots on the axis are the real roots of that last element.
+    singular: the roots on the axis are the real roots of that last element. The exact numbers of
+    the chain are long, so that the factor with the symmetric roots is taken out first, and the
+    array of what is left computed in balls, which decide where it is regular.
 
     Examples
     --------
@@ -102,6 +143,8 @@ def count_half_plane_roots(poly: Poly) -> RootCount:
     2 stable, 0 on the boundary, 2 unstable
     """
     poly = require_rational(poly)
+    if (found := _count_in_balls(poly)) is not None:
+        return found
     chain = routh_chain(poly)
     difference = _variations(chain, -1) - _variations(chain, +1)
     boundary = number_of_real_roots(chain[-1])
@@ -158,7 +201,47 @@ def require_rational(poly: Poly) -> Poly:
     return canonical(poly)
 
 
-def _distinct_real_roots(poly: Poly) -> int:
+def _count_in_balls(poly: Poly) -> RootCount | None:
+    whole = to_flint_polynomial(poly).numer()
+    mirrored = flint.fmpz_poly([-c if k % 2 else c for k, c in enumerate(whole.coeffs())])
+    common = whole.gcd(mirrored)
+    unstable = _unstable_in_balls(whole // common)
+    if unstable is None:
+        return None
+    symmetric = from_flint_polynomial(flint.fmpq_poly(common), poly.gen)
+    boundary = number_of_real_roots(routh_chain(symmetric)[-1])
+    unstable += (int(symmetric.degree()) - boundary) // 2
+    return RootCount(int(poly.degree()) - boundary - unstable, boundary, unstable)
+
+
+def _unstable_in_balls(poly: flint.fmpz_poly) -> int | None:
+    """Count changes of sign in the first column of Routh's array; None where balls cannot tell."""
+    descending = poly.coeffs()[::-1]
+    for precision in PRECISIONS:
+        with flint.ctx.workprec(precision):
+            signs = _first_column(descending)
+        if signs is not None:
+            return sum(a != b for a, b in pairwise(signs))
+    return None
+
+
+def _first_column(descending: list[flint.fmpz]) -> list[bool] | None:
+    row, following = (flint.arb_poly(descending[parity::2]) for parity in (0, 1))
+    signs = []
+    for _ in descending:
+        head = row[0]
+        if not (head > 0 or head < 0):
+            return None
+        signs.append(bool(head > 0))
+        rest = row - following * (head / following[0]) if following.length() else row
+        row, following = following, flint.arb_poly(rest.coeffs()[1:])
+    return signs
+
+
+def _distinct_real_roots(factor: flint.fmpz_poly, variable: sympy.Symbol) -> int:
+    if (found := distinct_real_roots(factor)) is not None:
+        return found
+    poly = from_flint_polynomial(flint.fmpq_poly(factor), variable)
     chain = _sturm_chain(poly, poly.diff())
     return _variations(chain, -1) - _variations(chain, +1)
 

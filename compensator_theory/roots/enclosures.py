@@ -8,7 +8,7 @@ import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import quoted
+from compensator_theory.polynomials.budget import quoted, shown
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.values import ExactValue
 
@@ -119,7 +119,7 @@ class PolynomialEnclosure(ExactValue):
 
     def __contains__(self, poly: object) -> bool:
         if not isinstance(poly, Poly):
-            raise InputError(f"{poly!r} is not a sympy.Poly; make one with polynomial()")
+            raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial()")
         same_shape = poly.degree() == self.degree and poly.gen == self.variable
         return same_shape and all(
             value in ball for value, ball in zip(poly.all_coeffs(), self.coefficients, strict=True)

@@ -8,6 +8,7 @@ import flint
 from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
@@ -142,7 +143,7 @@ def working_bits(digits: int) -> int:
     152
     """
     if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
-        raise InputError(f"digits = {digits!r} must be an integer from 1 to {MAX_DIGITS}")
+        raise InputError(f"digits = {shown(digits)} must be an integer from 1 to {MAX_DIGITS}")
     return 32 + 4 * digits
 
 

@@ -10,6 +10,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
+from compensator_theory.polynomials.budget import listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import echelon, exceptional_factors
@@ -135,6 +136,8 @@ def assign_eigenstructure(
     """
     a, b = _pair(A, B)
     n = a.rows
+    eigenvalues = listed(eigenvalues, "degree", "the list of eigenvalues")
+    eigenvectors = listed(eigenvectors, "degree", "the list of eigenvectors")
     if len(eigenvalues) != len(eigenvectors):
         raise InputError(
             f"there are {len(eigenvalues)} eigenvalues and {len(eigenvectors)} eigenvectors or "
@@ -185,12 +188,14 @@ def _pair(A: MatrixLike, B: MatrixLike) -> tuple[ImmutableMatrix, ImmutableMatri
 def _chain(given: object, n: int) -> list[list[Expr]]:
     """Read one vector or a chain of them."""
     if isinstance(given, str) or not hasattr(given, "__iter__"):
-        raise InputError(f"{given!r} is no eigenvector; write {n} numbers")
-    listed = list(given)
-    nested = bool(listed) and all(
-        hasattr(entry, "__iter__") and not isinstance(entry, str) for entry in listed
+        raise InputError(f"{shown(given)} is no eigenvector; write {n} numbers")
+    entries = listed(given, "degree", "the eigenvector")
+    nested = bool(entries) and all(
+        hasattr(entry, "__iter__") and not isinstance(entry, str) for entry in entries
     )
-    vectors = [[sympy.expand(exact_number(e)) for e in v] for v in (listed if nested else [listed])]
+    vectors = [
+        [sympy.expand(exact_number(e)) for e in v] for v in (entries if nested else [entries])
+    ]
     for vector in vectors:
         if len(vector) != n:
             raise InputError(f"the eigenvector {vector} has {len(vector)} entries; it needs {n}")

@@ -7,7 +7,7 @@ from sympy import Expr, ImmutableMatrix, Symbol
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import echelon, exceptional_factors
@@ -164,7 +164,7 @@ def hankel_matrix(
     """
     for name, number in (("rows", rows), ("columns", columns)):
         if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-            raise InputError(f"{name} = {number!r} must be a positive integer")
+            raise InputError(f"{name} = {shown(number)} must be a positive integer")
     source = transfer_matrix(G, variable)
     outputs, inputs = source.shape
     ask("entries", rows * outputs * columns * inputs, "the Hankel matrix")

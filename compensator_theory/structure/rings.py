@@ -9,6 +9,7 @@ from sympy import QQ, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.rings import PolyRing
 
+from compensator_theory.bezout.fraction_free import FractionFree
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
@@ -122,6 +123,8 @@ class SymbolicRing:
 
         Adding fractions in several symbols needs a gcd for each term, a hundred times the work.
         """
+        if FractionFree.serves(self.field):
+            return FractionFree(self.ring).product(left, columns)
         rows = [self._cleared(row) for row in left]
         others = [self._cleared(column) for column in columns]
         new = self.field.field.new

@@ -8,7 +8,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
+from compensator_theory.structure.elimination import Elimination, diagonalise
 from compensator_theory.structure.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
@@ -112,7 +112,7 @@ def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     ring = joint_ring(source)
     grid = read_into(ring, source)
     work = Elimination(ring, grid)
-    rank = work.diagonalise()
+    rank = diagonalise(work)
     results = [
         written(ring, result)
         for result in (work.matrix, work.U, work.V, work.U_inverse, work.V_inverse)

@@ -9,7 +9,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomials.budget import ask, unlimited
+from compensator_theory.polynomials.budget import ask, shown, unlimited
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.values import ExactValue
@@ -176,7 +176,7 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
     """
     r = relative_degree
     if isinstance(r, bool) or not isinstance(r, int) or r < 1:
-        raise InputError(f"relative_degree = {r!r} must be a positive integer")
+        raise InputError(f"relative_degree = {shown(r)} must be a positive integer")
     ask("degree", r, "the sampling zero polynomial")
     coefficients = [
         sum((-1) ** (k - j) * j**r * sympy.binomial(r + 1, k - j) for j in range(1, k + 1))

@@ -7,6 +7,7 @@ from sympy import ImmutableMatrix, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
@@ -66,7 +67,7 @@ def realisation(
     [1, -4]])
     """
     if form not in ("controllable", "observable"):
-        raise InputError(f"form is 'controllable' or 'observable', not {form!r}")
+        raise InputError(f"form is 'controllable' or 'observable', not {shown(form)}")
     if isinstance(obj, Realisation):
         if variable is not None and as_symbol(variable) != obj.variable:
             raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")

@@ -13,7 +13,7 @@ from compensator_theory.matrices.linear_algebra import (
     solve,
 )
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.polynomials.variables import require_one_symbol_a_name
+from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 
 
 def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
@@ -132,7 +132,7 @@ def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) ->
     >>> uncontrollable_polynomial(Matrix([[-1, 0], [0, -3]]), Matrix([0, 1]), s)
     Poly(s + 1, s, domain='QQ')
     """
-    A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
+    A, B, variable = exact_matrix(A, "A"), exact_matrix(B, "B"), as_symbol(variable)
     kalman = controllability_matrix(A, B)
     whole = characteristic_polynomial(A, variable)
     size = rank(kalman)

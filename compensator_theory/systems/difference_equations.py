@@ -7,6 +7,7 @@ from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.variables import as_symbol
 
 
@@ -48,6 +49,11 @@ def compensator_polynomials(
     >>> compensator_polynomials([1, "-0.5"], [3, 4], n_c=2, k_c=1)
     (Matrix([[3*q + 4]]), Matrix([[q**2 - q + 1/2]]))
     """
+    for name, count in (("n_c", n_c), ("k_c", k_c)):
+        if isinstance(count, bool) or not isinstance(count, int):
+            raise InputError(f"{name} = {shown(count)} must be an integer")
+        ask("degree", count, "the compensator")
+    P, Q = (listed(x, "degree", f"the list of {name}") for x, name in ((P, "P"), (Q, "Q")))
     if not 0 <= k_c <= n_c:
         raise InputError(f"k_c = {k_c} must lie between 0 and n_c = {n_c}")
     if (len(P), len(Q)) != (n_c, n_c + 1 - k_c):

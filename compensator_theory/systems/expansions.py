@@ -9,7 +9,7 @@ from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -51,7 +51,7 @@ def markov_parameters(G: TransferFunctionLike, count: int) -> tuple[Expr, ...]:
     (0, 1, 2, -8, 20)
     """
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise InputError(f"count = {count!r} must be a positive integer")
+        raise InputError(f"count = {shown(count)} must be a positive integer")
     ask("degree", count - 1, "the expansion")
     G = transfer_function(G)
     require_proper(G, "transfer function")

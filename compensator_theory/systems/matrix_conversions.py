@@ -8,7 +8,7 @@ import sympy
 from sympy import MatrixBase, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, listed
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import canonical, monic
@@ -129,13 +129,14 @@ def _entries(rows: Any, variable: str | Symbol | None) -> list[list[Any]] | Tran
     is_array = hasattr(rows, "shape") and hasattr(rows, "__iter__")
     if isinstance(rows, str) or not (isinstance(rows, Sequence) or is_array):
         return [[rows]]
-    listed = list(rows)
-    if any(isinstance(row, str) or not hasattr(row, "__len__") for row in listed):
+    given = [] if getattr(rows, "shape", None) == () else listed(rows, "degree", "the rows")
+    if not given or any(isinstance(row, str) or not hasattr(row, "__len__") for row in given):
         raise InputError(
             "a transfer matrix is written by rows, each a list, as in [['1/s', 0]]; give a single "
             "pair (numerator, denominator) to transfer_function"
         )
-    return [list(row) for row in listed]
+    ask("entries", sum(len(row) for row in given), "the transfer matrix")
+    return [list(row) for row in given]
 
 
 def _foreign(system: Any, variable: str | Symbol | None) -> list[list[Any]] | TransferMatrix:

@@ -7,6 +7,7 @@ from sympy import ImmutableMatrix, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import controllable_canonical_form
@@ -114,7 +115,7 @@ def servo_problem(
     (-1)/(q - 1/2)
     """
     if performance not in ("measured", "true"):
-        raise InputError(f"performance is 'measured' or 'true', not {performance!r}")
+        raise InputError(f"performance is 'measured' or 'true', not {shown(performance)}")
     given = dict(zip(_SERVO_MATRICES, (A, B, D_1, C, D_0), strict=True))
     if G is not None:
         if any(value is not None for value in given.values()):

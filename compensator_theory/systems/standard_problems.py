@@ -9,6 +9,7 @@ from sympy import ImmutableMatrix, Poly, Rational, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
@@ -165,7 +166,7 @@ class StandardProblem(ExactValue):
         """Return the open-loop map of a channel, one of "zw", "zu", "yw", "yu", as in (2.6)."""
         if channel not in CHANNELS:
             raise InputError(
-                f"there is no channel {channel!r}; choose one of {', '.join(CHANNELS)}"
+                f"there is no channel {shown(channel)}; choose one of {', '.join(CHANNELS)}"
             )
         output, inputs = {"z": self.E_1, "y": self.C}, {"w": self.D_1, "u": self.B}
         direct = {"zw": self.E_0, "zu": self.E_2, "yw": self.D_2, "yu": self.D_0}

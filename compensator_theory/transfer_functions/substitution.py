@@ -9,7 +9,7 @@ import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, from_coefficients
@@ -65,7 +65,7 @@ class Substitution(QuotientArithmetic):
             that), or a symbol does not occur.
         """
         if not isinstance(values, Mapping):
-            raise InputError(f"subs takes a mapping such as {{'a': 2}}, not {values!r}")
+            raise InputError(f"subs takes a mapping such as {{'a': 2}}, not {shown(values)}")
         given = {as_symbol(name): exact_number(value) for name, value in values.items()}
         variable = self.denominator.gen
         names = {
@@ -133,7 +133,7 @@ def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Side
         own = evident_variable(occurring, repr(inner)) if occurring else outer
     found = sides_of(inner, own if variable is None else as_symbol(variable))
     if found is None:
-        raise InputError(f"{inner!r} cannot stand in the place of {outer}")
+        raise InputError(f"{shown(inner)} cannot stand in the place of {outer}")
     return found
 
 

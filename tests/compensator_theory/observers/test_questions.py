@@ -29,8 +29,7 @@ from compensator_theory import (
 )
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.observers.counting import count_partitions
-from compensator_theory.roots.counts import number_of_real_roots
-from compensator_theory.roots.real_factors import has_real_root
+from compensator_theory.roots.counts import has_real_root, number_of_real_roots
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 
 s = sympy.Symbol("s")

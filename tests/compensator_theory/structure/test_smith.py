@@ -21,6 +21,8 @@ from compensator_theory import (
     smith_form,
     smith_mcmillan_form,
 )
+from compensator_theory.structure.elimination import Elimination
+from compensator_theory.structure.polynomial_matrices import joint_ring, read_into, written
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,
@@ -196,3 +198,17 @@ def test_a_sum_with_something_else():
     for operation in (lambda: P + 1, lambda: P @ 1, lambda: P - "s"):
         with pytest.raises(TypeError):
             operation()
+
+
+SMALL_ENTRIES = st.sampled_from(
+    ["0", "1", "s", "a", "s + a", "b*s + 1", "s*(s + b)", "a*s", "s**2 + b", "(s + a)/b"]
+)
+
+
+@given(st.lists(st.lists(SMALL_ENTRIES, min_size=2, max_size=2), min_size=2, max_size=3))
+def test_one_gcd_a_step_and_euclid_reach_the_same_form(rows):
+    P = polynomial_matrix(rows, "s")
+    found = smith_form(P)
+    work = Elimination(joint_ring(P), read_into(joint_ring(P), P))
+    assert work.diagonalise() == found.rank
+    assert written(work.ring, work.matrix) == found.form and found.certificate.holds

@@ -1,0 +1,55 @@
+"""Whether rounding is dangerous: what is decided without roots, against the roots."""
+
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory import certified_roots, locate_half_plane_roots, locate_unit_disk_roots
+from compensator_theory.placement.displacement_bounds import are_far, stay_close
+from compensator_theory.placement.rounding_effects import RoundingEffect, is_stable
+from compensator_theory.strategies import polynomials
+
+PAIRS = st.sampled_from("sz").flatmap(
+    lambda s: st.tuples(
+        polynomials(s, min_degree=1, max_degree=6),
+        polynomials(s, max_degree=6),
+        st.integers(0, 9),
+    )
+)
+
+
+@given(PAIRS)
+def test_the_bounds_and_the_roots_agree(drawn):
+    before, change, digits = drawn
+    assume(change.degree() < before.degree())
+    after = before + change.quo_ground(10**digits)
+    effect = RoundingEffect(before, after, is_stable(before), is_stable(after))
+    if stay_close(before, after):
+        assert effect.share <= 0.1
+    if are_far(before, after):
+        assert effect.share > 0.1
+    assert effect.is_dangerous == (effect.is_lost or effect.share > 0.1)
+
+
+@given(polynomials("s", min_degree=1, max_degree=6), st.integers(7, 12))
+def test_a_small_change_is_proved_small(before, digits):
+    roots = certified_roots(before)
+    assume(all(root.multiplicity == 1 and abs(root.value.real) > 0.5 for root in roots))
+    apart = [abs(a.value - b.value) for a in roots for b in roots if a != b]
+    assume(min(apart, default=1) > 0.5 and max(abs(root.value) for root in roots) < 10)
+    assert stay_close(before, before + before.LC() * before.one.quo_ground(10**digits))
+
+
+@given(polynomials("s", min_degree=1, max_degree=6))
+def test_a_large_change_is_proved_large(before):
+    reach = 2 + sum(abs(c / before.LC()) for c in before.all_coeffs())
+    far = 10 * before.degree() * reach * before.LC()
+    assert are_far(before, before + far * before.one.mul_ground(1) * before.gen ** (
+        before.degree() - 1))  # fmt: skip
+
+
+@given(polynomials("s", min_degree=1, max_degree=6), polynomials("z", min_degree=1, max_degree=6))
+def test_stability_by_coefficients_and_by_roots(continuous, discrete):
+    assert is_stable(continuous) == (
+        locate_half_plane_roots(continuous).stable == continuous.degree()
+    )
+    assert is_stable(discrete) == (locate_unit_disk_roots(discrete).stable == discrete.degree())

@@ -1,0 +1,81 @@
+"""Bad input at every public function: refused in our own words, in 2 s and 200 MB.
+
+What a door can use is in tests/support/bad_inputs.py, and so is what it cannot. The first argument
+is replaced by every bad input under `--long`, and by a draw otherwise; the others by a draw.
+"""
+
+import random
+import resource
+import time
+
+import pytest
+
+import compensator_theory as exact
+from tests.support.bad_inputs import BAD, GOOD, NOT_DOORS
+
+SECONDS, MEGABYTES, ENOUGH, DRAWN = 2, 200, 50, 6
+
+
+def functions():
+    return {name for name in exact.__all__ if name[0].islower()} - NOT_DOORS
+
+
+def refuses(door, arguments, keywords):
+    """Tell whether it refuses; fail where another error comes out, or it costs too much."""
+    before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, time.process_time()
+    try:
+        door(*arguments, **keywords)
+        refused = False
+    except exact.CompensatorError as error:
+        refused = True
+        assert str(error) and len(str(error)) <= 1600
+    assert time.process_time() - start < SECONDS
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MEGABYTES * 1024
+    return refused
+
+
+def test_every_public_function_is_a_door_of_the_table():
+    assert set(GOOD) <= functions()
+    if missing := functions() - set(GOOD):
+        pytest.skip(f"a line in tests/support/bad_inputs.py is due for {sorted(missing)}")
+
+
+@pytest.mark.parametrize("name", sorted(GOOD))
+def test_bad_inputs_are_refused(name, in_full):
+    door, (arguments, keywords) = getattr(exact, name), GOOD[name]
+    door(*arguments, **keywords)
+    draw = random.Random(name)
+    for place in range(len(arguments)):
+        bad = BAD if in_full and place == 0 else draw.sample(BAD, DRAWN)
+        refused = [
+            refuses(door, [*arguments[:place], value, *arguments[place + 1 :]], keywords)
+            for value in bad
+        ]
+        if len(bad) == len(BAD):
+            assert sum(refused) >= ENOUGH
+
+
+@pytest.mark.parametrize(
+    ("limits", "door", "value"),
+    [({"degree": 3000, "terms": 3000}, exact.polynomial, "(s + 1)**2000"),
+     ({"degree": 3000}, exact.canonical, "s**2000"),
+     ({"digits": 9000}, exact.exact_number, 10**5000),
+     ({"nesting": 200}, exact.parse_expression, "(" * 100 + "s" + ")" * 100),
+     ({"characters": 90_000}, exact.parse_expression, "s+" * 30_000 + "1"),
+     ({"terms": 5000}, exact.parse_expression, "(a + b + c + s)**22"),
+     ({"degree": 1001}, lambda count: exact.markov_parameters("1/(s + 1)", count), 1002),
+     ({"field_degree": 32}, exact.parse_expression,
+      "sqrt(2 + sqrt(2 + sqrt(2 + sqrt(2 + sqrt(3)))))")],
+    ids=map(str, range(8)),
+)  # fmt: skip
+def test_the_budget_refuses_and_can_be_raised(limits, door, value):
+    with pytest.raises(exact.BudgetError, match=next(iter(limits))):
+        door(value)
+    with exact.budget(**limits):
+        assert door(value) is not None
+
+
+@pytest.mark.parametrize("limit", [0, -1, 1.5, True, "9", None, float("nan"), [3]])
+def test_a_limit_is_a_positive_integer(limit):
+    with pytest.raises(exact.InputError, match="positive integer"), exact.budget(degree=limit):
+        pass
