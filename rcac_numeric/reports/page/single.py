@@ -61,7 +61,8 @@ def _pole_zero(repetition: AnalysedRun) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
     axis = figure.subplots()
     draw_pole_zero(axis, repetition)
-    axis.get_legend().remove()  # beside the map there is no room
+    if (legend := axis.get_legend()) is not None:  # beside the map there is no room
+        legend.remove()
     legend_below(figure, always=True)
     return _with_grid(figure)
 
