@@ -62,7 +62,7 @@ def legend_below(figure: Figure, *, always: bool = False) -> None:
     )  # fmt: skip
 
 
-def draw_pole_zero(axis: Axes, repetition: AnalysedRun) -> None:
+def draw_pole_zero(axis: Axes, repetition: AnalysedRun, *, legend: bool = True) -> None:
     """Closed-loop poles and zeros of the final controller, and the poles that G_f asks for."""
     nothing = np.zeros(0, dtype=np.complex128)
     wanted, zeros = nothing, nothing
@@ -83,4 +83,5 @@ def draw_pole_zero(axis: Axes, repetition: AnalysedRun) -> None:
     draw_plane(axis, [kind for kind in kinds if len(kind.values)])
     title = "closed loop with the final controller"
     axis.set_title(title if finite.all() else f"{title}: poles beyond float64", fontsize=10)
-    axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
+    if legend:
+        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)

@@ -60,9 +60,7 @@ def _coefficients(repetition: AnalysedRun) -> Figure:
 def _pole_zero(repetition: AnalysedRun) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
     axis = figure.subplots()
-    draw_pole_zero(axis, repetition)
-    if (legend := axis.get_legend()) is not None:  # beside the map there is no room
-        legend.remove()
+    draw_pole_zero(axis, repetition, legend=False)  # beside the map there is no room for it
     legend_below(figure, always=True)
     return _with_grid(figure)
 
