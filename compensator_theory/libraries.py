@@ -9,7 +9,6 @@ from importlib.util import find_spec
 from compensator_theory.errors import InputError
 
 EXTRAS = {
-    "control": "control",
     "hypothesis": "proofs",
     "matplotlib": "plot",
     "pandas": "pandas",

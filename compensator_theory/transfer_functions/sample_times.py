@@ -8,7 +8,6 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.libraries import needed
 from compensator_theory.polynomials.budget import quoted
 
 if TYPE_CHECKING:
@@ -89,8 +88,7 @@ def control_state_space(
     >>> control_state_space(*(M([[k]]) for k in range(4)), 0.01).dt
     0.01
     """
-    with needed("control"):
-        import control  # slow to import, and only needed at this door
+    import control  # slow to import, and only needed at this door
 
     symbols = set().union(*(m.free_symbols for m in (A, B, C, D)))
     if symbols:

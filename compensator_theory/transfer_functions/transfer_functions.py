@@ -8,7 +8,6 @@ from sympy import Expr, Poly, Rational, Symbol
 from sympy.printing.pretty.stringpict import prettyForm
 
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.libraries import needed
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -177,8 +176,7 @@ class TransferFunction(Substitution, ExactValue):
         InputError
             If a coefficient is symbolic or overflows, or `dt` is needed and missing.
         """
-        with needed("control"):
-            import control  # slow to import, and only needed at this door
+        import control  # slow to import, and only needed at this door
 
         rounded = [
             [to_float(c) for c in p.all_coeffs()] for p in (self.numerator, self.denominator)

@@ -7,7 +7,6 @@ import sympy
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.libraries import needed
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
@@ -118,8 +117,7 @@ class TransferMatrix(MatrixArithmetic, ExactValue):
         InputError
             If a coefficient is symbolic or overflows, or `dt` is needed and missing.
         """
-        with needed("control"):
-            import control  # slow to import, and only needed at this door
+        import control  # slow to import, and only needed at this door
 
         below = [to_float(c) for c in self.denominator.all_coeffs()]
         above = [[[to_float(c) for c in n.all_coeffs()] for n in row] for row in self.numerators]

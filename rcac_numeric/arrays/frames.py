@@ -43,7 +43,6 @@ def control_state_space(
     >>> control_state_space(*np.ones((4, 1, 1)), 0.01).dt
     0.01
     """
-    with needed("control"):
-        from control import ss  # a second of import time, paid only here
+    from control import ss  # a second of import time, paid only here
 
     return ss(A, B, C, D, True if sample_time is None else sample_time)
