@@ -2,7 +2,7 @@
 
 import flint
 from sympy import QQ, Poly, Symbol
-from sympy.polys.polyclasses import DMP
+from sympy.polys.polyclasses import DMP, DUP_Flint
 
 from compensator_theory.polynomials.poly import PolynomialLike
 
@@ -61,7 +61,7 @@ def from_flint_polynomial(poly: flint.fmpq_poly, variable: Symbol) -> Poly:
     >>> from_flint_polynomial(flint.fmpq_poly([flint.fmpq(1, 2), 0, 1]), s)
     Poly(s**2 + 1/2, s, domain='QQ')
     """
-    descending = poly.coeffs()[::-1]
-    if QQ.dtype is not flint.fmpq:
-        descending = [QQ(int(c.p), int(c.q)) for c in descending]
+    if QQ.dtype is flint.fmpq:
+        return Poly.new(DUP_Flint.from_rep(poly, QQ), variable)
+    descending = [QQ(int(c.p), int(c.q)) for c in reversed(poly.coeffs())]
     return Poly.new(DMP(descending, QQ, 0), variable)
