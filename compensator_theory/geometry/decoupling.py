@@ -14,6 +14,7 @@ from compensator_theory.matrices.linear_algebra import (
     solve,
 )
 from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.polynomials.budget import listed
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic, polynomial
 from compensator_theory.polynomials.values import ExactValue
@@ -160,9 +161,13 @@ def _targets(
 ) -> tuple[Poly, ...]:
     if given is None:
         return tuple(polynomial(s**d, s) for d in degrees)
-    if isinstance(given, str) or len(given) != len(degrees):
-        raise InputError(f"give one polynomial for each of the {len(degrees)} outputs, in a list")
-    read = tuple(polynomial(p, s) for p in given)
+    example = f"give one polynomial for each of the {len(degrees)} outputs, in a list"
+    if isinstance(given, str):
+        raise InputError(example)
+    several = listed(given, "entries", "the list of polynomials")
+    if len(several) != len(degrees):
+        raise InputError(f"there are {len(several)} polynomials; {example}")
+    read = tuple(polynomial(p, s) for p in several)
     for i, (p, d) in enumerate(zip(read, degrees, strict=True)):
         if p.is_zero or p.degree() != d or p.LC() != 1:
             raise InputError(

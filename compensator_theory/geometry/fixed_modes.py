@@ -10,7 +10,7 @@ from sympy import QQ, Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, from_expression, monic
 from compensator_theory.polynomials.values import ExactValue
@@ -101,12 +101,12 @@ def decentralised_fixed_modes(
     symbols = sorted(map(str, (source.A.row_join(source.B).free_symbols | source.C.free_symbols)))
     if symbols:
         raise InputError(f"substitute numbers for {', '.join(symbols)} first")
-    listed = _channels(channels, source.B.cols, source.C.rows)
+    read = _channels(channels, source.B.cols, source.C.rows)
     everything = [(tuple(range(source.B.cols)), tuple(range(source.C.rows)))]
     plant_matrices = source.A, source.B, source.C
-    fixed = _common(*plant_matrices, listed, source.variable)
+    fixed = _common(*plant_matrices, read, source.variable)
     whole = _common(*plant_matrices, everything, source.variable)
-    gains = _witness(*plant_matrices, listed, fixed)
+    gains = _witness(*plant_matrices, read, fixed)
     return FixedModes(fixed, whole, gains)
 
 
@@ -118,22 +118,27 @@ def _channels(
 ) -> Channels:
     example = "write one pair of lists for each channel, as in [([0], [0]), ([1], [1, 2])]"
     try:
-        listed = [(tuple(i), tuple(o)) for i, o in channels]
+        pairs = [(i, o) for i, o in listed(channels, "entries", "the list of channels")]
     except (TypeError, ValueError) as error:
-        raise InputError(f"the channels {channels!r} cannot be read; {example}") from error
+        raise InputError(f"the channels {shown(channels)} cannot be read; {example}") from error
+    read = [(_signals(i, "inputs"), _signals(o, "outputs")) for i, o in pairs]
     for side, size, name in ((0, inputs, "input"), (1, outputs, "output")):
-        used = [index for pair in listed for index in pair[side]]
+        used = [index for pair in read for index in pair[side]]
         bad = [
             i for i in used if isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < size
         ]
         if bad or len(set(used)) < len(used):
             raise InputError(
-                f"the channels use the {name}s {used}; each of the {size} is numbered from 0 and "
-                f"belongs to one channel at most; {example}"
+                f"the channels use the {name}s {shown(used)}; each of the {size} is numbered from "
+                f"0 and belongs to one channel at most; {example}"
             )
-    if not listed:
+    if not read:
         raise InputError(f"there is no channel; {example}")
-    return listed
+    return read
+
+
+def _signals(indices: Sequence[int], name: str) -> tuple[int, ...]:
+    return tuple(listed(indices, "entries", f"the list of {name} of a channel"))
 
 
 def _common(A: Matrix, B: Matrix, C: Matrix, channels: Channels, variable: Symbol) -> Poly:

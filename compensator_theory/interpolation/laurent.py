@@ -8,7 +8,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrix_equations.solutions import certificate_of
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import exceptional_factors
@@ -108,7 +108,7 @@ def laurent_expansion(
     source = transfer_matrix(G, variable)
     s, at = source.variable, sympy.expand(exact_number(point))
     if isinstance(terms, bool) or not isinstance(terms, int) or terms < 1:
-        raise InputError(f"terms = {terms!r} must be an integer and at least 1")
+        raise InputError(f"terms = {shown(terms)} must be an integer and at least 1")
     ask("degree", terms + int(source.denominator.degree()), "the expansion")
     if s in at.free_symbols or (at.is_number and not all(x.is_Rational for x in at.as_real_imag())):
         raise InputError(

@@ -8,7 +8,7 @@ from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
@@ -141,12 +141,13 @@ def nevanlinna_pick(
 
 def _numbers(listed: Sequence[NumberLike], name: str) -> list[Expr]:
     if isinstance(listed, str):
-        raise InputError(f"the {name} {listed!r} are to be given in a list")
+        raise InputError(f"the {name} {shown(listed)} are to be given in a list")
     found = [sympy.expand(number) for number in read_coefficients(listed)]
     for number in found:
-        if not all(part.is_Rational for part in number.as_real_imag()):
+        # with symbols the real part alone would be multiplied out, whatever the degree
+        if number.free_symbols or not all(part.is_Rational for part in number.as_real_imag()):
             raise InputError(
-                f"the {name} must be rational or complex rational, and {number} is not"
+                f"the {name} must be rational or complex rational, and {quoted(number)} is not"
             )
     return found
 

@@ -9,7 +9,7 @@ from sympy import Expr, ImmutableMatrix, Symbol
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials.poly import from_coefficients
 from compensator_theory.polynomials.values import ExactValue
@@ -137,6 +137,6 @@ def pade_approximant(
 
 def _degree(value: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise InputError(f"a degree is an integer and at least 0, not {value!r}")
+        raise InputError(f"a degree is an integer and at least 0, not {shown(value)}")
     ask("degree", value, "the Pade approximant")
     return value

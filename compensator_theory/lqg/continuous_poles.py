@@ -16,6 +16,7 @@ from compensator_theory.lqg.poles import interpolated
 from compensator_theory.lqg.regulator_data import regulator_data
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import rational, to_flint
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -99,7 +100,7 @@ def continuous_lqg_poles(plant: StandardProblem, *, digits: int = 30) -> Continu
     D = s**4 + 6*s**3 + 13*s**2 + 12*s + 4
     """
     if not isinstance(plant, StandardProblem):
-        raise InputError(f"{plant!r} is not a StandardProblem; make one with standard_problem(...)")
+        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
     s = plant.variable
     if is_discrete(s, "LQG"):
         raise InputError(f"{s} means discrete time; use lqg_poles")

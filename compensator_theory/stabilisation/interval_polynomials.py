@@ -7,7 +7,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical
@@ -103,8 +103,8 @@ def decide_interval_stability(
     lower, upper = read[0]
     if lower <= 0 <= upper:
         raise InputError(
-            f"the leading coefficient lies in [{lower}, {upper}], which contains 0: the degree "
-            "would drop; give it one sign, or ask for each degree"
+            f"the leading coefficient lies in [{shown(lower)}, {shown(upper)}], which contains "
+            "0: the degree would drop; give it one sign, or ask for each degree"
         )
     signed = read if lower > 0 else tuple((-high, -low) for low, high in read)
     ascending = list(reversed(signed))
@@ -125,12 +125,14 @@ def _interval(item: NumberLike | Sequence[NumberLike]) -> tuple[Rational, Ration
     ends: list[Expr]
     if isinstance(item, tuple | list):
         if len(item) != 2:
-            raise InputError(f"{item!r} is no interval; write (lower, upper)")
+            raise InputError(f"{shown(item)} is no interval; write (lower, upper)")
         ends = [sympy.sympify(exact_number(end)) for end in item]
     else:
         ends = [sympy.sympify(exact_number(item))] * 2
     if not all(end.is_Rational for end in ends):
-        raise InputError(f"the ends {ends} of an interval must be rational numbers")
+        raise InputError(f"the ends {shown(ends)} of an interval must be rational numbers")
     if ends[0] > ends[1]:
-        raise InputError(f"the interval ({ends[0]}, {ends[1]}) is empty: its ends are exchanged")
+        raise InputError(
+            f"the interval ({shown(ends[0])}, {shown(ends[1])}) is empty: its ends are exchanged"
+        )
     return ends[0], ends[1]

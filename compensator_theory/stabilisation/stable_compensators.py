@@ -9,7 +9,7 @@ from sympy import QQ, Poly, Rational
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import require_sign
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
@@ -112,7 +112,7 @@ def stable_compensator(
         raise InputError(f"the plant {G} is not strictly proper; take its direct part out first")
     highest = G.order + 2 if max_order is None else max_order
     if isinstance(highest, bool) or not isinstance(highest, int) or highest < 0:
-        raise InputError(f"max_order is an integer and at least 0, not {max_order!r}")
+        raise InputError(f"max_order is an integer and at least 0, not {shown(max_order)}")
     ask("degree", highest, "the order of the compensator")
     if not decision.is_strongly_stabilisable:
         return StableCompensator(None, None, decision, 0, str(decision))
