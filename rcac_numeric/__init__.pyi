@@ -10,6 +10,7 @@ from .analysis.placement_conditioning import PlacementConditioning as PlacementC
 from .analysis.placement_conditioning import placement_conditioning as placement_conditioning
 from .analysis.residual_split import ResidualSplit as ResidualSplit
 from .analysis.residual_split import split_residual as split_residual
+from .checks.case_files import check_arguments as check_arguments
 from .checks.check import ControllerCheck as ControllerCheck
 from .checks.check import check_controller as check_controller
 from .checks.logs import ControllerLog as ControllerLog

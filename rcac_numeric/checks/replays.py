@@ -65,7 +65,11 @@ class ControlReplay(Value):
         return self.worst <= self.tolerance
 
     def __str__(self) -> str:
-        rows = "" if not self.shift else "; row k of theta is what step k left for step k + 1"
+        rows = ""
+        if self.shift and self.agrees:
+            rows = "; row k of theta is what step k left for step k + 1"
+        elif self.shift:
+            rows = " with row k - 1 of theta for step k; with row k the difference is larger still"
         verdict = "is" if self.agrees else "is NOT"
         why = f", as the log holds {self.resolution}" if self.resolution else ""
         allowed = f" ({self.tolerance:.1g} is allowed{why})" if why or not self.agrees else ""

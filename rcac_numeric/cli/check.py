@@ -10,6 +10,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.record_files import is_record
+from rcac_numeric.checks.case_files import k_w_of, read_structure, read_target
 from rcac_numeric.checks.check import check_controller
 from rcac_numeric.checks.logs import ControllerLog, read_log
 from rcac_numeric.cli.check_inputs import (
@@ -17,8 +18,6 @@ from rcac_numeric.cli.check_inputs import (
     parse_noise,
     plant_in,
     read_case,
-    read_structure,
-    read_target,
 )
 from rcac_numeric.cli.exits import DONE, NO
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
@@ -103,8 +102,7 @@ def check(
         recorded = read_log(log, parse_names(names), transpose=transpose)
         if model is None and log.suffix.lower() != ".csv":
             model = plant_in(read_variables(log), str(log))
-        if k_w is None and isinstance(table.get("controller"), dict):
-            k_w = table["controller"].get("k_w")
+        k_w = k_w_of(table) if k_w is None else k_w
         widths = (recorded.u.shape[1], recorded.y.shape[1])
         made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
         if made is None:

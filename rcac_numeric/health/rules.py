@@ -15,6 +15,7 @@ from rcac_numeric.health.direction_errors import direction_errors
 from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.health.learning_rules import CAUSES, learning_warnings
 from rcac_numeric.health.margin_words import small_margins
+from rcac_numeric.health.sampling_zeros import sampling_zero_mends
 from rcac_numeric.health.target_errors import TargetError, target_errors
 from rcac_numeric.health.warning import HealthWarning
 from rcac_numeric.plants.linear import Plant
@@ -42,11 +43,12 @@ def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarni
     learnt, directed = tuple(learning_warnings(run)), _direction_errors(found)
     steps = [w.next_step for w in learnt] + [e.next_step for e in (*errors, *directed)]
     mends = [*dict.fromkeys(steps)]
+    at_first = [*_sampling_zeros(found), *mends]  # before R_theta, which may make it worse
     rules = (
         _ended_badly(run, mends),
         _unstable(health, mends),
-        _transients(health, run, mends),
-        _control(health, run, found, mends),
+        _transients(health, run, at_first),
+        _control(health, run, found, at_first),
         _worse(health, run),
         _arithmetic(run),
         _margins(health),
@@ -226,6 +228,13 @@ def _slow(health: LoopHealth) -> Iterator[HealthWarning]:
 def _target_errors(found: AnalysedRun) -> tuple[TargetError, ...]:
     try:
         return target_errors(found.plant, found.compared_with)
+    except CompensatorError:
+        return ()
+
+
+def _sampling_zeros(found: AnalysedRun) -> tuple[str, ...]:
+    try:
+        return sampling_zero_mends(found.plant, found.compared_with)
     except CompensatorError:
         return ()
 

@@ -51,7 +51,8 @@ def target_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
     if d_zu is None:
         return ()
     d_f, lead = target.relative_degree, float(target.numerator[target.relative_degree, 0, 0])
-    zeros = _zeros_outside(plant)
+    zeros = zeros_of(plant)
+    zeros = zeros[np.abs(zeros) > 1 + TURNED]
     if d_f == d_zu and lead * response[d_zu] < 0:
         found.append(TargetError(
             "wrong sign",
@@ -93,11 +94,19 @@ def _first(response: Array) -> int | None:
     return int(np.flatnonzero(np.abs(response) > TURNED * np.abs(response).max())[0])
 
 
-def _zeros_outside(plant: Plant) -> ComplexArray:
-    """The zeros of G_zu outside the unit circle, from its exact numerator."""
+def zeros_of(plant: Plant) -> ComplexArray:
+    """The zeros of a scalar G_zu, from its exact numerator; none of a plant of many states.
+
+    Examples
+    --------
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.health.target_errors import zeros_of
+    >>> zeros_of(standard_plant("(q - 2)/(q*(q - 0.5))"))
+    array([2.+0.j])
+    """
     if plant.n > LARGEST:
         return np.zeros(0, dtype=np.complex128)
     numerator, _ = plant.scalar_map("zu")
     with np.errstate(all="ignore"):
         zeros = np.roots(np.array([float(c) for c in numerator.all_coeffs()]))
-    return np.asarray(zeros[np.abs(zeros) > 1 + TURNED], dtype=np.complex128)
+    return zeros.astype(np.complex128)

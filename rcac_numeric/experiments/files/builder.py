@@ -145,6 +145,11 @@ def _built(table: Raw, file: str, budget: Budget) -> Experiment:
 def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     read = FILE.read(table, Place(file))
     overrides = table.get("runs") or [{"name": "main"}]
+    if "run" not in table and not any("run" in override for override in overrides):
+        raise InputError(
+            "there is no table [run], which needs the key 'steps'. For a log that ran elsewhere "
+            "no run is needed: check_controller(log, **check_arguments(file))."
+        )
     runs = [read_run(table, override, file) for override in overrides]
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Never
 
 import numpy as np
 
@@ -71,6 +71,12 @@ class Kept(Value):
     arguments : mapping
         Keyword arguments of the measure.
 
+    Raises
+    ------
+    InputError
+        Where the measure is not known or does not take these arguments, the name cannot be that of
+        a column, or a keyword of the measure stands outside `arguments`.
+
     Examples
     --------
     >>> from rcac_numeric import Kept
@@ -87,7 +93,14 @@ class Kept(Value):
         measure: str | MeasureFunction,
         name: str = "",
         arguments: Mapping[str, Any] | None = None,
+        **others: Never,
     ) -> None:
+        if others:
+            given: dict[str, object] = dict(others)
+            raise InputError(
+                f"Kept takes a measure, name and arguments, not {', '.join(given)}; what the "
+                f"measure takes goes into arguments={given!r}."
+            )
         own = measure if isinstance(measure, str) else getattr(measure, "__name__", "")
         set_ = object.__setattr__
         set_(self, "measure", measure)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Never
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, items, one_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.batches import SimulationCase
+from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.sweeps.study.axes import Axis, RandomAxis
 from rcac_numeric.sweeps.study.canonical import (
     canonical_json,
@@ -46,7 +47,7 @@ class Study(Value):
     axes : sequence of Axis or RandomAxis
         Every combination of their values is a cell.
     keep : sequence of Kept
-        What is measured of every run, beside its outcome.
+        What is measured of every run, beside its outcome; nothing where it is left out.
     repetitions : int
         Runs of every cell, which differ in their noise; with `run.perturbation`, all but the first
         in w times 1 + perturbation * (standard normal) too.
@@ -97,7 +98,7 @@ class Study(Value):
         self,
         base: Mapping[str, Any] | CaseFunction,
         axes: Sequence[Axis | RandomAxis],
-        keep: Sequence[Kept],
+        keep: Sequence[Kept] = (),
         *,
         repetitions: int = 1,
         seed: int = 0,
@@ -106,7 +107,12 @@ class Study(Value):
         keep_signals: Sequence[str] = (),
         file: str = "study",
         title: str = "",
+        **others: Never,
     ) -> None:
+        if others:
+            known = [field.name for field in fields(self)]
+            hint = did_you_mean(next(iter(others)), known)
+            raise InputError(f"a study takes {', '.join(known)}, not {', '.join(others)}.{hint}")
         set_ = object.__setattr__
         set_(self, "seed", integer(seed, "seed"))
         given = items(axes, "axes", Axis | RandomAxis)  # type: ignore[arg-type]

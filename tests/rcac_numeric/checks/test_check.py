@@ -134,6 +134,20 @@ def test_a_u_that_did_not_come_from_theta_is_found():
     assert not check.is_consistent and "is NOT the output of theta" in str(check)
 
 
+def test_a_shift_is_no_convention_where_u_is_not_the_output_either_way():
+    plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
+    run = logged(plant, iir(n_c=2), [WhiteNoise()])
+    left = np.vstack([run.theta[1:], run.theta_final])
+    words = "row k of theta is what step k left"
+    fits = replay(ControllerLog(u=run.u, y=run.y, theta=left), iir(n_c=2))
+    assert fits.agrees and fits.shift == 1 and words in str(fits)
+    u = run.u.copy()
+    u[200] += 1e-3 * np.abs(u).max()
+    found = replay(ControllerLog(u=u, y=run.y, theta=left), iir(n_c=2))
+    assert not found.agrees and found.shift == 1
+    assert words not in str(found) and "row k - 1 of theta for step k" in str(found)
+
+
 def test_last_coefficients_alone_are_compared_with_the_last_tenth():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     run = logged(plant, iir(n_c=2), [Harmonic(0.3)], steps=2000)

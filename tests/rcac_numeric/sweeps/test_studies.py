@@ -203,6 +203,18 @@ def test_functions_must_be_found_by_workers():
         Kept(studies.deadly, arguments={"much": 1})
 
 
+def test_keywords_in_the_wrong_place_are_told_the_right_one():
+    with pytest.raises(InputError, match=r"goes into arguments=\{'start': 200\}") as told:
+        Kept("rms", start=200)
+    assert "not start" in str(told.value)
+    assert Kept("rms", arguments={"start": 200}).arguments == {"start": 200}
+    with pytest.raises(InputError, match=r"not kept\. Did you mean 'keep'\?"):
+        Study(studies.BASE, [], kept=[Kept("rms")])
+    with pytest.raises(InputError, match="Did you mean 'repetitions'"):
+        Study(studies.BASE, [], [Kept("rms")], repetition=3)
+    assert Study(studies.BASE, []) == Study(studies.BASE, [], [])
+
+
 def test_the_schema_has_what_the_reader_reads():
 
     table = {
