@@ -120,5 +120,6 @@ def _draw_arrow(axis: Axes, angle: float, words: list[str], colour: str, reach: 
         text, at = ", ".join(shown).replace("\n", " "), (rim[0], 0.94 * rim[1])
         offset = (-6 * np.sign(x) if x else 6, 0)  # towards the middle, where there is room
         places = "right" if x > 0 else "left", "center"
-    axis.annotate(text, at, offset, textcoords="offset points", fontsize=7, color=INK,
-                  ha=places[0], va=places[1], linespacing=1.0)  # fmt: skip
+    note = axis.annotate(text, at, offset, textcoords="offset points", fontsize=7, color=INK,
+                         ha=places[0], va=places[1], linespacing=1.0)  # fmt: skip
+    note.set_in_layout(False)  # long words over a narrow map would leave it no room

@@ -104,7 +104,8 @@ SIZES = st.tuples(*[st.integers(1, 2)] * 4, st.integers(0, 2))  # l_u, l_y, l_z,
 def controller_arguments(draw, l_u, l_y, l_z, l_r):
     """Arguments of a controller that is as it should be."""
     rng = np.random.default_rng(draw(seeds))
-    derived = [(rng.standard_normal(l_y + l_r), rng.standard_normal(l_y + l_r), 0.5)]
+    limit = draw(st.sampled_from([np.inf, 0.4]))
+    derived = [(rng.standard_normal(l_y + l_r), rng.standard_normal(l_y + l_r), 0.5, limit)]
     derived = derived[: draw(st.integers(0, 1))]
     signals = l_u + l_y + l_r + len(derived)
     taps = [(int(rng.integers(0, signals)), int(rng.integers(1, 5))) for _ in range(4)]
@@ -120,7 +121,8 @@ def controller_arguments(draw, l_u, l_y, l_z, l_r):
     events = [*kinds, (8, "target", float(len(models) - 1))]
     weights = [
         np.eye(l_z),
-        (np.eye(l_z), 0.1),
+        (np.eye(l_z), 0.1, 0.0),
+        (np.eye(l_z), 0.0, 0.3),
         lambda k, y, z, u: np.eye(l_z) * (1 + min(abs(z[0]), 9.0)),
     ]
     return {
@@ -134,7 +136,7 @@ def controller_arguments(draw, l_u, l_y, l_z, l_r):
         "filtered": [(l_u + j, draw(st.integers(0, 2))) for j in range(len(taps))],
         "targets": models,
         "R_z": draw(st.sampled_from(weights)),
-        "R_u": draw(st.sampled_from([0.0 * np.eye(l_z), (0.0 * np.eye(l_z), 0.1)])),
+        "R_u": draw(st.sampled_from([0.0 * np.eye(l_z), (0.0 * np.eye(l_z), 0.1, 0.2)])),
         "forgetting_factor": draw(st.sampled_from([1.0, 0.99])),
         "k_w": draw(st.integers(0, 5)),
         "k_update": draw(st.integers(0, 5)),
@@ -154,7 +156,20 @@ def controller_arguments(draw, l_u, l_y, l_z, l_r):
         "theta_0": 0.1 * rng.standard_normal(l_theta),
         "window": draw(st.integers(1, 5)),
         "step_size": 0.01,
+        **additions(draw, l_u, l_y + l_r, l_theta),
     }
+
+
+def additions(draw, l_u, l_e, l_theta):
+    """What a controller may have beside the text's."""
+    every = {
+        "dither": (3, 0.1, 0.01, 2),
+        "penalty": 0.1 * np.eye(l_u),
+        "normalization": (draw(st.integers(1, 5)), 2.0, 1.0),
+        "bounds": (-np.ones(l_theta), np.ones(l_theta), draw(st.booleans()), 9),
+        "fixed": (np.full((1, l_u, l_u), 0.1), np.full((2, l_u, l_e), 0.2)),
+    }
+    return {name: every[name] for name in draw(st.sets(st.sampled_from(sorted(every))))}
 
 
 def segment(rng, n, l_u, l_w, l_y, l_z):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -34,6 +34,7 @@ def drawn(values, word="zero"):
     return axis, words, arrows
 
 
+@settings(max_examples=20)
 @given(st.lists(points, max_size=8))
 def test_every_point_is_a_mark_or_a_value(values):
     axis, words, arrows = drawn(values)
