@@ -1,18 +1,24 @@
 """Laurent expansions of transfer matrices about a point: principal parts, residues, moments."""
 
+import math
 from dataclasses import dataclass
 
+import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.flint_matrices import rational
+from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrix_equations.solutions import certificate_of
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 IDENTITY = "D times the expansion = N, power by power"
 
@@ -115,6 +121,7 @@ def laurent_expansion(
             f"the point {at} must be rational, complex with rational parts, or another symbol than "
             f"{s}"
         )
+    _ask(source, at, terms)
     below = _about(source.denominator, at)
     above = [[_about(entry, at) for entry in row] for row in source.numerators]
     lowest = next(k for k, c in enumerate(below) if c != 0)
@@ -126,13 +133,14 @@ def laurent_expansion(
     series: list[ImmutableMatrix] = []
     for k in range(count):
         right = ImmutableMatrix([[_at(e, k + shift) for e in row] for row in above])
-        for j in range(1, k + 1):
+        for j in range(1, min(k + 1, len(bottom))):
             right -= series[k - j] * _at(bottom, j)
         series.append(ImmutableMatrix((right / bottom[0]).applyfunc(sympy.cancel)))
     left = []
     for k in range(count):
         total = sum(
-            (series[j] * _at(bottom, k - j) for j in range(k + 1)), sympy.zeros(*source.shape)
+            (series[k - j] * bottom[j] for j in range(min(k + 1, len(bottom)))),
+            sympy.zeros(*source.shape),
         )
         left.append(total - ImmutableMatrix([[_at(e, k + shift) for e in row] for row in above]))
     divisors = [bottom[0]]
@@ -143,8 +151,24 @@ def laurent_expansion(
     )
 
 
+def _ask(G: TransferMatrix, point: Expr, terms: int) -> None:
+    """Ask for the products of the recursion and, with symbols, for what they multiply out to."""
+    size = int(G.denominator.degree())
+    numbers = G.shape[0] * G.shape[1] * terms * (1 + min(size, terms))
+    ask("entries", 10 * numbers, "the recursion of the expansion")
+    polys = [G.denominator, *(entry for row in G.numerators for entry in row)]
+    symbols = point.free_symbols.union(*(p.free_symbols_in_domain for p in polys))
+    if symbols:  # the coefficient k is divided by D(p)^(k + 1)
+        amount = terms * math.comb(size * terms + len(symbols), len(symbols))
+        ask("terms", amount, "the expansion with symbols")
+
+
 def _about(poly: Poly, point: Expr) -> list[Expr]:
     """Return the coefficients in ascending powers of s - p, by repeated synthetic division."""
+    if is_rational(poly) and point.is_Rational:
+        root = flint.fmpq(int(point.p), int(point.q))
+        shifted = to_flint_polynomial(poly)(flint.fmpq_poly([root, 1]))
+        return [rational(c) for c in shifted.coeffs()] or [sympy.Integer(0)]
     rest = [sympy.sympify(c) for c in poly.all_coeffs()]
     found = []
     while rest:
