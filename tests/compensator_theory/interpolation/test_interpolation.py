@@ -237,6 +237,7 @@ def test_laurent_with_symbols_and_complex_points():
         lambda: laurent_expansion("1/s", 0, 10**5000),
         lambda: laurent_expansion("1/(s**5 + 1)", "a", 60),
         lambda: laurent_expansion("1/(s**500 + 1)", "1/3", 499),
+        lambda: laurent_expansion("1/(s**900 + 1)", "1/3 + j/2", 3),
         lambda: laurent_expansion("1/s", 0, 1)[5],
     ):
         with pytest.raises(CompensatorError):
