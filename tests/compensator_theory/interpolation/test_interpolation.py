@@ -189,7 +189,9 @@ def test_known_bounds():
      lambda: nevanlinna_pick([-1], [1]), lambda: nevanlinna_pick([1], [1], -1),
      lambda: nevanlinna_pick([1], [1], variable="z"), lambda: nevanlinna_pick(["a"], [1]),
      lambda: nevanlinna_pick("1", [1]), lambda: nevanlinna_pick([1], [1], variable="x"),
-     lambda: nevanlinna_pick([sympy.sqrt(2)], [1]), lambda: nevanlinna_pick([], [])],
+     lambda: nevanlinna_pick([sympy.sqrt(2)], [1]), lambda: nevanlinna_pick([], []),
+     lambda: nevanlinna_pick([s**100000, 1], [1, 2]), lambda: pade_approximant([1], 10**5000, 0),
+     lambda: pade_approximant([f"a{k}" for k in range(11)], 5, 5)],
 )  # fmt: skip
 def test_bad_input(call):
     with pytest.raises(CompensatorError):
