@@ -2,17 +2,19 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy.polys.constructor import construct_domain
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrix_equations.solutions import certificate_of
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, decimal_digits, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
@@ -129,20 +131,9 @@ def laurent_expansion(
     cancelled = min(entries)
     order = max(0, lowest - cancelled)
     shift = lowest - order  # powers of s - p that all entries share with D, and zeros of G
-    count, bottom = terms, below[lowest:]
-    series: list[ImmutableMatrix] = []
-    for k in range(count):
-        right = ImmutableMatrix([[_at(e, k + shift) for e in row] for row in above])
-        for j in range(1, min(k + 1, len(bottom))):
-            right -= series[k - j] * _at(bottom, j)
-        series.append(ImmutableMatrix((right / bottom[0]).applyfunc(sympy.cancel)))
-    left = []
-    for k in range(count):
-        total = sum(
-            (series[k - j] * bottom[j] for j in range(min(k + 1, len(bottom)))),
-            sympy.zeros(*source.shape),
-        )
-        left.append(total - ImmutableMatrix([[_at(e, k + shift) for e in row] for row in above]))
+    bottom = below[lowest:]
+    _ask_for_recursion(bottom, len(entries), terms)
+    series, left = _series(above, bottom, source.shape, shift, terms)
     divisors = [bottom[0]]
     if order:
         divisors.append(next(c for c in series[0] if c != 0))
@@ -151,16 +142,65 @@ def laurent_expansion(
     )
 
 
+def _series(
+    above: list[list[list[Expr]]],
+    bottom: list[Expr],
+    shape: tuple[int, int],
+    shift: int,
+    terms: int,
+) -> tuple[list[ImmutableMatrix], list[ImmutableMatrix]]:
+    """Divide the series; return the coefficients, and D times them minus N.
+
+    In the field that the numbers span a fraction stays in lowest terms after each operation.
+    """
+    numbers = [*bottom, *(c for row in above for entry in row for c in entry)]
+    field = construct_domain(numbers, field=True)[0]
+    D = [field.from_sympy(c) for c in bottom]
+    N = [[field.from_sympy(c) for c in entry] for row in above for entry in row]
+    found: list[list[Any]] = []
+    left = []
+    for k in range(terms):
+        known = range(1, min(k + 1, len(D)))
+        right = [e[k + shift] if 0 <= k + shift < len(e) else field.zero for e in N]
+        found.append(
+            [
+                (top - sum((found[k - j][i] * D[j] for j in known), field.zero)) / D[0]
+                for i, top in enumerate(right)
+            ]
+        )
+        left.append(
+            [
+                sum((found[k - j][i] * D[j] for j in (0, *known)), field.zero) - top
+                for i, top in enumerate(right)
+            ]
+        )
+    series, rest = (
+        [ImmutableMatrix(*shape, [field.to_sympy(c) for c in grid]) for grid in grids]
+        for grids in (found, left)
+    )
+    return series, rest
+
+
 def _ask(G: TransferMatrix, point: Expr, terms: int) -> None:
-    """Ask for the products of the recursion and, with symbols, for what they multiply out to."""
+    """Ask for the shift to the point and, with symbols, for what they multiply out to."""
     size = int(G.denominator.degree())
-    numbers = G.shape[0] * G.shape[1] * terms * (1 + min(size, terms))
-    ask("entries", 10 * numbers, "the recursion of the expansion")
     polys = [G.denominator, *(entry for row in G.numerators for entry in row)]
+    if not (point.is_Rational and all(map(is_rational, polys))):
+        largest = max(size, *(int(p.degree()) for p in polys if not p.is_zero))
+        ask("entries", 10 * largest**2 * len(polys), "the shift to the point of the expansion")
     symbols = point.free_symbols.union(*(p.free_symbols_in_domain for p in polys))
     if symbols:  # the coefficient k is divided by D(p)^(k + 1)
         amount = terms * math.comb(size * terms + len(symbols), len(symbols))
         ask("terms", amount, "the expansion with symbols")
+
+
+def _ask_for_recursion(bottom: list[Expr], entries: int, terms: int) -> None:
+    """Ask for the products, each as long as the power of D(p) in it."""
+    first = bottom[0]
+    bits = max(int(first.p).bit_length(), int(first.q).bit_length()) if first.is_Rational else 1
+    products = entries * terms * min(len(bottom), terms)
+    amount = 10 * products * (1 + decimal_digits(bits) * terms // 1000)
+    ask("entries", amount, "the recursion of the expansion")
 
 
 def _about(poly: Poly, point: Expr) -> list[Expr]:
@@ -169,18 +209,15 @@ def _about(poly: Poly, point: Expr) -> list[Expr]:
         root = flint.fmpq(int(point.p), int(point.q))
         shifted = to_flint_polynomial(poly)(flint.fmpq_poly([root, 1]))
         return [rational(c) for c in shifted.coeffs()] or [sympy.Integer(0)]
-    rest = [sympy.sympify(c) for c in poly.all_coeffs()]
+    numbers = [point, *map(sympy.sympify, poly.all_coeffs())]
+    field, (root, *rest) = construct_domain(numbers, field=True)
     found = []
     while rest:
         for k in range(1, len(rest)):
-            rest[k] = sympy.expand(rest[k] + point * rest[k - 1])
-        found.append(sympy.cancel(rest.pop()))
+            rest[k] = rest[k] + root * rest[k - 1]
+        found.append(field.to_sympy(rest.pop()))
     return found
 
 
 def _first(ascending: list[Expr]) -> int:
     return next((k for k, c in enumerate(ascending) if c != 0), len(ascending) + 10**6)
-
-
-def _at(ascending: list[Expr], power: int) -> Expr:
-    return ascending[power] if 0 <= power < len(ascending) else sympy.Integer(0)

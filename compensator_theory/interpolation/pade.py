@@ -1,5 +1,6 @@
 """Pade approximants: rational functions that agree with a series as far as they can."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -98,26 +99,21 @@ def pade_approximant(
     if any(s in c.free_symbols for c in given):
         raise InputError(f"the coefficients contain {s}, the variable; name another one")
     c = given[: m + n + 1]
+    symbols = len(set().union(*(number.free_symbols for number in c)))
+    if symbols:  # N has minors of order n + 1 as coefficients
+        amount = (m + n + 1) * math.comb(n + 1 + symbols, symbols)
+        ask("terms", amount, "the Pade approximant with symbols")
     table = ImmutableMatrix(n, n + 1, lambda i, j: c[m + 1 + i - j] if m + 1 + i >= j else 0)
     found = echelon(table)
     kernel = found.kernel()
-    D = from_coefficients(list(reversed(list(kernel[:, 0]))), s)
-    N = from_coefficients(
-        [
-            sympy.expand(sum((D.coeff_monomial(s**j) * c[k - j] for j in range(k + 1)), sympy.S(0)))
-            for k in range(m, -1, -1)
-        ],
-        s,
-    )
+    below = list(kernel[:, 0])
+    D = from_coefficients(list(reversed(below)), s)
+    N = from_coefficients([sympy.expand(_convolved(below, c, k)) for k in range(m, -1, -1)], s)
     quotient = TransferFunction(N, D).reduced()
     top, bottom = quotient.numerator, quotient.denominator
-    left = [
-        sympy.cancel(
-            top.coeff_monomial(s**k)
-            - sum(bottom.coeff_monomial(s**j) * c[k - j] for j in range(k + 1))
-        )
-        for k in range(m + n + 1)
-    ]
+    above, below = (list(reversed(poly.all_coeffs())) for poly in (top, bottom))
+    above += [sympy.S(0)] * (m + n + 1 - len(above))
+    left = [sympy.cancel(above[k] - _convolved(below, c, k)) for k in range(m + n + 1)]
     if bottom.eval(0) == 0 or any(left):  # a power of s was cancelled, and the agreement with it
         raise NoSolutionError(
             f"the series has no Pade approximant [{m}/{n}]: N - c D vanishes so far only with "
@@ -133,6 +129,12 @@ def pade_approximant(
         exceptional_factors(map(sympy.sympify, divisors)),
         certificate_of(IDENTITY, [ImmutableMatrix(1, len(left), left)]),
     )
+
+
+def _convolved(ascending: list[Expr], series: list[Expr], k: int) -> Expr:
+    """Return the coefficient k of the product of a polynomial and a series."""
+    count = min(k + 1, len(ascending))
+    return sum((ascending[j] * series[k - j] for j in range(count)), sympy.S(0))
 
 
 def _degree(value: int) -> int:

@@ -189,7 +189,9 @@ def test_known_bounds():
      lambda: nevanlinna_pick([-1], [1]), lambda: nevanlinna_pick([1], [1], -1),
      lambda: nevanlinna_pick([1], [1], variable="z"), lambda: nevanlinna_pick(["a"], [1]),
      lambda: nevanlinna_pick("1", [1]), lambda: nevanlinna_pick([1], [1], variable="x"),
-     lambda: nevanlinna_pick([sympy.sqrt(2)], [1]), lambda: nevanlinna_pick([], [])],
+     lambda: nevanlinna_pick([sympy.sqrt(2)], [1]), lambda: nevanlinna_pick([], []),
+     lambda: nevanlinna_pick([s**100000, 1], [1, 2]), lambda: pade_approximant([1], 10**5000, 0),
+     lambda: pade_approximant([f"a{k}" for k in range(11)], 5, 5)],
 )  # fmt: skip
 def test_bad_input(call):
     with pytest.raises(CompensatorError):
@@ -237,6 +239,7 @@ def test_laurent_with_symbols_and_complex_points():
         lambda: laurent_expansion("1/s", 0, 10**5000),
         lambda: laurent_expansion("1/(s**5 + 1)", "a", 60),
         lambda: laurent_expansion("1/(s**500 + 1)", "1/3", 499),
+        lambda: laurent_expansion("1/(s**900 + 1)", "1/3 + j/2", 3),
         lambda: laurent_expansion("1/s", 0, 1)[5],
     ):
         with pytest.raises(CompensatorError):
