@@ -141,6 +141,15 @@ class Run(Value):
         """The controller after the last completed step."""
         return self.settings.compensator_of(self.theta_final)
 
+    @property
+    def sample_time(self) -> float | None:
+        """That of the plant, of a schedule its first, in seconds; None where it is not known.
+
+        ``run.compensator.to_control(run.sample_time)`` goes back to python-control with it.
+        """
+        plant = self.plant.first if isinstance(self.plant, PlantSchedule) else self.plant
+        return plant.sample_time if isinstance(plant, Plant) else None
+
     def compensator_at(self, k: int) -> Compensator:
         """The controller that made u(k), for a step at which theta was kept."""
         row, rest = divmod(integer(k, "k") - self.first_step, self.stride)

@@ -49,6 +49,8 @@ def _signals(upper: Axes, lower: Axes, check: ControllerCheck) -> None:
     else:
         draw_history(upper, log.y, "measurement $y$", "y")
     draw_history(lower, log.u, "control $u$", "u")
+    for axis in (upper, lower):
+        axis.set_xlabel("step $k$")
     replay = check.replay
     if replay is not None:
         for i, column in enumerate(replay.u.T):

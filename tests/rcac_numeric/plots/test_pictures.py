@@ -83,4 +83,7 @@ def test_results_draw_themselves():
         log, structure=iir(n_c=4), plant=run.first.plant, target=target, k_w=50
     )
     assert len(check.plot().axes) == 7
+    alone = check_controller(log.u, log.y, theta=log.theta[-1], structure=iir(n_c=4))
+    for axis in (*check.plot().axes, *alone.plot().axes):
+        assert axis.get_xlabel() and axis.get_ylabel()
     assert len(check.margins["u"].plot().axes) == 3

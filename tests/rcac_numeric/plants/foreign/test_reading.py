@@ -159,6 +159,8 @@ def test_every_door_takes_foreign_systems_and_gives_their_sample_time_back():
     law = Compensator(np.zeros((0, 1, 1)), [[[-1.0]]])
     runs = [simulate(p, FixedController(law), np.ones((50, 1))) for p in (system, ours)]
     assert np.allclose(runs[0].z, runs[1].z, rtol=1e-12)
+    assert [run.sample_time for run in runs] == [0.01, None]
+    assert runs[0].compensator.to_control(runs[0].sample_time).dt == 0.01
     design = lqg(system)
     assert design.to_control().dt == 0.01 and design.cost.value == pytest.approx(
         lqg(ours).cost.value
