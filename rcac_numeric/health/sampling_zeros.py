@@ -15,8 +15,8 @@ def sampling_zero_mends(plant: Plant, target: TargetModel) -> tuple[str, ...]:
     """What to try where G_f asks for the cancellation of a zero of G_zu in (-1, -0.9].
 
     The controller pole that cancels it rings at half the sampling frequency, and a larger R_theta
-    may make that worse: |u| from 2e4 to 9e4 for a second-order lag sampled at 10 Hz. Zeros
-    elsewhere near the circle are left alone: telling those near 1 or near j made |u| larger
+    may make that worse: abs u from 2e4 to 9e4 for a second-order lag sampled at 10 Hz. Zeros
+    elsewhere near the circle are left alone: telling those near 1 or near j made u larger
     wherever it was tried.
 
     Examples
