@@ -235,8 +235,10 @@ def test_the_fixed_mode_of_the_notes():
 
 
 @pytest.mark.parametrize(
-    "channels", [[], [([0], [0]), ([0], [1])], [([5], [0])], [0, 1], [([True], [0])], "ab", None]
-)
+    "channels",
+    [[], [([0], [0]), ([0], [1])], [([5], [0])], [0, 1], [([True], [0])], "ab", None,
+     [([10**5000], [0])], [([0], range(10**7))], [([0], itertools.count())]],
+)  # fmt: skip
 def test_bad_channels(channels):
     with pytest.raises(InputError):
         decentralised_fixed_modes(([[1]], [[1, 1]], [[1], [1]]), channels)
@@ -248,6 +250,7 @@ def test_bad_channels(channels):
      lambda: decentralised_fixed_modes(([["a"]], [[1]], [[1]]), [([0], [0])]),
      lambda: decentralised_fixed_modes("(s + 2)/(s + 1)", [([0], [0])]),
      lambda: decouple(([[1]], [[1, 1]], [[1]])), lambda: decouple("1/s", ["s**2"]),
+     lambda: decouple("1/s", True), lambda: decouple("1/s", itertools.count()),
      lambda: decouple("1/s", "s"), lambda: decouple("1/s", ["2*s"]), lambda: decouple("s"),
      lambda: decouple_disturbance("1/s", [[1], [2]]), lambda: decouple_disturbance("1/s", "E"),
      lambda: controlled_invariant_subspaces("s**2"), lambda: interactor([]),
