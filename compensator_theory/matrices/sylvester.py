@@ -68,12 +68,15 @@ def sylvester_m(
     d, n = (p.all_coeffs() for p in in_one_variable(D, N, variable=variable, default="s"))
     rows = len(d) - 1 + n_c
     if n_c < 0 or m_hat < -1:
-        raise InputError(f"n_c = {n_c} must be at least 0 and m_hat = {m_hat} at least -1")
+        raise InputError(
+            f"n_c = {shown(n_c)} must be at least 0 and m_hat = {shown(m_hat)} at least -1"
+        )
     offset = rows - (len(n) - 1) - m_hat - 1
     if offset < 0 <= m_hat:
         raise InputError(
-            f"a numerator of degree {m_hat} times N of degree {len(n) - 1} exceeds the degree "
-            f"{rows - 1} of this equation; lower m_hat to {m_hat + offset} or raise n_c"
+            f"a numerator of degree {shown(m_hat)} times N of degree {len(n) - 1} exceeds the "
+            f"degree {shown(rows - 1)} of this equation; lower m_hat to {shown(m_hat + offset)} or "
+            "raise n_c"
         )
     ask("entries", rows * (n_c + m_hat + 1), "the Sylvester matrix")
     columns = _shifts(d, n_c, 0) + _shifts(n, m_hat + 1, offset)

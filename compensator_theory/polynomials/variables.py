@@ -27,6 +27,8 @@ def as_symbol(variable: str | Symbol) -> Symbol:
     q
     """
     if isinstance(variable, Symbol):
+        if not variable.is_commutative:
+            raise InputError(f"{shown(variable)} does not commute, and so is no variable here")
         return variable
     found = parse_expression(variable) if isinstance(variable, str) else None
     if not isinstance(found, Symbol):
