@@ -134,6 +134,7 @@ from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMa
 from .identification.mu_markov import identify_markov_parameters as identify_markov_parameters
 from .identification.noise_models import NeweyWest as NeweyWest
 from .identification.online.arx import RecursiveARX as RecursiveARX
+from .identification.online.mu_markov import RecursiveMuMarkov as RecursiveMuMarkov
 from .identification.online.zeros import OnlineZeros as OnlineZeros
 from .identification.recursive import RecursiveMarkov as RecursiveMarkov
 from .identification.windows import IdentifiedWindow as IdentifiedWindow

@@ -1,25 +1,35 @@
-// z(k) = sum a_i z(k-i) + sum b_i u(k-i) + e(k), i = 1, ..., p, by recursive least squares.
+// z(k) = phi(k) theta + e(k) by recursive least squares, phi of past z and of u: ARX and mu-Markov.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <vector>
 
 #include "memory/history.hpp"
 #include "updates/update.hpp"
 
 namespace rcac {
 
-// The same update as a controller's, on the equation  phi theta - z = 0  with
-// theta = (b_1, ..., b_p, a_1, ..., a_p). What is kept beside it says how far to believe theta: the
-// errors of prediction, each divided by the root of 1 + phi P phi', over the last steps.
+// The delays of u from `first_u` on, then those of z from `first_z` on; both end at `last`.
+inline std::vector<Tap> delayed_taps(std::size_t first_u, std::size_t first_z, std::size_t last) {
+    std::vector<Tap> taps;
+    for (std::size_t i = first_u; i <= last; ++i) taps.push_back({0, i});
+    for (std::size_t i = first_z; i <= last; ++i) taps.push_back({1, i});
+    return taps;
+}
+
+// The same update as a controller's, on the equation  phi theta - z = 0  with phi read at `taps` of
+// the signals u and z. What is kept beside it says how far to believe theta: the errors of
+// prediction, each divided by the root of 1 + phi P phi', over the last steps.
 class RecursiveArx {
 public:
     static constexpr std::size_t kept_errors = 256;
 
-    RecursiveArx(std::size_t order, double lambda, std::unique_ptr<Update> update)
-        : order_(order), lambda_(lambda), update_(std::move(update)), signals_(2, order),
-          errors_(1, kept_errors - 1), theta_(2 * order), phi_(2 * order) {}
+    RecursiveArx(std::vector<Tap> taps, double lambda, std::unique_ptr<Update> update)
+        : taps_(std::move(taps)), first_(longest_delay(taps_)), lambda_(lambda),
+          update_(std::move(update)), signals_(2, first_), errors_(1, kept_errors - 1),
+          theta_(taps_.size()), phi_(taps_.size()) {}
 
     // False where a number left the range of float64; nothing is valid afterwards.
     bool take(const double* u, const double* z, std::size_t steps) {
@@ -27,7 +37,7 @@ public:
             signals_.advance();
             signals_.now(0) = u[k];
             signals_.now(1) = z[k];
-            if (count_ >= static_cast<std::int64_t>(order_) && !update(z[k])) return false;
+            if (count_ >= static_cast<std::int64_t>(first_) && !update(z[k])) return false;
             ++count_;
         }
         return true;
@@ -54,8 +64,7 @@ public:
 
 private:
     bool update(double z) {
-        for (std::size_t s = 0; s < 2; ++s)
-            for (std::size_t i = 0; i < order_; ++i) phi_[s * order_ + i] = signals_(s, i + 1);
+        for (std::size_t i = 0; i < taps_.size(); ++i) phi_[i] = signals_(taps_[i]);
         const double target = -z, one = 1.0, zero = 0.0, before = z - prediction();
         const Data data{1, theta_.size(), phi_.data(), &target, &one, &zero, lambda_};
         if (!(*update_)(data, count_, theta_.data())) return false;
@@ -73,7 +82,8 @@ private:
         return sum;
     }
 
-    std::size_t order_;
+    std::vector<Tap> taps_;
+    std::size_t first_;  // the first step at which the whole of phi is known
     double lambda_, sum_ = 0.0, weight_ = 0.0;
     std::unique_ptr<Update> update_;
     History signals_, errors_;

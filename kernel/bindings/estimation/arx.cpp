@@ -11,24 +11,36 @@ namespace rcac {
 namespace {
 
 struct OwnedArx {
-    OwnedArx(std::size_t order, double R_theta, double lambda)
-        : arx(order, lambda, made(order, R_theta)) {}
+    OwnedArx(std::vector<Tap> taps, double R_theta, double lambda)
+        : arx(taps, lambda, made(taps.size(), R_theta)) {}
     void visit(Archive& archive) { arx.visit(archive); }
     RecursiveArx arx;
 
 private:
-    static std::unique_ptr<Update> made(std::size_t order, double R_theta) {
-        std::vector<double> P(length_of({2 * order, 2 * order}, "P"), 0.0);
-        for (std::size_t i = 0; i < 2 * order; ++i) P[i * (2 * order + 1)] = 1.0 / R_theta;
-        return std::make_unique<SubspaceUpdate>(P.data(), 2 * order);
+    static std::unique_ptr<Update> made(std::size_t n, double R_theta) {
+        std::vector<double> P(length_of({n, n}, "P"), 0.0);
+        for (std::size_t i = 0; i < n; ++i) P[i * (n + 1)] = 1.0 / R_theta;
+        return std::make_unique<SubspaceUpdate>(P.data(), n);
     }
 };
 
-std::unique_ptr<OwnedArx> make_arx(std::size_t order, double R_theta, double lambda) {
-    require_range<std::size_t>(order, 1, 1000, "the order");
+std::unique_ptr<OwnedArx> made(std::vector<Tap> taps, double R_theta, double lambda) {
     refuse_unless(R_theta > 0.0 && std::isfinite(1.0 / R_theta), "R_theta is not positive");
     require_forgetting(lambda, "lambda");
-    return std::make_unique<OwnedArx>(order, R_theta, lambda);
+    return std::make_unique<OwnedArx>(std::move(taps), R_theta, lambda);
+}
+
+std::unique_ptr<OwnedArx> make_arx(std::size_t order, double R_theta, double lambda) {
+    require_range<std::size_t>(order, 1, 1000, "the order");
+    return made(delayed_taps(1, 1, order), R_theta, lambda);
+}
+
+// The output's delays begin where the Markov parameters end.
+std::unique_ptr<OwnedArx> make_mu_markov(std::size_t mu, std::size_t n_mod, double R_theta,
+                                         double lambda) {
+    require_range<std::size_t>(mu, 1, 1000, "mu");
+    require_range<std::size_t>(n_mod, 0, 500, "n_mod");
+    return made(delayed_taps(0, mu, mu + n_mod - 1), R_theta, lambda);
 }
 
 }  // namespace
@@ -76,6 +88,8 @@ void bind_arx(nb::module_& m) {
         }, nb::rv_policy::automatic);
     m.def("arx", &make_arx, nb::kw_only(), nb::arg("order"), nb::arg("R_theta"),
           nb::arg("forgetting_factor"));
+    m.def("mu_markov", &make_mu_markov, nb::kw_only(), nb::arg("mu"), nb::arg("n_mod"),
+          nb::arg("R_theta"), nb::arg("forgetting_factor"));
 }
 
 }  // namespace rcac

@@ -22,6 +22,7 @@ Tape = tuple[Array, NDArray[np.int32], NDArray[np.int32]]  # constants, steps, r
 
 Arx = _kernel.Arx
 make_arx = _kernel.arx
+make_mu_markov = _kernel.mu_markov
 make_filter = _kernel.filter
 make_refinement = _kernel.refinement
 linear_estimation_model = _kernel.linear_estimation_model

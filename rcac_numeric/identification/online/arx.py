@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from compensator_theory.errors import DivergedError, InputError
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, number, real_array
+from rcac_numeric.arrays.validation import integer
 from rcac_numeric.controllers.updates.forgetting import forgetting_factor
 from rcac_numeric.engine.compiled.estimators import make_arx
+from rcac_numeric.identification.online.regression import RecursiveRegression, floor_of
 from rcac_numeric.identification.online.zeros import OnlineZeros, zeros_of
 
 # Residuals this unlikely to be white say that the order is too small.
 WHITE = 0.001
 
 
-class RecursiveARX:
+class RecursiveARX(RecursiveRegression):
     """z(k) = sum a_i z(k-i) + sum b_i u(k-i) + e(k), i = 1, ..., p, by UD recursive least squares.
 
     With `lambda_` < 1 it forgets as `SubspaceForgetting` does: nothing winds up while u is at rest.
@@ -53,37 +53,10 @@ class RecursiveARX:
 
     def __init__(self, order: int, *, R_theta: float = 1e-6, lambda_: float = 1.0) -> None:
         self.order = integer(order, "order", at_least=1, at_most=1000)
-        self.R_theta, self.lambda_ = number(R_theta, "R_theta"), forgetting_factor(lambda_)
-        if not 1e-300 < self.R_theta < 1e300:
-            raise InputError(f"R_theta = {self.R_theta:g} must be positive.")
-        self._kernel = make_arx(
-            order=self.order, R_theta=self.R_theta, forgetting_factor=self.lambda_
+        self.R_theta, self.lambda_ = floor_of(R_theta), forgetting_factor(lambda_)
+        super().__init__(
+            make_arx(order=self.order, R_theta=self.R_theta, forgetting_factor=self.lambda_)
         )
-
-    def update(self, u: ArrayLike, z: ArrayLike) -> None:
-        """Take in u(k) and z(k) of one step or of several, in their order.
-
-        Parameters
-        ----------
-        u, z : numbers, or arrays of shape (steps,) or (steps, 1)
-
-        Raises
-        ------
-        InputError
-            Where their lengths differ.
-        DivergedError
-            Where the numbers left float64.
-        """
-        one, other = (real_array(v, name).reshape(-1) for v, name in ((u, "u"), (z, "z")))
-        if one.size != other.size:
-            raise InputError(f"u has {one.size} values and z {other.size}; one of each a step.")
-        if not self._kernel.take(one, other):
-            raise DivergedError("the identification left the range of float64; scale u and z.")
-
-    @property
-    def k(self) -> int:
-        """Steps taken in."""
-        return int(self._kernel.k)
 
     @property
     def b(self) -> Array:
@@ -98,21 +71,7 @@ class RecursiveARX:
     @property
     def P(self) -> Array:
         """Of the update: the covariance of (b, a) divided by `variance`; shape (2p, 2p)."""
-        return np.asarray(self._kernel.P)
-
-    @property
-    def variance(self) -> float:
-        """Of the equation's error e, over the steps that are remembered."""
-        return float(self._kernel.variance)
-
-    @property
-    def state(self) -> Array:
-        """Everything that later steps depend on."""
-        return self._kernel.save()
-
-    def restore(self, state: Array) -> None:
-        """Go back, or forward, to a state of a model with the same settings."""
-        self._kernel.restore(state)
+        return super().P
 
     def excitation(self) -> float:
         """The share of R_theta in what is known of the worst known coefficient of u.
