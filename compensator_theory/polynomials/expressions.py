@@ -27,10 +27,11 @@ from compensator_theory.polynomials.sympy_trees import (
     tree_of,
 )
 
+_SMALL = "²³¹¼-¾⁰-₎⅐-↋①-⓿"  # not in names: s² is a square to who writes it
 _TOKEN = re.compile(
     r"(?P<space>\s*)(?:"
     r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?P<imaginary>[iIjJ](?!\w))?"
-    r"|(?P<name>[^\W\d]\w*)|(?P<operator>\*\*|[-+*/^(),])|(?P<end>\Z))"
+    rf"|(?P<name>[^\W\d{_SMALL}][^\W{_SMALL}]*)|(?P<operator>\*\*|[-+*/^(),])|(?P<end>\Z))"
 )
 _CONSTANTS = {"I": sympy.I, "j": sympy.I, "pi": sympy.pi}
 _FUNCTIONS = ("sqrt", "CRootOf")
@@ -138,10 +139,8 @@ def _tokens(text: str) -> list[_Token]:
     while not found or found[-1].kind != "end":
         match = _TOKEN.match(text, place)
         if match is None:
-            rest = text[place:].lstrip()
-            raise InputError(
-                f"cannot read {_short(text)}: {rest[:1]!r} is not allowed in it; write {_GRAMMAR}"
-            )
+            wrong = repr(text[place:].lstrip()[:1])
+            raise InputError(f"cannot read {_short(text)}: no {wrong} there; write {_GRAMMAR}")
         kind = next(k for k in ("number", "name", "operator", "end") if match[k] is not None)
         found.append(_Token(kind, match[kind], bool(match["space"]), bool(match["imaginary"])))
         place = match.end()

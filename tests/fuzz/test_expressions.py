@@ -98,6 +98,7 @@ def warmed():
 @example("((1+pi)+(1+pi)+(1+pi))^1000")
 @example("0.5877076538493217^-0.1+(I)/(-10)/a")
 @example("+q/q-s-b - 007+2")
+@example("(sqrt((S)+(²S)))**2")
 @example("*".join(["((3.+0.45082763499547807 - I^.5)**(1/3))"] * 10))
 def test_a_text_is_refused_or_echoed(text):
     check_text(text)

@@ -9,6 +9,7 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
+import compensator_theory as exact
 from compensator_theory import (
     InputError,
     StandardProblem,
@@ -199,3 +200,27 @@ def test_float_polynomials_become_decimals_at_the_door():
 
 def test_lists_are_matrices_everywhere():
     assert is_controllable([[0, 1], [0, 0]], [[0], [1]]) is True
+
+
+@pytest.mark.parametrize("text", ["s² + 1", "s₁ + 1", "1/(s⁻¹)", "½*s", "2²"])
+def test_small_figures_are_no_part_of_a_name(text):
+    with pytest.raises(exact.InputError, match="there; write numbers"):
+        exact.transfer_function(text)
+
+
+def test_an_odd_root_of_a_negative_number_has_several_meanings():
+    for text in ("(-8)**(1/3)", "(-pi)**(1/3)", "(1 - sqrt(2))**(3/5)"):
+        with pytest.raises(exact.InputError, match="has several meanings"):
+            exact.exact_number(text)
+    assert exact.canonical("(-pi)**(1/2)") == "I*sqrt(pi)"
+
+
+def test_a_sum_whose_fractions_cancel_is_its_own_canonical_form():
+    echo = exact.canonical("q/q - s - b")
+    assert exact.canonical(echo) == echo == exact.canonical("1 - s - b")
+
+
+def test_a_field_asks_for_the_digits_of_its_discriminant():
+    text = "*".join(["((3.+0.45082763499547807 - I^.5)**(1/3))"] * 10)
+    with pytest.raises(exact.BudgetError, match="discriminant"):
+        exact.polynomial(text, "s")
