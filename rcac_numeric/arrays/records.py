@@ -81,6 +81,8 @@ class Records:
             return {"class": name, "fields": parts}
         if name in ("Poly", "ImmutableDenseMatrix", "Symbol"):
             return _symbolic(value)
+        if getattr(value, "is_Rational", False):  # a sample time of the exact half
+            return {"number": str(value)}
         raise InputError(f"{name} {value!r:.80} cannot be written into a file without pickle.")
 
     def value(self, tree: Any, arrays: Mapping[str, Array]) -> Any:
@@ -117,6 +119,8 @@ class Records:
                 return _matrix(rows, height, width)
             case {"symbol": str() as name}:
                 return name
+            case {"number": str() as digits}:
+                return exact.exact_number(digits)
         raise ValueError(f"{str(tree)[:80]!r} stands for nothing")
 
     def _class(self, name: str) -> type | None:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import rcac_numeric as r
 from compensator_theory.errors import InputError
 from rcac_numeric import FunctionPlant, load_example, load_run, simulate, simulate_reference
 from tests.rcac_numeric import samples
@@ -129,3 +130,16 @@ def test_a_library_that_is_missing_is_named_with_its_extra(library, monkeypatch)
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(InputError, match=rf"{library} is not installed.*\[pandas\]"):
         getattr(samples.run(0), f"to_{library}")()
+
+
+@pytest.mark.parametrize("period", [0.05, 1.0, 1 / 3])
+def test_a_plant_that_was_read_with_its_sample_time_comes_back_with_it(tmp_path, period):
+    control = pytest.importorskip("control")
+    plant = r.servo_plant(control.tf([0.5], [1, -0.7], period))
+    fixed = r.FixedController(r.Compensator(past_u=[[[0.2]]], past_y=[[[0.1]], [[0.3]]]))
+    run = r.simulate(plant, fixed, np.ones((9, 3)))
+    run.save(tmp_path / "run.npz")
+    back = r.load_run(tmp_path / "run.npz")
+    assert back == run
+    assert back.sample_time == back.plant.sample_time == period
+    assert back.plant.exact.sample_time == plant.exact.sample_time
