@@ -131,6 +131,7 @@ def test_both_fractions_are_the_plant(family):
 @given(rationals(), rationals())
 def test_placed_compensators_are_members(pole, zero):
     """place_poles and the parametrisation, for the same plant."""
+    assume(pole != -7)  # nothing cancels
     plant = exact.transfer_function(f"(s + 7)/((s - ({pole}))*(s + 8)*(s**2 + 1))")
     placed = exact.place_poles(plant, [-1, -2, -3, -4, -5, -6, abs(zero) * -1 - 1], feedback=-1)
     family = stabilising_compensators(plant.reduced(), [-1] * plant.reduced().order,
