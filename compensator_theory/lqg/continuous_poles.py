@@ -9,10 +9,8 @@ from sympy import Poly, Symbol
 from compensator_theory.errors import (
     InputError,
     NoSolutionError,
-    NotControllableError,
-    NotObservableError,
 )
-from compensator_theory.lqg.poles import interpolated
+from compensator_theory.lqg.poles import interpolated, require_stable_hidden_modes
 from compensator_theory.lqg.regulator_data import regulator_data
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import rational, to_flint
@@ -25,7 +23,6 @@ from compensator_theory.roots.counts import count_half_plane_roots
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
 from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
-from compensator_theory.systems.controllability import uncontrollable_polynomial
 from compensator_theory.systems.standard_problems import StandardProblem
 
 
@@ -104,7 +101,7 @@ def continuous_lqg_poles(plant: StandardProblem, *, digits: int = 30) -> Continu
     s = plant.variable
     if is_discrete(s, "LQG"):
         raise InputError(f"{s} means discrete time; use lqg_poles")
-    _require_stable_hidden_modes(plant)
+    require_stable_hidden_modes(plant, count_half_plane_roots, "left of the imaginary axis")
     data = (
         ("from u to z", "u", (plant.A, plant.B, plant.E_1, plant.E_2)),
         ("from w to y", "the sensor noise", (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
@@ -178,18 +175,3 @@ def continuous_regulator_spectrum(
     sign = -1 if n % 2 else 1
     descending = [sign * rational(c) for c in reversed(interpolated(points, values))]
     return canonical(Poly(descending or [0], s))
-
-
-def _require_stable_hidden_modes(plant: StandardProblem) -> None:
-    """Refuse a mode that no gain moves and that is not left of the imaginary axis."""
-    for error, matrices, what in (
-        (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),
-        (NotObservableError, (plant.A.T, plant.C.T), "unobservable from y"),
-    ):
-        hidden = uncontrollable_polynomial(*matrices, plant.variable)
-        count = count_half_plane_roots(hidden)
-        if count.boundary or count.unstable:
-            raise error(
-                f"the mode(s) {format_polynomial(hidden)} are {what} and not all left of the "
-                "imaginary axis, so that no controller is stabilising; remove them from the plant"
-            )

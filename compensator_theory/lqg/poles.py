@@ -1,5 +1,6 @@
 """LQG closed-loop poles of plants with any number of signals, by an exact determinant."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import flint
@@ -21,6 +22,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_discrete
+from compensator_theory.roots.counts import RootCount
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.roots.reciprocals import reciprocal_polynomial
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
@@ -125,7 +127,7 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
         raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
     q = plant.variable
     require_discrete(q, "LQG")
-    _require_stable_hidden_modes(plant)
+    require_stable_hidden_modes(plant, count_unit_disk_roots, "inside the unit circle")
     regulator = regulator_spectrum(plant.A, plant.B, plant.E_1, plant.E_2, q)
     estimator = regulator_spectrum(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, q)
     factors = []
@@ -239,16 +241,27 @@ def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[fli
     return list(result.coeffs())
 
 
-def _require_stable_hidden_modes(plant: StandardProblem) -> None:
-    """Refuse a mode that no gain moves and that is not inside the unit circle."""
+def require_stable_hidden_modes(
+    plant: StandardProblem, counted: Callable[[Poly], RootCount], region: str
+) -> None:
+    """Refuse a mode that no gain moves and that is not in the region of stability.
+
+    Examples
+    --------
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.lqg.poles import require_stable_hidden_modes
+    >>> from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+    >>> plant = standard_problem("1/(q - 2)")
+    >>> require_stable_hidden_modes(plant, count_unit_disk_roots, "inside the unit circle")
+    """
     for error, matrices, what in (
         (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),
         (NotObservableError, (plant.A.T, plant.C.T), "unobservable from y"),
     ):
         hidden = uncontrollable_polynomial(*matrices, plant.variable)
-        count = count_unit_disk_roots(hidden)
+        count = counted(hidden)
         if count.boundary or count.unstable:
             raise error(
-                f"the mode(s) {format_polynomial(hidden)} are {what} and not all inside the unit "
-                "circle, so that no controller is stabilising; remove them from the plant"
+                f"the mode(s) {format_polynomial(hidden)} are {what} and not all {region}, so that "
+                "no controller is stabilising; remove them from the plant"
             )
