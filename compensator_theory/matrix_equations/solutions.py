@@ -10,7 +10,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import echelon, exceptional_factors
+from compensator_theory.structure.echelon import contradictions, echelon, exceptional_factors
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,8 @@ def solve_by_columns(
     size = len(units)
     divisors = [found.divided_by, *denominators_of(sources)]
     if size in found.pivots:
-        raise NoSolutionError(contradiction)
+        column = Matrix(len(right), 1, list(right))
+        raise NoSolutionError(contradiction).holding(contradictions(table, column))
     particular = Matrix.zeros(size, 1)
     for row, pivot in enumerate(found.pivots):
         particular[pivot] = found.matrix[row, size]

@@ -28,7 +28,7 @@ from compensator_theory.polynomials.poly import (
 )
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
-from compensator_theory.structure.echelon import exceptional_factors
+from compensator_theory.structure.echelon import contradictions, exceptional_factors
 from compensator_theory.structure.polynomial_matrices import (
     PolynomialMatrix,
     denominators,
@@ -207,6 +207,8 @@ def place_matrix_poles(
             raise NoSolutionError(
                 f"no compensator of degree {order} gives column {j} the target {goal.as_expr()}; "
                 "raise the order, or change the targets"
+            ).holding(
+                contradictions(matrix, ImmutableMatrix(right)), denominators(D_l, N_l)
             ) from error
         D, N = pair_of_columns(found.particular, (p, m), free, order, model)
         N_c, D_c = N_c + in_column(N, j, p), D_c + in_column(D, j, p)

@@ -31,6 +31,8 @@ from compensator_theory.polynomials.poly import (
 from compensator_theory.polynomials.poly import polynomial as read_polynomial
 from compensator_theory.polynomials.shared import is_list
 from compensator_theory.polynomials.variables import require_no_other_operator
+from compensator_theory.structure.echelon import contradictions
+from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, denominators
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.transfer_functions.transfer_functions import (
     TransferFunction,
@@ -199,12 +201,12 @@ def _check_degrees(G: TransferFunction, n_c: int, m_hat: int) -> None:
 
 def _check_fixed_poles(G: TransferFunction, goal: Poly) -> None:
     factor = G.common_factor()
-    if factor.degree() > 0 and not canonical(goal.rem(factor)).is_zero:
+    if factor.degree() > 0 and not (rest := canonical(goal.rem(factor))).is_zero:
         raise NotCoprimeError(
             f"numerator and denominator of {G} share the factor {format_polynomial(factor)}; its "
             "roots stay closed-loop poles whatever the compensator. Include them in the target "
             "or reduce the plant with .reduced()"
-        )
+        ).holding(rest.all_coeffs(), denominators(PolynomialMatrix(((factor, rest),))))
 
 
 Pair = tuple[Poly, Poly]
@@ -231,7 +233,7 @@ def _solve(
             f"no compensator with n_c = {n_c} and deg N_c <= {m_hat} places these poles: "
             f"{_obstruction(M, goal)}. From n_c = {n - 1} and numerator_degree = {n - 1} on, every "
             "target is reached"
-        ) from error
+        ).holding(contradictions(M, ImmutableMatrix(goal.all_coeffs()))) from error
     homogeneous = tuple(_pair(vector, G, n_c) for vector in found.nullspace)
     return _pair(found.particular, G, n_c), homogeneous
 

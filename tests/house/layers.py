@@ -11,6 +11,7 @@ LAYERS = {
         "transfer_functions",
         "systems",
         "structure",
+        "exceptional_sets",
         "diophantine",
         "state_feedback",
         "loops",
