@@ -64,7 +64,8 @@ def echelon(matrix: Matrix) -> Echelon:
         form = from_flint(reduced)[: int(found), :]
         pivots = tuple(next(c for c in range(columns) if row[c] != 0) for row in form.tolist())
         return Echelon(ImmutableMatrix(form), pivots, sympy.Integer(1))
-    over_ring = DomainMatrix.from_Matrix(matrix).clear_denoms_rowwise(convert=True)[1]
+    # Dense, for SymPy keeps a zero that is not simplified as an entry of a sparse matrix.
+    over_ring = DomainMatrix.from_Matrix(matrix).to_dense().clear_denoms_rowwise(convert=True)[1]
     numerator, minor, pivots = over_ring.rref_den(method="FF")
     field = numerator.domain.get_field()
     inverse = 1 / field.convert_from(minor, numerator.domain)
@@ -130,7 +131,7 @@ def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:
     >>> from sympy.abc import a, b
     >>> from compensator_theory.structure.echelon import contradictions
     >>> contradictions(Matrix([[a], [1]]), Matrix([b, 1]))
-    [-a + b]
+    [a - b]
     """
     if not (matrix.free_symbols or right_side.free_symbols):
         return [sympy.Integer(1)]
