@@ -8,6 +8,8 @@ from .bezout.subresultants import Subresultants as Subresultants
 from .bezout.subresultants import subresultants as subresultants
 from .canonical_forms.frobenius import FrobeniusForm as FrobeniusForm
 from .canonical_forms.frobenius import frobenius_form as frobenius_form
+from .canonical_forms.jordan import JordanForm as JordanForm
+from .canonical_forms.jordan import jordan_form as jordan_form
 from .canonical_forms.kronecker import KroneckerForm as KroneckerForm
 from .canonical_forms.kronecker import kronecker_form as kronecker_form
 from .canonical_forms.popov import PopovForm as PopovForm
