@@ -5,16 +5,19 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory.diophantine.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
+    polynomial_matrix,
+)
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, polynomial_matrix
-from compensator_theory.structure.smith import smith_form
 
 
 @dataclass(frozen=True)

@@ -4,22 +4,24 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
+from compensator_theory.canonical_forms.smith import certificate_of
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import (
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    denominators,
     joint_ring,
     polynomial_matrix,
     read_into,
     written,
 )
-from compensator_theory.structure.rings import identity, multiply
-from compensator_theory.structure.smith import certificate_of
+from compensator_theory.polynomial_matrices.rings import identity, multiply
+from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P = F, U U^-1 = I"
 

@@ -4,24 +4,26 @@ from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.diophantine.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.row_forms import triangulate
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import (
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    denominators,
     joint_ring,
     polynomial_matrix,
     read_into,
     written,
 )
-from compensator_theory.structure.rings import Element, Grid, Ring, multiply
-from compensator_theory.structure.row_forms import triangulate
+from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring, multiply
+from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = {"right": "A X + B Y = C", "left": "X A + Y B = C"}
 

@@ -9,6 +9,11 @@ from sympy.polys.domains.domain import Domain
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import (
@@ -22,8 +27,6 @@ from compensator_theory.polynomials.poly import (
 from compensator_theory.polynomials.shared import in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, denominators
 
 IDENTITY = "a x + b y = c, a dx + b dy = 0"
 

@@ -10,9 +10,8 @@ from compensator_theory.geometry.invariant_subspaces import (
     controlled_invariant_subspaces,
 )
 from compensator_theory.geometry.subspaces import Subspaces
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrix_equations.solutions import certificate_of
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 

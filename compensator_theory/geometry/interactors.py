@@ -7,14 +7,13 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import ImproperError, NoSolutionError
 from compensator_theory.geometry.subspaces import Subspaces
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import rank
-from compensator_theory.matrix_equations.solutions import certificate_of
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 

@@ -6,12 +6,14 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.geometry.subspaces import Subspaces
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "(A + B F) V = V M, (C + D F) V = 0"

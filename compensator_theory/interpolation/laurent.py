@@ -10,15 +10,14 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.constructor import construct_domain
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
-from compensator_theory.matrix_equations.solutions import certificate_of
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomials.budget import ask, decimal_digits, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 

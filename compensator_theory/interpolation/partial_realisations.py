@@ -7,14 +7,17 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.polynomial_matrices.echelon import echelon
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials.poly import from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
-from compensator_theory.structure.echelon import echelon, exceptional_factors
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 IDENTITY = "D h = N in the powers of z that the data determine"

@@ -6,11 +6,11 @@ import sympy
 from sympy import Expr, ImmutableMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrix_equations.solutions import certificate_of, solve_by_columns
+from compensator_theory.matrix_equations.solutions import solve_by_columns
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "Pi S = A Pi + B Gamma + P, 0 = C Pi + D Gamma + Q"

@@ -17,6 +17,14 @@ from compensator_theory.placement.matrix_equations import (
     pair_of_columns,
     reduced_left_fraction,
 )
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
+    polynomial_matrix,
+)
 from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -28,12 +36,6 @@ from compensator_theory.polynomials.poly import (
 )
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import (
-    PolynomialMatrix,
-    denominators,
-    polynomial_matrix,
-)
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 

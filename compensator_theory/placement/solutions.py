@@ -13,13 +13,16 @@ from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.matrices.resultants import resultant
 from compensator_theory.placement.rounding_effects import rounding_effect
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import long_integers
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, denominators
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ from sympy import QQ, Poly, Rational
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.siso import require_sign
+from compensator_theory.polynomial_matrices.rings import RationalRing
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -20,7 +21,6 @@ from compensator_theory.stabilisation.strong_stabilisability import (
     StrongStabilisability,
     decide_strong_stabilisability,
 )
-from compensator_theory.structure.rings import RationalRing
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 

@@ -14,13 +14,13 @@ from compensator_theory.matrices.linear_algebra import (
     determinant,
     solve,
 )
+from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.state_feedback.brunovsky import BrunovskyForm, brunovsky_form
-from compensator_theory.structure.echelon import echelon
 
 TRIES = 60
 

@@ -4,21 +4,23 @@ from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
+from compensator_theory.canonical_forms.row_forms import triangulate
+from compensator_theory.canonical_forms.smith import certificate_of
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.poly import monic
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import (
-    PolynomialMatrix,
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.exceptional_sets import (
     denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
     joint_ring,
     read_into,
     written,
 )
-from compensator_theory.structure.rings import Element, Grid, Ring, identity, multiply
-from compensator_theory.structure.row_forms import triangulate
-from compensator_theory.structure.smith import certificate_of
+from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring, identity, multiply
+from compensator_theory.polynomials.poly import monic
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 

@@ -8,10 +8,11 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomial_matrices.echelon import echelon, independent_columns
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import echelon, exceptional_factors, independent_columns
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.controllability import controllability_matrix
 from compensator_theory.systems.realisations import Realisation

@@ -7,10 +7,11 @@ from sympy import Expr, ImmutableMatrix, Symbol
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve
+from compensator_theory.polynomial_matrices.echelon import echelon
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import echelon, exceptional_factors
 from compensator_theory.structure.kalman import kalman_decomposition
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.expansions import markov_parameters

@@ -9,12 +9,12 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomials.budget import ask, shown, unlimited
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction

@@ -5,15 +5,15 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
+from compensator_theory.canonical_forms.smith import SmithForm, smith_form
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.structure.coprime_fractions import coprime_fractions
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix
-from compensator_theory.structure.smith import SmithForm, smith_form
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike
 from compensator_theory.systems.realisations import Realisation

@@ -8,6 +8,7 @@ from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.values import ExactValue
@@ -15,7 +16,6 @@ from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.stability import decide_hurwitz, decide_schur
 from compensator_theory.state_feedback.gain_families import state_feedback_family
 from compensator_theory.state_feedback.observer_gain_families import observer_gain_family
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.structure.minimal_realisations import minimal_realisation
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike

@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from compensator_theory.canonical_forms.row_forms import row_reduced_form
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import (
+from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
     polynomial_matrix,
 )
-from compensator_theory.structure.row_forms import row_reduced_form
+from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "P M = 0, W M = I"
 

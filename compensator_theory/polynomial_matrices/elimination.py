@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from compensator_theory.bezout.fraction_free import FractionFree
-from compensator_theory.structure.rings import (
+from compensator_theory.polynomial_matrices.rings import (
     Element,
     Grid,
     Ring,
@@ -29,8 +29,9 @@ class Elimination:
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.structure.elimination import Elimination
-    >>> from compensator_theory.structure.polynomial_matrices import joint_ring, read_into, written
+    >>> from compensator_theory.polynomial_matrices.elimination import Elimination
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import read_into, written
     >>> P = polynomial_matrix([["s"], ["s**2 + 1"]])
     >>> ring = joint_ring(P)
     >>> work = Elimination(ring, read_into(ring, P))
@@ -178,8 +179,9 @@ def diagonalise(work: Elimination) -> int:
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.structure.elimination import Elimination, diagonalise
-    >>> from compensator_theory.structure.polynomial_matrices import joint_ring, read_into, written
+    >>> from compensator_theory.polynomial_matrices.elimination import Elimination, diagonalise
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import read_into, written
     >>> P = polynomial_matrix([["s", "a"], [0, "s"]])
     >>> work = Elimination(joint_ring(P), read_into(joint_ring(P), P))
     >>> diagonalise(work), str(written(work.ring, work.matrix))

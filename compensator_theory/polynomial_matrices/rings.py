@@ -26,7 +26,7 @@ class RationalRing:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.structure.rings import ring_of
+    >>> from compensator_theory.polynomial_matrices.rings import ring_of
     >>> ring = ring_of([polynomial("s + 1")])
     >>> ring.write(ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + 1")))[0])
     Poly(s - 1, s, domain='QQ')
@@ -76,7 +76,7 @@ class SymbolicRing:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.structure.rings import ring_of
+    >>> from compensator_theory.polynomial_matrices.rings import ring_of
     >>> ring = ring_of([polynomial("a*s + 1", "s")])
     >>> rest = ring.divide(ring.read(polynomial("s")), ring.read(polynomial("a*s + 1", "s")))[1]
     >>> ring.write(rest)
@@ -176,7 +176,7 @@ def ring_of(polynomials: Iterable[Poly]) -> Ring:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.structure.rings import ring_of
+    >>> from compensator_theory.polynomial_matrices.rings import ring_of
     >>> type(ring_of([polynomial("s"), polynomial("s + a")])).__name__
     'SymbolicRing'
     """
@@ -198,7 +198,7 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.structure.rings import multiply, ring_of
+    >>> from compensator_theory.polynomial_matrices.rings import multiply, ring_of
     >>> ring = ring_of([polynomial("s")])
     >>> s = ring.read(polynomial("s"))
     >>> ring.write(multiply(ring, [[s, ring.one]], [[s], [s]])[0][0])
@@ -219,7 +219,7 @@ def identity(ring: Ring, size: int) -> Grid:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.structure.rings import identity, ring_of
+    >>> from compensator_theory.polynomial_matrices.rings import identity, ring_of
     >>> len(identity(ring_of([polynomial("s")]), 2))
     2
     """

@@ -6,19 +6,21 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination, diagonalise
-from compensator_theory.structure.polynomial_matrices import (
+from compensator_theory.polynomial_matrices.elimination import Elimination, diagonalise
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    denominators,
     joint_ring,
     polynomial_matrix,
     read_into,
     written,
 )
-from compensator_theory.structure.rings import Grid, Ring, identity, multiply
+from compensator_theory.polynomial_matrices.rings import Grid, Ring, identity, multiply
+from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P V = S, U U^-1 = I, V V^-1 = I"
 
@@ -144,8 +146,8 @@ def certificate_of(ring: Ring, identity: str, pairs: list[tuple[Grid, Grid]]) ->
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.structure.rings import ring_of
-    >>> from compensator_theory.structure.smith import certificate_of
+    >>> from compensator_theory.polynomial_matrices.rings import ring_of
+    >>> from compensator_theory.canonical_forms.smith import certificate_of
     >>> ring = ring_of([polynomial("s")])
     >>> certificate_of(ring, "1 = 1", [([[ring.one]], [[ring.one]])]).holds
     True

@@ -21,8 +21,12 @@ from compensator_theory import (
     smith_form,
     smith_mcmillan_form,
 )
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import joint_ring, read_into, written
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    joint_ring,
+    read_into,
+    written,
+)
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,

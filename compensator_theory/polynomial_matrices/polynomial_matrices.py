@@ -10,11 +10,11 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import determinant
+from compensator_theory.polynomial_matrices.rings import Grid, Ring, multiply, ring_of
 from compensator_theory.polynomials.budget import ask, quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, from_expression, polynomial
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.rings import Grid, Ring, multiply, ring_of
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 
 
@@ -173,7 +173,7 @@ def joint_ring(*matrices: PolynomialMatrix) -> Ring:
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.structure.polynomial_matrices import joint_ring
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring
     >>> joint_ring(polynomial_matrix([["s"]])).variable
     s
     """
@@ -193,7 +193,7 @@ def read_into(ring: Ring, matrix: PolynomialMatrix) -> Grid:
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.structure.polynomial_matrices import joint_ring, read_into
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring, read_into
     >>> P = polynomial_matrix([["s"]])
     >>> read_into(joint_ring(P), P)
     [[x]]
@@ -208,31 +208,9 @@ def written(ring: Ring, grid: Grid) -> PolynomialMatrix:
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.structure.polynomial_matrices import joint_ring, written
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring, written
     >>> ring = joint_ring(polynomial_matrix([["s"]]))
     >>> print(written(ring, [[ring.one, ring.zero]]))
     [[1, 0]]
     """
     return PolynomialMatrix(tuple(tuple(ring.write(entry) for entry in row) for row in grid))
-
-
-def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
-    """Return what coefficients are divided by, polynomials in the symbols.
-
-    An identity between polynomial matrices holds for all values of the symbols where none of these
-    is zero, whatever was divided by on the way to it.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.structure.polynomial_matrices import denominators
-    >>> denominators(polynomial_matrix([["s/a", "b*s/(a + 1)"]], "s"))
-    [a, a + 1]
-    """
-    found: dict[Expr, None] = {}
-    for poly in (entry for matrix in matrices for row in matrix.rows for entry in row):
-        if poly.domain.is_FractionField:
-            for coefficient in poly.rep.to_list():
-                bottom = poly.domain.denom(coefficient)
-                found[poly.domain.get_ring().to_sympy(bottom)] = None
-    return [bottom for bottom in found if bottom.free_symbols]

@@ -1,6 +1,5 @@
 """Ranks, kernels and bases, with the polynomials in the symbols that they were divided by."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import sympy
@@ -51,7 +50,7 @@ def echelon(matrix: Matrix) -> Echelon:
     --------
     >>> from sympy import Matrix
     >>> from sympy.abc import a
-    >>> from compensator_theory.structure.echelon import echelon
+    >>> from compensator_theory.polynomial_matrices.echelon import echelon
     >>> found = echelon(Matrix([[a, 1, 2], [0, a - 1, 0]]))
     >>> found.pivots, found.divided_by
     ((0, 1), a**2 - a)
@@ -72,42 +71,13 @@ def echelon(matrix: Matrix) -> Echelon:
     return Echelon(ImmutableMatrix(form), tuple(pivots), numerator.domain.to_sympy(minor))
 
 
-def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
-    """Return the irreducible polynomials in the symbols where one of the divisors is 0 or infinite.
-
-    Parameters
-    ----------
-    divisors : iterable of sympy.Expr
-        Rational functions of symbols; numbers, and factors that are known to be nonzero, drop out.
-
-    Examples
-    --------
-    >>> from sympy import Integer
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.structure.echelon import exceptional_factors
-    >>> exceptional_factors([Integer(2), a**2 - a, a / (b + 1)])
-    (a, a - 1, b + 1)
-    """
-    found: dict[Expr, None] = {}
-    for divisor in dict.fromkeys(divisors):
-        if not divisor.free_symbols:
-            continue
-        for side in sympy.fraction(sympy.cancel(divisor)):
-            for factor, _ in sympy.factor_list(side)[1]:
-                if not factor.is_nonzero:
-                    found[factor] = None
-    return tuple(
-        sorted(found, key=lambda f: (sympy.Poly(f).total_degree(), sympy.count_ops(f), str(f)))
-    )
-
-
 def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
     """Return the first columns that span the column space, and the minor that proves it.
 
     Examples
     --------
     >>> from sympy import Matrix
-    >>> from compensator_theory.structure.echelon import independent_columns
+    >>> from compensator_theory.polynomial_matrices.echelon import independent_columns
     >>> independent_columns(Matrix([[0, 2, 4], [0, 1, 2]]))[0]
     Matrix([
     [2],

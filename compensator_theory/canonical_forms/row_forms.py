@@ -4,21 +4,24 @@ from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from compensator_theory.canonical_forms.smith import certificate_of
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import echelon, exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import (
+from compensator_theory.polynomial_matrices.echelon import echelon
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.exceptional_sets import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    denominators,
     joint_ring,
     polynomial_matrix,
     read_into,
     written,
 )
-from compensator_theory.structure.rings import Element, Grid, Ring, identity, multiply
-from compensator_theory.structure.smith import certificate_of
+from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring, identity, multiply
+from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P = H, U U^-1 = I"
 
@@ -178,9 +181,9 @@ def triangulate(work: Elimination) -> int:
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.structure.elimination import Elimination
-    >>> from compensator_theory.structure.polynomial_matrices import joint_ring, read_into
-    >>> from compensator_theory.structure.row_forms import triangulate
+    >>> from compensator_theory.polynomial_matrices.elimination import Elimination
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring, read_into
+    >>> from compensator_theory.canonical_forms.row_forms import triangulate
     >>> P = polynomial_matrix([["s", 1], ["s", 1]])
     >>> triangulate(Elimination(joint_ring(P), read_into(joint_ring(P), P)))
     1
