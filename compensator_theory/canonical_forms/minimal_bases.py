@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.canonical_forms.row_forms import row_reduced_form
-from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
@@ -107,8 +106,4 @@ def minimal_basis(
 def _certificate(P: PolynomialMatrix, M: PolynomialMatrix, W: PolynomialMatrix) -> Certificate:
     size = M.shape[1]
     product = (W @ M).as_matrix() - ImmutableMatrix.eye(size)
-    entries = [*(P @ M).as_matrix(), *product]
-    certificate = Certificate(IDENTITY, ImmutableMatrix(1, len(entries), entries))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the basis is wrong, please report it")
-    return certificate
+    return certificate_of(IDENTITY, [(P @ M).as_matrix(), product], "basis")

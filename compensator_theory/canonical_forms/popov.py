@@ -4,23 +4,15 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol
 
-from compensator_theory.canonical_forms.smith import certificate_of
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.elimination import Elimination
-from compensator_theory.polynomial_matrices.exceptional_sets import (
-    denominators,
-    exceptional_factors,
-)
+from compensator_theory.polynomial_matrices.equivalence import by_rows, elimination_of
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    joint_ring,
     polynomial_matrix,
-    read_into,
-    written,
 )
-from compensator_theory.polynomial_matrices.rings import identity, multiply
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P = F, U U^-1 = I"
@@ -100,28 +92,28 @@ def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     [[0, 1], [s, 0]]
     """
     source = polynomial_matrix(matrix, variable)
-    ring = joint_ring(source)
-    grid = read_into(ring, source)
-    work = Elimination(ring, grid)
-    pivots = _weak(work)
+    work = elimination_of(source)
+    ring, pivots = work.ring, _weak(work)
     order = sorted(pivots, key=lambda i: (ring.degree(work.matrix[i][pivots[i]]), pivots[i]))
     _permute(work, order)
     columns = [pivots[i] for i in order]
     for i, column in enumerate(columns):
         work.make_monic(i, column)
     _reduce(work, columns)
-    results = [written(ring, part) for part in (work.matrix, work.U, work.U_inverse)]
-    form, U, U_inverse = results
-    degrees = tuple(int(form[i, c].degree()) for i, c in enumerate(columns))
-    pairs = [
-        (multiply(ring, work.U, grid), work.matrix),
-        (multiply(ring, work.U, work.U_inverse), identity(ring, work.rows)),
-    ]
-    certificate = certificate_of(ring, IDENTITY, pairs)
-    if not _is_popov(form, columns):
+    found = by_rows(work, IDENTITY)
+    degrees = tuple(int(found.form[i, c].degree()) for i, c in enumerate(columns))
+    if not _is_popov(found.form, columns):
         raise NoSolutionError("the form is not reduced; it is wrong, please report it")
-    exceptional = exceptional_factors(denominators(*results))
-    return PopovForm(source, form, U, U_inverse, tuple(columns), degrees, exceptional, certificate)
+    return PopovForm(
+        source,
+        found.form,
+        found.U,
+        found.U_inverse,
+        tuple(columns),
+        degrees,
+        found.exceptional,
+        found.certificate,
+    )
 
 
 def _pivot(work: Elimination, i: int) -> int | None:

@@ -1,26 +1,22 @@
 """What row operations make of a polynomial matrix: the Hermite form and row-reduced forms."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
-from compensator_theory.canonical_forms.smith import certificate_of
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.equivalence import by_rows, elimination_of
 from compensator_theory.polynomial_matrices.exceptional_sets import (
-    denominators,
     exceptional_factors,
 )
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    joint_ring,
     polynomial_matrix,
-    read_into,
-    written,
 )
-from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring, identity, multiply
+from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P = H, U U^-1 = I"
@@ -112,11 +108,9 @@ def hermite_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = N
     [[1, -s**2 + 1], [0, s**3 + s**2 - s]]
     """
     source = polynomial_matrix(matrix, variable)
-    ring = joint_ring(source)
-    grid = read_into(ring, source)
-    work = Elimination(ring, grid)
-    rank = triangulate(work)
-    return _result(source, ring, grid, work, rank, [])
+    work = elimination_of(source)
+    rank = work.triangulate()
+    return _result(source, work, rank)
 
 
 def row_reduced_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> RowForm:
@@ -155,9 +149,8 @@ def row_reduced_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None
     [[0, 1], [s, s]] (0, 1)
     """
     source = polynomial_matrix(matrix, variable)
-    ring = joint_ring(source)
-    grid = read_into(ring, source)
-    work = Elimination(ring, grid)
+    work = elimination_of(source)
+    ring = work.ring
     while (relation := _relation(ring, work.matrix)) is not None:
         target = max(relation, key=lambda i: _row_degree(ring, work.matrix[i]))
         height = _row_degree(ring, work.matrix[target])
@@ -170,34 +163,9 @@ def row_reduced_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None
         if _row_degree(ring, work.matrix[i]) >= 0:
             work.swap_rows(rank, i)
             rank += 1
-    found = _result(source, ring, grid, work, rank, [])
+    found = _result(source, work, rank)
     minor = echelon(found.leading_matrix).divided_by
-    return _result(source, ring, grid, work, rank, [minor])
-
-
-def triangulate(work: Elimination) -> int:
-    """Bring the matrix of an elimination to its Hermite form; return the rank.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.polynomial_matrices.elimination import Elimination
-    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring, read_into
-    >>> from compensator_theory.canonical_forms.row_forms import triangulate
-    >>> P = polynomial_matrix([["s", 1], ["s", 1]])
-    >>> triangulate(Elimination(joint_ring(P), read_into(joint_ring(P), P)))
-    1
-    """
-    rank = 0
-    for column in range(work.columns):
-        if rank == work.rows:
-            break
-        work.triangulate_column(rank, column)
-        if work.ring.degree(work.matrix[rank][column]) >= 0:
-            for above in range(rank):
-                work.reduce_row(above, rank, column)
-            rank += 1
-    return rank
+    return replace(found, exceptional=exceptional_factors([minor, *found.exceptional]))
 
 
 def _row_degree(ring: Ring, row: list[Element]) -> int:
@@ -211,29 +179,15 @@ def _relation(ring: Ring, grid: Grid) -> dict[int, Element] | None:
     if not rows:
         return None
     work = Elimination(ring, leading)
-    rank = triangulate(work)
+    rank = work.triangulate()
     if rank == len(rows):
         return None
     found = zip(rows, work.U[rank], strict=True)
     return {i: factor for i, factor in found if ring.degree(factor) >= 0}
 
 
-def _result(
-    source: PolynomialMatrix,
-    ring: Ring,
-    grid: Grid,
-    work: Elimination,
-    rank: int,
-    divisors: list[Expr],
-) -> RowForm:
-    form, U, U_inverse = (written(ring, x) for x in (work.matrix, work.U, work.U_inverse))
-    certificate = certificate_of(
-        ring,
-        IDENTITY,
-        [
-            (multiply(ring, work.U, grid), work.matrix),
-            (multiply(ring, work.U, work.U_inverse), identity(ring, work.rows)),
-        ],
+def _result(source: PolynomialMatrix, work: Elimination, rank: int) -> RowForm:
+    found = by_rows(work, IDENTITY)
+    return RowForm(
+        source, found.form, found.U, found.U_inverse, rank, found.exceptional, found.certificate
     )
-    exceptional = exceptional_factors([*divisors, *denominators(form, U, U_inverse)])
-    return RowForm(source, form, U, U_inverse, rank, exceptional, certificate)

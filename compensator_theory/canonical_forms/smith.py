@@ -2,24 +2,16 @@
 
 from dataclasses import dataclass
 
-from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy import Expr, Poly, Symbol
 
-from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomial_matrices.elimination import Elimination, diagonalise
-from compensator_theory.polynomial_matrices.exceptional_sets import (
-    denominators,
-    exceptional_factors,
-)
+from compensator_theory.polynomial_matrices.diagonalisation import diagonalise
+from compensator_theory.polynomial_matrices.equivalence import by_rows_and_columns, elimination_of
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    joint_ring,
     polynomial_matrix,
-    read_into,
-    written,
 )
-from compensator_theory.polynomial_matrices.rings import Grid, Ring, identity, multiply
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P V = S, U U^-1 = I, V V^-1 = I"
@@ -111,54 +103,17 @@ def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     [[1, 0], [0, s**2]] (a,)
     """
     source = polynomial_matrix(matrix, variable)
-    ring = joint_ring(source)
-    grid = read_into(ring, source)
-    work = Elimination(ring, grid)
+    work = elimination_of(source)
     rank = diagonalise(work)
-    results = [
-        written(ring, result)
-        for result in (work.matrix, work.U, work.V, work.U_inverse, work.V_inverse)
-    ]
-    form, U, V, U_inverse, V_inverse = results
-    exceptional = exceptional_factors(denominators(*results))
-    certificate = _certificate(ring, grid, work)
-    return SmithForm(source, form, U, V, U_inverse, V_inverse, rank, exceptional, certificate)
-
-
-def _certificate(ring: Ring, grid: Grid, work: Elimination) -> Certificate:
-    product = multiply(ring, multiply(ring, work.U, grid), work.V)
-    pairs = [
-        (product, work.matrix),
-        (multiply(ring, work.U, work.U_inverse), identity(ring, work.rows)),
-        (multiply(ring, work.V, work.V_inverse), identity(ring, work.columns)),
-    ]
-    return certificate_of(ring, IDENTITY, pairs)
-
-
-def certificate_of(ring: Ring, identity: str, pairs: list[tuple[Grid, Grid]]) -> Certificate:
-    """Compare matrices pair by pair, entry by entry.
-
-    Raises
-    ------
-    NoSolutionError
-        If they differ: then the computation before was wrong.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.polynomial_matrices.rings import ring_of
-    >>> from compensator_theory.canonical_forms.smith import certificate_of
-    >>> ring = ring_of([polynomial("s")])
-    >>> certificate_of(ring, "1 = 1", [([[ring.one]], [[ring.one]])]).holds
-    True
-    """
-    left = [
-        ring.write(x - y).as_expr()
-        for a, b in pairs
-        for row, other in zip(a, b, strict=True)
-        for x, y in zip(row, other, strict=True)
-    ]
-    certificate = Certificate(identity, ImmutableMatrix(1, len(left), left))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the form is wrong, please report it")
-    return certificate
+    found = by_rows_and_columns(work, IDENTITY)
+    return SmithForm(
+        source,
+        found.form,
+        found.U,
+        found.V,
+        found.U_inverse,
+        found.V_inverse,
+        rank,
+        found.exceptional,
+        found.certificate,
+    )

@@ -2,12 +2,11 @@
 
 from dataclasses import dataclass
 
-from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy import Expr, Poly, Symbol
 
 from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minimal_basis
-from compensator_theory.canonical_forms.row_forms import triangulate
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.exceptional_sets import (
     denominators,
@@ -190,7 +189,7 @@ def solve_matrix_diophantine(
 def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:
     """Return Z with Z [A B]' = C', row by row, from the Hermite form of [A B]'."""
     work = Elimination(ring, stacked)
-    rank = triangulate(work)
+    rank = work.triangulate()
     pivots = [
         next(j for j, e in enumerate(row) if ring.degree(e) >= 0) for row in work.matrix[:rank]
     ]
@@ -221,7 +220,7 @@ def _least(ring: Ring, row: list[Element], basis: Grid, indices: tuple[int, ...]
         usable = [i for i, index in enumerate(indices) if index <= degree]
         leading = [[ring.coefficient(e, indices[i]) for e in basis[i]] for i in usable]
         work = Elimination(ring, [*leading, [ring.coefficient(e, degree) for e in row]])
-        rank = triangulate(work)
+        rank = work.triangulate()
         if rank > len(usable):
             break
         relation = work.U[rank]
@@ -241,8 +240,4 @@ def _certificate(
 ) -> Certificate:
     A, B, C = given
     total = A @ X + B @ Y if side == "right" else X @ A + Y @ B
-    entries = list((total - C).as_matrix())
-    certificate = Certificate(IDENTITY[side], ImmutableMatrix(1, len(entries), entries))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the solution is wrong, please report it")
-    return certificate
+    return certificate_of(IDENTITY[side], [(total - C).as_matrix()], "solution")

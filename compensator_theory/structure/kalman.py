@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomial_matrices.echelon import echelon, independent_columns
 from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
@@ -190,8 +189,4 @@ def _certificate(
         *(entry for i, row in enumerate(parts) if row > 1 for entry in moved.B[i, :]),
         *(entry for j, column in enumerate(parts) if column in (0, 2) for entry in moved.C[:, j]),
     ]
-    residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
-    certificate = Certificate(IDENTITY, residual)
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the decomposition is wrong, please report it")
-    return certificate
+    return certificate_of(IDENTITY, [left], "decomposition")

@@ -21,12 +21,9 @@ from compensator_theory import (
     smith_form,
     smith_mcmillan_form,
 )
-from compensator_theory.polynomial_matrices.elimination import Elimination
-from compensator_theory.polynomial_matrices.polynomial_matrices import (
-    joint_ring,
-    read_into,
-    written,
-)
+from compensator_theory.polynomial_matrices.diagonalisation import by_euclid
+from compensator_theory.polynomial_matrices.equivalence import elimination_of
+from compensator_theory.polynomial_matrices.polynomial_matrices import written
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,
@@ -213,6 +210,6 @@ SMALL_ENTRIES = st.sampled_from(
 def test_one_gcd_a_step_and_euclid_reach_the_same_form(rows):
     P = polynomial_matrix(rows, "s")
     found = smith_form(P)
-    work = Elimination(joint_ring(P), read_into(joint_ring(P), P))
-    assert work.diagonalise() == found.rank
+    work = elimination_of(P)
+    assert by_euclid(work) == found.rank
     assert written(work.ring, work.matrix) == found.form and found.certificate.holds
