@@ -91,9 +91,6 @@ from .lqg.continuous import ContinuousLQG as ContinuousLQG
 from .lqg.continuous import continuous_lqg as continuous_lqg
 from .lqg.continuous_poles import ContinuousLQGPoles as ContinuousLQGPoles
 from .lqg.continuous_poles import continuous_lqg_poles as continuous_lqg_poles
-from .lqg.continuous_poles import (
-    continuous_regulator_spectrum as continuous_regulator_spectrum,
-)
 from .lqg.continuous_riccati import ContinuousRiccatiSolution as ContinuousRiccatiSolution
 from .lqg.continuous_riccati import solve_continuous_riccati as solve_continuous_riccati
 from .lqg.high_authority import HighAuthorityLQG as HighAuthorityLQG
@@ -102,7 +99,10 @@ from .lqg.locus import RegulatorLocus as RegulatorLocus
 from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import LQGPoles as LQGPoles
 from .lqg.poles import lqg_poles as lqg_poles
-from .lqg.poles import regulator_spectrum as regulator_spectrum
+from .lqg.regulator_spectra import (
+    continuous_regulator_spectrum as continuous_regulator_spectrum,
+)
+from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
