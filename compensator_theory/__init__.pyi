@@ -171,8 +171,8 @@ from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .roots.half_plane_factors import HalfPlaneFactor as HalfPlaneFactor
 from .roots.half_plane_factors import continuous_spectral_factor as continuous_spectral_factor
-from .roots.reciprocals import monic_reciprocal_polynomial as monic_reciprocal_polynomial
-from .roots.reciprocals import reciprocal_polynomial as reciprocal_polynomial
+from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
+from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_half_plane_roots as locate_half_plane_roots
 from .roots.regions import locate_unit_disk_roots as locate_unit_disk_roots
 from .roots.schur_cohn import count_unit_disk_roots as count_unit_disk_roots

@@ -10,15 +10,13 @@ from compensator_theory.errors import (
 )
 from compensator_theory.lqg.poles import require_stable_hidden_modes
 from compensator_theory.lqg.regulator_spectra import continuous_regulator_spectrum
+from compensator_theory.lqg.separation import enclosed_product, product_of_factors
 from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import count_half_plane_roots
-from compensator_theory.roots.enclosures import PolynomialEnclosure
+from compensator_theory.roots.enclosures import PolynomialEnclosure, latex_of, text_of
 from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
-from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
 from compensator_theory.systems.standard_problems import StandardProblem
 
 
@@ -40,18 +38,18 @@ class ContinuousLQGPoles(ExactValue):
     @property
     def polynomial(self) -> Poly | None:
         """The closed-loop polynomial of degree 2n if it is rational, else None."""
-        chi, psi = self.regulator.polynomial, self.estimator.polynomial
-        return None if chi is None or psi is None else canonical(chi * psi)
+        return product_of_factors(self.regulator, self.estimator)
 
     @property
     def enclosure(self) -> PolynomialEnclosure:
         """The closed-loop polynomial, certified."""
-        return multiply_enclosures(self.regulator.enclosure, self.estimator.enclosure)
+        return enclosed_product(self.regulator, self.estimator)
 
     def __str__(self) -> str:
-        if self.polynomial is None:
-            return f"D = {self.enclosure}"
-        return f"D = {format_polynomial(self.polynomial)}"
+        return f"D = {text_of(self.polynomial, self.enclosure)}"
+
+    def _repr_latex_(self) -> str:
+        return rf"$\displaystyle \tilde D = {latex_of(self.polynomial, self.enclosure)}$"
 
 
 def continuous_lqg_poles(plant: StandardProblem, *, digits: int = 30) -> ContinuousLQGPoles:

@@ -23,7 +23,8 @@ from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
-from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, even_spectrum, factor_even
+from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
+from compensator_theory.roots.reflections import even_spectrum
 from compensator_theory.roots.unit_circle_enclosures import working_bits
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import sympy
 from sympy import Poly
 
 from compensator_theory.errors import (
@@ -14,16 +13,15 @@ from compensator_theory.errors import (
     UnitCircleError,
 )
 from compensator_theory.lqg.regulator_spectra import regulator_spectrum
+from compensator_theory.lqg.separation import enclosed_product, product_of_factors
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_discrete
 from compensator_theory.roots.counts import RootCount
-from compensator_theory.roots.enclosures import PolynomialEnclosure
+from compensator_theory.roots.enclosures import PolynomialEnclosure, latex_of, text_of
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.roots.spectral_factors import SpectralFactor, factor_palindrome
-from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
 from compensator_theory.systems.controllability import uncontrollable_polynomial
 from compensator_theory.systems.standard_problems import StandardProblem
 
@@ -57,26 +55,19 @@ class LQGPoles(ExactValue):
     @property
     def polynomial(self) -> Poly | None:
         """The closed-loop polynomial of degree 2n if it is rational, else None."""
-        if self.regulator.polynomial is None or self.estimator.polynomial is None:
-            return None
-        return canonical(self.regulator.polynomial * self.estimator.polynomial)
+        return product_of_factors(self.regulator, self.estimator)
 
     @property
     def enclosure(self) -> PolynomialEnclosure:
         """The closed-loop polynomial, certified."""
-        return multiply_enclosures(self.regulator.enclosure, self.estimator.enclosure)
+        return enclosed_product(self.regulator, self.estimator)
 
     def __str__(self) -> str:
         names = (("regulator", self.regulator), ("estimator", self.estimator))
-        return "\n".join(
-            f"{name}: {f.enclosure if f.polynomial is None else format_polynomial(f.polynomial)}"
-            for name, f in names
-        )
+        return "\n".join(f"{name}: {text_of(f.polynomial, f.enclosure)}" for name, f in names)
 
     def _repr_latex_(self) -> str:
-        product = self.polynomial
-        text = self.enclosure.latex() if product is None else sympy.latex(product.as_expr())
-        return rf"$\displaystyle \tilde D = {text}$"
+        return rf"$\displaystyle \tilde D = {latex_of(self.polynomial, self.enclosure)}$"
 
 
 def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:

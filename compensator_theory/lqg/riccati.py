@@ -24,10 +24,10 @@ from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_discrete
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
+from compensator_theory.roots.reflections import spectrum_of
 from compensator_theory.roots.spectral_factors import (
     SpectralFactor,
     factor_palindrome,
-    spectrum_of,
 )
 from compensator_theory.roots.unit_circle_enclosures import working_bits
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
