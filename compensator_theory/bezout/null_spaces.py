@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
 from compensator_theory.matrices.sylvester import sylvester_m1
@@ -48,6 +49,14 @@ class NullSpaceGCD(ExactValue):
     def __str__(self) -> str:
         a, b = map(format_polynomial, self.cofactors)
         return f"gcd = {format_polynomial(self.gcd)}, a = gcd*({a}), b = gcd*({b})"
+
+    def _repr_latex_(self) -> str:
+        a, b = self.cofactors
+        return displayed(
+            rf"\gcd(a, b) = g = {latex(self.gcd)}",
+            rf"a = g \cdot \left({latex(a)}\right)",
+            rf"b = g \cdot \left({latex(b)}\right)",
+        )
 
 
 def gcd_from_null_space(

@@ -8,6 +8,7 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
@@ -65,6 +66,13 @@ class FrobeniusForm(ExactValue):
 
     def __str__(self) -> str:
         return "companions of " + ", ".join(map(format_polynomial, self.invariant_polynomials))
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            rf"A = T A_F T^{{-1}}, \quad A_F = {latex(self.form)}",
+            f"T = {latex(self.T)}",
+            unless(self.exceptional),
+        )
 
 
 def frobenius_form(A: MatrixLike, variable: str | Symbol = "s") -> FrobeniusForm:

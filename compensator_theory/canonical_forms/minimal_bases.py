@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.canonical_forms.row_forms import row_reduced_form
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
@@ -50,6 +51,12 @@ class MinimalBasis(ExactValue):
 
     def __str__(self) -> str:
         return "0" if self.basis is None else str(self.basis)
+
+    def _repr_latex_(self) -> str:
+        if self.basis is None:
+            return displayed(rf"\ker {latex(self.matrix)} = 0", unless(self.exceptional))
+        kernel = rf"\ker {latex(self.matrix)} = \left\{{ {latex(self.basis)}\, t \right\}}"
+        return displayed(kernel, unless(self.exceptional))
 
 
 def minimal_basis(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sympy import Expr, Symbol
 
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.equivalence import by_rows, elimination_of
@@ -54,6 +55,12 @@ class PopovForm(ExactValue):
 
     def __str__(self) -> str:
         return str(self.form)
+
+    def _repr_latex_(self) -> str:
+        parts = latex(self.U_inverse) + latex(self.form)
+        return displayed(
+            rf"P = {latex(self.matrix)} = U^{{-1}} F = {parts}", unless(self.exceptional)
+        )
 
 
 def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> PopovForm:

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.elimination import Elimination
@@ -72,6 +73,12 @@ class RowForm(ExactValue):
 
     def __str__(self) -> str:
         return str(self.form)
+
+    def _repr_latex_(self) -> str:
+        parts = latex(self.U_inverse) + latex(self.form)
+        return displayed(
+            rf"P = {latex(self.matrix)} = U^{{-1}} H = {parts}", unless(self.exceptional)
+        )
 
 
 def hermite_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> RowForm:

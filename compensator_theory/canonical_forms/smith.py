@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.diagonalisation import diagonalise
 from compensator_theory.polynomial_matrices.equivalence import by_rows_and_columns, elimination_of
@@ -65,6 +66,12 @@ class SmithForm(ExactValue):
 
     def __str__(self) -> str:
         return str(self.form)
+
+    def _repr_latex_(self) -> str:
+        parts = latex(self.U_inverse) + latex(self.form) + latex(self.V_inverse)
+        return displayed(
+            rf"P = {latex(self.matrix)} = U^{{-1}} S\, V^{{-1}} = {parts}", unless(self.exceptional)
+        )
 
 
 def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> SmithForm:

@@ -6,6 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.canonical_forms.smith import SmithForm, smith_form
+from compensator_theory.latex import diagonal, displayed, fraction, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
@@ -86,6 +87,11 @@ class SmithMcMillanForm(ExactValue):
         pairs = zip(self.numerators, self.denominators, strict=True)
         parts = [f"({format_polynomial(e)})/({format_polynomial(p)})" for e, p in pairs]
         return f"diag({', '.join(parts)})"
+
+    def _repr_latex_(self) -> str:
+        pairs = zip(self.numerators, self.denominators, strict=True)
+        form = diagonal(fraction(top, below) for top, below in pairs) if self.rank else "0"
+        return displayed(f"U G V = {form}", unless(self.exceptional))
 
 
 def smith_mcmillan_form(

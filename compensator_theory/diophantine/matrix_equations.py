@@ -6,6 +6,7 @@ from sympy import Expr, Poly, Symbol
 
 from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minimal_basis
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.exceptional_sets import (
@@ -105,6 +106,19 @@ class MatrixDiophantineSolution(ExactValue):
 
     def __str__(self) -> str:
         return f"X = {self.X}\nY = {self.Y}"
+
+    def _repr_latex_(self) -> str:
+        equation = "A X + B Y = C" if self.side == "right" else "X A + Y B = C"
+        solution = (f"X = {latex(self.X)}", f"Y = {latex(self.Y)}")
+        more = ""
+        if self.kernel.basis is not None:
+            basis = self.kernel.basis
+            more = (
+                rf"{words('and')} \; {latex(basis)}\, T"
+                if self.side == "right"
+                else rf"{words('and')} \; T\, {latex(basis.T)}"
+            )
+        return displayed(equation, *solution, more, unless(self.exceptional))
 
 
 def solve_matrix_diophantine(

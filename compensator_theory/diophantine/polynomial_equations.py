@@ -7,6 +7,7 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve
 from compensator_theory.polynomial_matrices.exceptional_sets import (
@@ -71,6 +72,11 @@ class DiophantineSolution(ExactValue):
     def __str__(self) -> str:
         x, dx, y, dy = (format_polynomial(p) for p in (self.x, self.dx, self.y, self.dy))
         return f"x = {x} + t*({dx}), y = {y} + t*({dy})"
+
+    def _repr_latex_(self) -> str:
+        x = rf"x = {latex(self.x)} + t \left({latex(self.dx)}\right)"
+        y = rf"y = {latex(self.y)} + t \left({latex(self.dy)}\right)"
+        return displayed(x, y, unless(self.exceptional))
 
 
 def solve_diophantine(

@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import diagonal, displayed, fraction, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
@@ -63,6 +64,14 @@ class Decoupling(ExactValue):
     def __str__(self) -> str:
         parts = ", ".join(f"1/({format_polynomial(p)})" for p in self.polynomials)
         return f"diag({parts}) with F = {self.F.tolist()}, W = {self.W.tolist()}"
+
+    def _repr_latex_(self) -> str:
+        loop = diagonal(fraction(1, poly) for poly in self.polynomials)
+        return displayed(
+            rf"y = {loop}\, v, \quad u = F x + W v, \quad F = {latex(self.F)}",
+            f"W = {latex(self.W)}",
+            unless(self.exceptional),
+        )
 
 
 def decouple(

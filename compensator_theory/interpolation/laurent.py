@@ -10,6 +10,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.constructor import construct_domain
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
@@ -73,6 +74,14 @@ class LaurentExpansion(ExactValue):
             for k, c in enumerate(self.coefficients)
         ]
         return f"about {self.point}: " + ", ".join(parts)
+
+    def _repr_latex_(self) -> str:
+        terms = [
+            f"{latex(c[0, 0] if c.shape == (1, 1) else c)} h^{{{power}}}"
+            for power, c in enumerate(self.coefficients, -self.order)
+        ]
+        series = f"G({latex(self.point)} + h) = {total(terms)} + \\cdots"
+        return displayed(series, unless(self.exceptional))
 
 
 def laurent_expansion(

@@ -8,6 +8,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.exceptional_sets import (
@@ -46,6 +47,11 @@ class PadeApproximant(ExactValue):
 
     def __str__(self) -> str:
         return str(self.approximant)
+
+    def _repr_latex_(self) -> str:
+        s = latex(self.approximant.denominator.gen)
+        order = rf"O\left({s}^{{{self.agreement}}}\right)"
+        return displayed(f"{latex(self.approximant)} + {order}", unless(self.exceptional))
 
 
 def pade_approximant(

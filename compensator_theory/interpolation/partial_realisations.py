@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.exceptional_sets import (
@@ -57,6 +58,9 @@ class PartialRealisation(ExactValue):
         return f"{self.transfer_function}" + (
             f", one of a family of dimension {count}" * bool(count)
         )
+
+    def _repr_latex_(self) -> str:
+        return displayed(f"G = {latex(self.transfer_function)}", unless(self.exceptional))
 
 
 def partial_realisation(

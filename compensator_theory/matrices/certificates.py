@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix
 
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.values import ExactValue
 
 
@@ -39,6 +40,10 @@ class Certificate(ExactValue):
 
     def __str__(self) -> str:
         return f"{self.identity}: {'holds exactly' if self.holds else 'FAILS'}"
+
+    def _repr_latex_(self) -> str:
+        left = "" if self.holds else f"{words('left is')} {latex(self.residual)}"
+        return displayed(words(str(self)), left)
 
 
 def proven(certificate: Certificate, what: str = "result") -> Certificate:

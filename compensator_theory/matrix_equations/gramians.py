@@ -6,6 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.matrix_equations.sylvester_equations import solve_lyapunov, solve_stein
@@ -57,6 +58,15 @@ class Gramians(ExactValue):
         return (
             f"W_c = {self.controllability.tolist()}\nW_o = {self.observability.tolist()}\n"
             f"H2 norm squared: {self.norm_squared}"
+        )
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            f"W_c = {latex(self.controllability)}",
+            f"W_o = {latex(self.observability)}",
+            rf"\|G\|_2^2 = {latex(self.norm_squared)}",
+            *(f"{latex(condition)} > 0" for condition in self.conditions),
+            unless(self.exceptional),
         )
 
 

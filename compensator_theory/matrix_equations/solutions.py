@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.exceptional_sets import (
@@ -46,6 +47,10 @@ class MatrixSolution(ExactValue):
     def __str__(self) -> str:
         count = len(self.homogeneous)
         return f"X = {self.X.tolist()}" + (f", one of a family of dimension {count}" * bool(count))
+
+    def _repr_latex_(self) -> str:
+        terms = [rf"\alpha_{{{k}}} {latex(part)}" for k, part in enumerate(self.homogeneous, 1)]
+        return displayed(f"X = {total([latex(self.X), *terms])}", unless(self.exceptional))
 
 
 def solve_by_columns(

@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve_affine
@@ -110,6 +111,15 @@ class MatrixPlacement(ExactValue):
         count = len(self.homogeneous)
         extent = "unique" if not count else f"one of a {count}-parameter family"
         return f"G_c = N_c D_c^-1, {extent}\nN_c = {self.N_c}\nD_c = {self.D_c}"
+
+    def _repr_latex_(self) -> str:
+        top, below = latex(self.N_c), latex(self.D_c)
+        count = len(self.homogeneous)
+        return displayed(
+            rf"G_c = N_c D_c^{{-1}} = {top} {below}^{{-1}}",
+            words(f"one of a {count}-parameter family") if count else "",
+            unless(self.exceptional),
+        )
 
 
 def place_matrix_poles(

@@ -9,6 +9,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, table
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomial_matrices.rings import Grid, Ring, multiply, ring_of
 from compensator_theory.polynomials.budget import ask, quoted
@@ -126,7 +127,7 @@ class PolynomialMatrix(ExactValue):
         return f"PolynomialMatrix({self})"
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {sympy.latex(self.as_matrix())}$"
+        return displayed(table(self.rows))
 
 
 PolynomialMatrixLike: TypeAlias = PolynomialMatrix | TransferMatrixLike

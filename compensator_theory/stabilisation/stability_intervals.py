@@ -6,6 +6,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import PolynomialLike, polynomial
@@ -57,6 +58,9 @@ class StabilityCell(ExactValue):
     def __str__(self) -> str:
         return f"({_written(self.lower)}, {_written(self.upper)})"
 
+    def _repr_latex_(self) -> str:
+        return displayed(latex((self.lower, self.upper)))
+
 
 @dataclass(frozen=True)
 class StabilityIntervals(ExactValue):
@@ -105,6 +109,11 @@ class StabilityIntervals(ExactValue):
             f"is stable for no real {self.parameter}"
         )  # fmt: skip
         return f"{format_polynomial(self.polynomial)} {verdict}"
+
+    def _repr_latex_(self) -> str:
+        cells = r" \cup ".join(map(latex, self.intervals)) or r"\emptyset"
+        stable = rf"{latex(self.polynomial)} {words(' is stable ')}"
+        return displayed(rf"{stable} \iff {latex(self.parameter)} \in {cells}")
 
 
 def stability_intervals(

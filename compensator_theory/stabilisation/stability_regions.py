@@ -7,6 +7,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -40,6 +41,10 @@ class StabilitySlab(ExactValue):
     upper: Expr
     sample: Rational
     section: StabilityIntervals
+
+    def _repr_latex_(self) -> str:
+        where = rf"{latex((self.lower, self.upper))} \ni {latex(self.sample)}"
+        return displayed(where, latex(self.section))
 
 
 @dataclass(frozen=True)
@@ -88,6 +93,17 @@ class StabilityRegion(ExactValue):
             for slab in stable
         ]
         return "\n".join(lines) or f"stable for no real {k_1}, {k_2}"
+
+    def _repr_latex_(self) -> str:
+        first, second = map(latex, self.parameters)
+        stable = []
+        for slab in self.slabs:
+            if cells := r" \cup ".join(map(latex, slab.section.intervals)):
+                there = rf"{first} = {latex(slab.sample)}: {second} \in {cells}"
+                stable.append(rf"{first} \in {latex((slab.lower, slab.upper))} \; ({there})")
+        verdict = stable or [words("stable for no ") + rf"\left({first}, {second}\right)"]
+        curves = r", \; ".join(f"{latex(curve)} = 0" for curve in self.boundaries)
+        return displayed(*verdict, f"{words('bounded by ')} {curves}" if curves else "")
 
 
 def stability_region(

@@ -8,6 +8,7 @@ import flint
 from sympy import QQ, Poly, Rational
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.polynomial_matrices.rings import RationalRing
 from compensator_theory.polynomials.budget import ask, shown
@@ -56,6 +57,14 @@ class StableCompensator(ExactValue):
         if self.compensator is None:
             return self.reason
         return f"{self.compensator} is stable and stabilises {self.decision.plant}"
+
+    def _repr_latex_(self) -> str:
+        if self.compensator is None:
+            return displayed(words(self.reason))
+        return displayed(
+            f"G_c = {latex(self.compensator)}",
+            rf"\tilde D = {latex(self.characteristic_polynomial)}",
+        )
 
 
 def stable_compensator(

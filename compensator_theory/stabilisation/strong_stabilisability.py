@@ -7,6 +7,7 @@ import flint
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, words
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import decided_balls
@@ -39,6 +40,10 @@ class UnstableRealZero(ExactValue):
 
     def __str__(self) -> str:
         return "infinity" if self.place is None else f"{float(self.place):.6g}"
+
+    def _repr_latex_(self) -> str:
+        place = r"\infty" if self.place is None else f"{float(self.place):.6g}"
+        return displayed(rf"\operatorname{{sgn}} D\left({place}\right) = {self.sign}")
 
 
 @dataclass(frozen=True)
@@ -86,6 +91,9 @@ class StrongStabilisability(ExactValue):
             f"{self.plant} is not strongly stabilisable: every compensator that stabilises it\n"
             f"has a real pole {places}"
         )
+
+    def _repr_latex_(self) -> str:
+        return displayed(words(str(self)))
 
 
 def decide_strong_stabilisability(plant: TransferFunctionLike) -> StrongStabilisability:

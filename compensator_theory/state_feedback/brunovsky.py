@@ -6,6 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import NoSolutionError, NotControllableError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import determinant, solve
@@ -65,6 +66,16 @@ class BrunovskyForm(ExactValue):
 
     def __str__(self) -> str:
         return f"controllability indices {self.indices}"
+
+    def _repr_latex_(self) -> str:
+        indices = ", ".join(map(str, self.indices))
+        return displayed(
+            rf"(A + B F) T = T A_c, \quad B W = T B_c, \quad \kappa = \left({indices}\right)",
+            f"T = {latex(self.T)}",
+            f"F = {latex(self.F)}",
+            f"W = {latex(self.W)}",
+            unless(self.exceptional),
+        )
 
 
 def chains(indices: tuple[int, ...]) -> tuple[ImmutableMatrix, ImmutableMatrix]:

@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
@@ -46,6 +47,14 @@ class Eigenstructure(ExactValue):
 
     def __str__(self) -> str:
         return f"K = {self.K.tolist()}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            rf"K = {latex(self.K)}",
+            rf"(A + B K) V = V \Lambda, \quad V = {latex(self.V)}",
+            rf"\Lambda = {latex(self.Lambda)}",
+            unless(self.exceptional),
+        )
 
 
 def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike) -> ImmutableMatrix:

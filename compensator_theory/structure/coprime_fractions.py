@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.equivalence import certificate_of_products
@@ -77,6 +78,13 @@ class CoprimeFractions(ExactValue):
 
     def __str__(self) -> str:
         return f"({self.N_r}) ({self.D_r})^-1 = ({self.D_l})^-1 ({self.N_l})"
+
+    def _repr_latex_(self) -> str:
+        right = rf"{latex(self.N_r)} {latex(self.D_r)}^{{-1}}"
+        left = rf"{latex(self.D_l)}^{{-1}} {latex(self.N_l)}"
+        return displayed(
+            rf"G = N_r D_r^{{-1}} = {right} = D_l^{{-1}} N_l = {left}", unless(self.exceptional)
+        )
 
 
 def coprime_fractions(

@@ -8,6 +8,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, fraction
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -88,6 +89,10 @@ class PartialFraction(ExactValue):
         return f"({format_polynomial(self.numerator)})/{bottom}" + (
             f"**{self.power}" if self.power > 1 else ""
         )
+
+    def _repr_latex_(self) -> str:
+        bottom = self.factor.as_expr() ** self.power
+        return displayed(fraction(self.numerator, bottom))
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomial_matrices.echelon import echelon, independent_columns
@@ -98,6 +99,14 @@ class KalmanDecomposition(ExactValue):
         names = ("c and not o", "c and o", "neither", "o and not c")
         sizes = ", ".join(f"{n}: {d}" for n, d in zip(names, self.dimensions, strict=True))
         return f"{sizes}\n{self.realisation}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            f"x = T x', \\quad T = {latex(self.T)}",
+            rf"\begin{{bmatrix}} A' & B' \\ C' & D' \end{{bmatrix}} = {latex(self.realisation)}",
+            rf"n = {' + '.join(map(str, self.dimensions))}",
+            unless(self.exceptional),
+        )
 
 
 def kalman_decomposition(

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import solve
 from compensator_theory.polynomial_matrices.echelon import echelon
@@ -53,6 +54,10 @@ class MinimalRealisation(ExactValue):
 
     def __str__(self) -> str:
         return str(self.realisation)
+
+    def _repr_latex_(self) -> str:
+        name = r"\begin{bmatrix} A & B \\ C & D \end{bmatrix}"
+        return displayed(f"{name} = {latex(self.realisation)}", unless(self.exceptional))
 
 
 def minimal_realisation(

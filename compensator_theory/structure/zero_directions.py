@@ -6,6 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory.canonical_forms.smith import SmithForm
+from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
@@ -46,6 +47,11 @@ class ZeroDirection(ExactValue):
         shown = ", ".join(f"{name} {vector}" for name, vector in vectors if vector)
         return f"{format_polynomial(self.factor)} = 0: {shown}"
 
+    def _repr_latex_(self) -> str:
+        names = {"x": self.state, "u": self.input, "w": self.costate, "y'": self.output}
+        vectors = [f"{name} = {latex(vector)}" for name, vector in names.items() if vector.rows]
+        return displayed(f"{latex(self.factor)} = 0", *vectors)
+
 
 @dataclass(frozen=True)
 class Zeros(ExactValue):
@@ -78,6 +84,12 @@ class Zeros(ExactValue):
     def __str__(self) -> str:
         lines = [f"zeros of {format_polynomial(self.polynomial)}", *map(str, self.directions)]
         return "\n".join(lines)
+
+    def _repr_latex_(self) -> str:
+        directions = [latex(direction) for direction in self.directions]
+        found = f"{words('zeros of ')} {latex(self.polynomial)}"
+        polynomial = found if self.polynomial.degree() else words("no zeros")
+        return displayed(polynomial, *directions, unless(self.exceptional))
 
 
 def zeros_of(

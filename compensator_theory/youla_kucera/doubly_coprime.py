@@ -6,6 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
@@ -66,6 +67,13 @@ class DoublyCoprimeFractions(ExactValue):
 
     def __str__(self) -> str:
         return f"G = ({self.N_r}) ({self.M_r})^-1 = ({self.M_l})^-1 ({self.N_l})"
+
+    def _repr_latex_(self) -> str:
+        right = rf"{latex(self.N_r)} \left({latex(self.M_r)}\right)^{{-1}}"
+        left = rf"\left({latex(self.M_l)}\right)^{{-1}} {latex(self.N_l)}"
+        return displayed(
+            rf"G = N_r M_r^{{-1}} = {right} = M_l^{{-1}} N_l = {left}", unless(self.exceptional)
+        )
 
 
 def doubly_coprime_fractions(
