@@ -8,6 +8,7 @@ from compensator_theory.errors import (
     InputError,
     NoSolutionError,
 )
+from compensator_theory.latex import displayed
 from compensator_theory.lqg.poles import require_stable_hidden_modes
 from compensator_theory.lqg.regulator_spectra import continuous_regulator_spectrum
 from compensator_theory.lqg.separation import enclosed_product, product_of_factors
@@ -49,7 +50,7 @@ class ContinuousLQGPoles(ExactValue):
         return f"D = {text_of(self.polynomial, self.enclosure)}"
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle \tilde D = {latex_of(self.polynomial, self.enclosure)}$"
+        return displayed(rf"\tilde D = {latex_of(self.polynomial, self.enclosure)}")
 
 
 def continuous_lqg_poles(plant: StandardProblem, *, digits: int = 30) -> ContinuousLQGPoles:

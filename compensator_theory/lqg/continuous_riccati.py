@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import flint
-import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.lqg.regulator_data import (
     EnclosedMatrix,
+    approximately,
     ball_matrix,
     enclosed_rows,
     exact_rows,
@@ -93,9 +94,8 @@ class ContinuousRiccatiSolution(ExactValue):
 
     def _repr_latex_(self) -> str:
         if self.is_exact:
-            return rf"$\displaystyle K = {sympy.latex(self.K)}, \quad P = {sympy.latex(self.P)}$"
-        centres = Matrix([[sympy.N(c.centre, 8) for c in row] for row in self.K_enclosure])
-        return rf"$\displaystyle K \approx {sympy.latex(centres)}$"
+            return displayed(f"K = {latex(self.K)}", f"P = {latex(self.P)}")
+        return displayed(rf"K \approx {approximately(self.K_enclosure)}")
 
 
 def solve_continuous_riccati(

@@ -6,6 +6,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import PolynomialLike, canonical
 from compensator_theory.polynomials.shared import in_one_variable
@@ -153,7 +154,7 @@ class RegulatorLocus(ExactValue):
         )
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {sympy.latex(self.spectrum.as_expr())}$"
+        return displayed(latex(self.spectrum))
 
 
 def regulator_locus(

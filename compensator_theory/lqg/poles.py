@@ -12,6 +12,7 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
+from compensator_theory.latex import displayed
 from compensator_theory.lqg.regulator_spectra import regulator_spectrum
 from compensator_theory.lqg.separation import enclosed_product, product_of_factors
 from compensator_theory.polynomials.budget import shown
@@ -67,7 +68,7 @@ class LQGPoles(ExactValue):
         return "\n".join(f"{name}: {text_of(f.polynomial, f.enclosure)}" for name, f in names)
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle \tilde D = {latex_of(self.polynomial, self.enclosure)}$"
+        return displayed(rf"\tilde D = {latex_of(self.polynomial, self.enclosure)}")
 
 
 def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:

@@ -5,6 +5,7 @@ import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NotControllableError
+from compensator_theory.latex import table
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import is_rational_matrix
 from compensator_theory.matrices.linear_algebra import rank
@@ -117,3 +118,16 @@ def exact_rows(matrix: Matrix) -> EnclosedMatrix:
     ((1/2,),)
     """
     return tuple(tuple(Enclosure(entry, Rational(0)) for entry in row) for row in matrix.tolist())
+
+
+def approximately(matrix: EnclosedMatrix) -> str:
+    r"""Write the centres of an enclosed matrix in LaTeX, to eight digits.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.lqg.regulator_data import approximately, exact_rows
+    >>> print(approximately(exact_rows(Matrix([["1/3"]]))))
+    \left[\begin{matrix}0.33333333\end{matrix}\right]
+    """
+    return table([[sympy.N(entry.centre, 8) for entry in row] for row in matrix])

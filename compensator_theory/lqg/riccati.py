@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import flint
-import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.lqg.regulator_data import (
     EnclosedMatrix,
     RegulatorData,
+    approximately,
     ball_matrix,
     enclosed_rows,
     exact_rows,
@@ -104,10 +105,10 @@ class RiccatiSolution(ExactValue):
         return f"K = {K}{P}\n{chi}\nR_2 + B'PB = {self.factor.constant!r}"
 
     def _repr_latex_(self) -> str:
-        exact = rf"K = {sympy.latex(self.K)}, \quad P = {sympy.latex(self.P)}, \quad "
-        centres = Matrix([[sympy.N(c.centre, 8) for c in row] for row in self.K_enclosure])
-        gain = exact if self.is_exact else rf"K \approx {sympy.latex(centres)}, \quad "
-        return rf"$\displaystyle {gain}R_2 + B^TPB = {self.factor.constant.latex()}$"
+        innovation = f"R_2 + B^TPB = {latex(self.factor.constant)}"
+        if self.is_exact:
+            return displayed(f"K = {latex(self.K)}", f"P = {latex(self.P)}", innovation)
+        return displayed(rf"K \approx {approximately(self.K_enclosure)}", innovation)
 
 
 def solve_riccati(

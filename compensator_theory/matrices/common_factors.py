@@ -7,6 +7,7 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     kept_in_flint,
@@ -69,10 +70,8 @@ class BezoutIdentity(ExactValue):
         return f"gcd = {gcd} = ({x})*a + ({y})*b"
 
     def _repr_latex_(self) -> str:
-        gcd, x, y, a, b = (
-            sympy.latex(p.as_expr()) for p in (self.gcd, self.x, self.y, self.a, self.b)
-        )
-        return rf"$\displaystyle ({x})({a}) + ({y})({b}) = {gcd}$"
+        gcd, x, y, a, b = map(latex, (self.gcd, self.x, self.y, self.a, self.b))
+        return displayed(f"({x})({a}) + ({y})({b}) = {gcd}")
 
 
 def bezout_identity(

@@ -9,6 +9,7 @@ import sympy
 from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, RoundingWarning
+from compensator_theory.latex import displayed, fraction, latex
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.matrices.resultants import resultant
@@ -207,9 +208,8 @@ class PolePlacement(ExactValue):
         return int(max([min(self.plant.order - 1, self.denominator.degree()), *degrees]))
 
     def _repr_latex_(self) -> str:
-        top, bottom = sympy.latex(self.numerator.as_expr()), sympy.latex(self.denominator.as_expr())
         sign = "-" if self.feedback == 1 else "+"
-        return (
-            rf"$\displaystyle G_c = \frac{{{top}}}{{{bottom}}}, \quad "
-            rf"D D_c {sign} N N_c = {sympy.latex(self.target.as_expr())}$"
+        return displayed(
+            f"G_c = {fraction(self.numerator, self.denominator)}",
+            f"D D_c {sign} N N_c = {latex(self.target)}",
         )

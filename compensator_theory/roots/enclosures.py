@@ -8,6 +8,7 @@ import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.budget import quoted, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
@@ -70,7 +71,7 @@ class Enclosure(ExactValue):
         return f"{Decimal(int(rounded)).scaleb(last)} ± {Decimal(float(error)):.1e}"
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {self.latex()}$"
+        return displayed(self.latex())
 
     def latex(self) -> str:
         """Return the LaTeX of what is printed, without the dollars."""
@@ -143,7 +144,7 @@ class PolynomialEnclosure(ExactValue):
         return f"PolynomialEnclosure({self}, radius {sympy.N(self.radius, 2)})"
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {self.latex()}$"
+        return displayed(self.latex())
 
     def latex(self) -> str:
         """Return the LaTeX of the centres, exact ones as they are and others to eight digits."""
@@ -179,7 +180,7 @@ def latex_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
     >>> latex_of(found.polynomial, found.enclosure)
     'z - 0.26794919'
     """
-    return enclosure.latex() if polynomial is None else str(sympy.latex(polynomial.as_expr()))
+    return latex(enclosure if polynomial is None else polynomial)
 
 
 def enclosure_of_ball(ball: flint.arb) -> Enclosure:

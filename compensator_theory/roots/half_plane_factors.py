@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import flint
-import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic
 from compensator_theory.polynomials.values import ExactValue
@@ -81,7 +81,7 @@ class HalfPlaneFactor(ExactValue):
 
     def _repr_latex_(self) -> str:
         body = latex_of(self.polynomial, self.enclosure)
-        return rf"$\displaystyle \chi = {body}, \quad c = {sympy.latex(self.constant)}$"
+        return displayed(rf"\chi = {body}", f"c = {latex(self.constant)}")
 
 
 def continuous_spectral_factor(

@@ -6,6 +6,7 @@ import flint
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import PolynomialLike, canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -90,7 +91,7 @@ class SpectralFactor(ExactValue):
 
     def _repr_latex_(self) -> str:
         body = latex_of(self.polynomial, self.enclosure)
-        return rf"$\displaystyle \chi = {body}, \quad c = {self.constant.latex()}$"
+        return displayed(rf"\chi = {body}", f"c = {latex(self.constant)}")
 
 
 def spectral_factor(

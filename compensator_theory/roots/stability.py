@@ -6,6 +6,7 @@ from typing import Literal
 import sympy
 from sympy import Expr, Matrix, Poly
 
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import PolynomialLike, is_rational, polynomial
@@ -80,7 +81,7 @@ class StabilityDecision(ExactValue):
         verdict = {True: f"is {name}", False: f"is not {name}", None: "is undecided"}[
             self.is_stable
         ]
-        return rf"$\displaystyle {sympy.latex(self.polynomial.as_expr())} \text{{ {verdict}}}$"
+        return displayed(rf"{latex(self.polynomial)} {words(' ' + verdict)}")
 
 
 def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:

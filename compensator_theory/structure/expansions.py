@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import sympy
 from sympy import Expr, ImmutableMatrix, Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.latex import displayed, fraction
+from compensator_theory.latex import displayed, fraction, latex, total
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -126,11 +125,8 @@ class PartialFractions(ExactValue):
         return " + ".join(whole + [str(term) for term in self.terms]) or "0"
 
     def _repr_latex_(self) -> str:
-        parts = [] if self.polynomial.is_zero else [sympy.latex(self.polynomial.as_expr())]
-        for term in self.terms:
-            bottom = sympy.latex(term.factor.as_expr() ** term.power)
-            parts.append(rf"\frac{{{sympy.latex(term.numerator.as_expr())}}}{{{bottom}}}")
-        return rf"$\displaystyle {' + '.join(parts) or '0'}$"
+        terms = [] if self.polynomial.is_zero else [latex(self.polynomial)]
+        return displayed(total([*terms, *map(latex, self.terms)]) or "0")
 
 
 def partial_fractions(G: TransferFunctionLike) -> PartialFractions:

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-import sympy
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, table
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
@@ -278,5 +278,4 @@ class Realisation(ExactValue):
         return "\n".join(f"{name} = {getattr(self, name).tolist()}" for name in names)
 
     def _repr_latex_(self) -> str:
-        blocks = sympy.BlockMatrix([[self.A, self.B], [self.C, self.D]])
-        return rf"$\displaystyle {sympy.latex(blocks)}$"
+        return displayed(table([[self.A, self.B], [self.C, self.D]]))

@@ -94,7 +94,10 @@ def test_any_words_may_stand_in_a_formula(text):
 
 
 def test_a_result_inside_another_loses_its_signs():
-    root = exact.transfer_function("1/(s + a)", "s")
-    assert (
-        latex(root) == r"\frac{1}{a + s}" and latex((1, root)) == r"\left(1, \frac{1}{a + s}\right)"
-    )
+    lag = exact.transfer_function("1/(s + a)", "s")
+    assert latex(lag) == r"\frac{1}{s + a}"
+    assert latex((lag, 2)) == r"\left(\frac{1}{s + a}, 2\right)"
+
+
+def test_a_polynomial_descends_whatever_its_symbols_are():
+    assert latex(exact.polynomial("a*s + b - s**2", "s")) == "- s^{2} + a s + b"
