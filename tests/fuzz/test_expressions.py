@@ -100,6 +100,10 @@ def warmed():
 @example("+q/q-s-b - 007+2")
 @example("(sqrt((S)+(²S)))**2")
 @example("*".join(["((3.+0.45082763499547807 - I^.5)**(1/3))"] * 10))
+@example("(s/3/j)/sqrt(724701*b)")
+@example("s**2 + s/(j*sqrt(2*b))")
+@example("s*j*sqrt(-b)")
+@example("s/((sqrt(b) + j)*(sqrt(b) - j))")
 def test_a_text_is_refused_or_echoed(text):
     check_text(text)
 
