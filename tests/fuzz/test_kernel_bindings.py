@@ -22,16 +22,7 @@ from tests.support.kernel_arguments import (
     python_plant_arguments,
     seeds,
 )
-
-REFUSALS = (ValueError, TypeError, IndexError)
-
-
-def attempt(function, *arguments, **options):
-    """What the kernel answers, or None where it refuses in one of the three ways."""
-    try:
-        return function(*arguments, **options)
-    except REFUSALS:
-        return None
+from tests.support.kernel_calls import attempt
 
 
 def use_controller(draw, controller, l_u, l_y, l_z, l_r):
