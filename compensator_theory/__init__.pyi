@@ -91,9 +91,6 @@ from .lqg.continuous import ContinuousLQG as ContinuousLQG
 from .lqg.continuous import continuous_lqg as continuous_lqg
 from .lqg.continuous_poles import ContinuousLQGPoles as ContinuousLQGPoles
 from .lqg.continuous_poles import continuous_lqg_poles as continuous_lqg_poles
-from .lqg.continuous_poles import (
-    continuous_regulator_spectrum as continuous_regulator_spectrum,
-)
 from .lqg.continuous_riccati import ContinuousRiccatiSolution as ContinuousRiccatiSolution
 from .lqg.continuous_riccati import solve_continuous_riccati as solve_continuous_riccati
 from .lqg.high_authority import HighAuthorityLQG as HighAuthorityLQG
@@ -102,7 +99,10 @@ from .lqg.locus import RegulatorLocus as RegulatorLocus
 from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import LQGPoles as LQGPoles
 from .lqg.poles import lqg_poles as lqg_poles
-from .lqg.poles import regulator_spectrum as regulator_spectrum
+from .lqg.regulator_spectra import (
+    continuous_regulator_spectrum as continuous_regulator_spectrum,
+)
+from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
@@ -171,8 +171,8 @@ from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .roots.half_plane_factors import HalfPlaneFactor as HalfPlaneFactor
 from .roots.half_plane_factors import continuous_spectral_factor as continuous_spectral_factor
-from .roots.reciprocals import monic_reciprocal_polynomial as monic_reciprocal_polynomial
-from .roots.reciprocals import reciprocal_polynomial as reciprocal_polynomial
+from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
+from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_half_plane_roots as locate_half_plane_roots
 from .roots.regions import locate_unit_disk_roots as locate_unit_disk_roots
 from .roots.schur_cohn import count_unit_disk_roots as count_unit_disk_roots

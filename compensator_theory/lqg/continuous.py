@@ -3,23 +3,25 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-import sympy
-from sympy import ImmutableMatrix, Poly
+from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.lqg.continuous_poles import ContinuousLQGPoles
 from compensator_theory.lqg.continuous_riccati import (
     ContinuousRiccatiSolution,
     solve_continuous_riccati,
 )
+from compensator_theory.lqg.separation import (
+    ControllerMatrices,
+    controller_matrices,
+    scalar_controller,
+)
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.enclosures import PolynomialEnclosure
-from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
@@ -52,36 +54,29 @@ class ContinuousLQG(ExactValue):
     estimator: ContinuousRiccatiSolution
 
     @property
+    def poles(self) -> ContinuousLQGPoles:
+        """The two factors of the closed-loop polynomial."""
+        return ContinuousLQGPoles(self.regulator.factor, self.estimator.factor)
+
+    @property
     def polynomial(self) -> Poly | None:
         """The closed-loop polynomial of degree 2n if it is rational, else None."""
-        chi, psi = self.regulator.factor.polynomial, self.estimator.factor.polynomial
-        return None if chi is None or psi is None else canonical(chi * psi)
+        return self.poles.polynomial
 
     @property
     def enclosure(self) -> PolynomialEnclosure:
         """The closed-loop polynomial, certified."""
-        return multiply_enclosures(
-            self.regulator.factor.enclosure, self.estimator.factor.enclosure
-        )  # fmt: skip
+        return self.poles.enclosure
 
     @property
-    def realisation(self) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix] | None:
+    def realisation(self) -> ControllerMatrices | None:
         """The matrices (A_c, B_c, C_c) for u = G_c y if they are rational, else None."""
-        if self.regulator.K is None or self.estimator.K is None:
-            return None
-        plant = self.plant
-        B_c, C_c = -self.estimator.K.T, self.regulator.K
-        A_c = plant.A + plant.B * C_c - B_c * plant.C - B_c * plant.D_0 * C_c
-        return ImmutableMatrix(A_c), ImmutableMatrix(B_c), ImmutableMatrix(C_c)
+        return controller_matrices(self.plant, self.regulator.K, self.estimator.K)
 
     @cached_property
     def compensator(self) -> TransferFunction | None:
         """The compensator of order n for u = G_c y if it is rational, else None."""
-        if self.realisation is None:
-            return None
-        return transfer_matrix_of_realisation(
-            *self.realisation, sympy.zeros(1, 1), self.plant.variable
-        ).scalar()
+        return scalar_controller(self.plant, self.realisation)
 
     def __str__(self) -> str:
         if self.polynomial is None:
@@ -89,9 +84,7 @@ class ContinuousLQG(ExactValue):
         return f"D = {format_polynomial(self.polynomial)}\nG_c = {self.compensator}"
 
     def _repr_latex_(self) -> str:
-        product = self.polynomial
-        text = self.enclosure.latex() if product is None else sympy.latex(product.as_expr())
-        return rf"$\displaystyle \tilde D = {text}$"
+        return self.poles._repr_latex_()
 
 
 def continuous_lqg(plant: StandardProblem, *, digits: int = 30) -> ContinuousLQG:

@@ -2,27 +2,21 @@
 
 from dataclasses import dataclass
 
-import flint
-import sympy
-from sympy import Poly, Symbol
+from sympy import Poly
 
 from compensator_theory.errors import (
     InputError,
     NoSolutionError,
 )
-from compensator_theory.lqg.poles import interpolated, require_stable_hidden_modes
-from compensator_theory.lqg.regulator_data import regulator_data
-from compensator_theory.matrices.exact_matrices import MatrixLike
-from compensator_theory.matrices.flint_matrices import rational, to_flint
+from compensator_theory.lqg.poles import require_stable_hidden_modes
+from compensator_theory.lqg.regulator_spectra import continuous_regulator_spectrum
+from compensator_theory.lqg.separation import enclosed_product, product_of_factors
 from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import count_half_plane_roots
-from compensator_theory.roots.enclosures import PolynomialEnclosure
+from compensator_theory.roots.enclosures import PolynomialEnclosure, latex_of, text_of
 from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
-from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
 from compensator_theory.systems.standard_problems import StandardProblem
 
 
@@ -44,18 +38,18 @@ class ContinuousLQGPoles(ExactValue):
     @property
     def polynomial(self) -> Poly | None:
         """The closed-loop polynomial of degree 2n if it is rational, else None."""
-        chi, psi = self.regulator.polynomial, self.estimator.polynomial
-        return None if chi is None or psi is None else canonical(chi * psi)
+        return product_of_factors(self.regulator, self.estimator)
 
     @property
     def enclosure(self) -> PolynomialEnclosure:
         """The closed-loop polynomial, certified."""
-        return multiply_enclosures(self.regulator.enclosure, self.estimator.enclosure)
+        return enclosed_product(self.regulator, self.estimator)
 
     def __str__(self) -> str:
-        if self.polynomial is None:
-            return f"D = {self.enclosure}"
-        return f"D = {format_polynomial(self.polynomial)}"
+        return f"D = {text_of(self.polynomial, self.enclosure)}"
+
+    def _repr_latex_(self) -> str:
+        return rf"$\displaystyle \tilde D = {latex_of(self.polynomial, self.enclosure)}$"
 
 
 def continuous_lqg_poles(plant: StandardProblem, *, digits: int = 30) -> ContinuousLQGPoles:
@@ -122,56 +116,3 @@ def continuous_lqg_poles(plant: StandardProblem, *, digits: int = 30) -> Continu
                 f"controller is stabilising: {error}"
             ) from error
     return ContinuousLQGPoles(*factors)
-
-
-def continuous_regulator_spectrum(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol = "s"
-) -> Poly:
-    r"""Return the even polynomial whose stable roots are the regulator's poles.
-
-    .. math:: p(s) = (-1)^n \det\begin{bmatrix} A - sI & 0 & B \\ -R_1 & -A^T - sI & -R_{12} \\
-              R_{12}^T & B^T & R_2 \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
-
-    with :math:`G = E_1(sI - A)^{-1}B + E_2` and :math:`D = \det(sI - A)`.
-
-    Parameters
-    ----------
-    A, B, E_1, E_2 : matrix
-        n x n, n x l_u, l_z x n, l_z x l_u, rational.
-    variable : str or Symbol
-        s: for discrete time see :func:`regulator_spectrum`.
-
-    Returns
-    -------
-    sympy.Poly
-        Of degree 2n or less; the leading coefficient is that of det R_2 up to its sign.
-
-    Raises
-    ------
-    InputError
-        If a shape does not fit, an entry is symbolic, or the variable means discrete time.
-
-    Examples
-    --------
-    >>> from compensator_theory import continuous_regulator_spectrum
-    >>> continuous_regulator_spectrum([[0]], [[1]], [[2], [0]], [[0], [1]]).as_expr()
-    4 - s**2
-    """
-    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
-    s = as_symbol(variable)
-    if is_discrete(s, "the spectrum of an LQG regulator"):
-        raise InputError(f"{s} means discrete time; use regulator_spectrum")
-    n, l_u = b.shape
-    zero, eye = sympy.zeros, sympy.eye
-    constant = sympy.BlockMatrix(
-        [[a, zero(n, n), b],
-         [-e_1.T * e_1, -a.T, -e_1.T * e_2],
-         [e_2.T * e_1, b.T, e_2.T * e_2]]
-    ).as_explicit()  # fmt: skip
-    slope = sympy.diag(-eye(2 * n), zero(l_u, l_u))
-    pencil = [to_flint(matrix) for matrix in (constant, slope)]
-    points = [flint.fmpq(k) for k in range(-n, n + 1)]
-    values = [(pencil[0] + point * pencil[1]).det() for point in points]
-    sign = -1 if n % 2 else 1
-    descending = [sign * rational(c) for c in reversed(interpolated(points, values))]
-    return canonical(Poly(descending or [0], s))

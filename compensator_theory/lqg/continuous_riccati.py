@@ -8,22 +8,23 @@ import flint
 import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
-from compensator_theory.errors import InputError, NoSolutionError, NotControllableError
+from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.lqg.regulator_data import (
     EnclosedMatrix,
     ball_matrix,
     enclosed_rows,
     exact_rows,
     regulator_data,
+    state_numerators,
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import from_flint, to_flint
-from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
-from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, even_spectrum, factor_even
+from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
+from compensator_theory.roots.reflections import even_spectrum
 from compensator_theory.roots.unit_circle_enclosures import working_bits
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 
@@ -164,16 +165,10 @@ def solve_continuous_riccati(
             "give u a weight, or see regulator_locus for the limits of the poles"
         )
     n = a.rows
-    states = transfer_matrix_of_realisation(a, b, sympy.eye(n), sympy.zeros(n, 1), s)
-    W = Matrix(n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(s ** (n - 1 - i)))
-    if rank(W) < n:
-        raise NotControllableError(
-            f"(A, B) has {n - rank(W)} uncontrollable mode(s), so the closed-loop polynomial does "
-            "not determine the gain; remove them from the realisation first"
-        )
+    open_loop, W = state_numerators(a, b, s)
     outputs = transfer_matrix_of_realisation(a, b, e_1, e_2, s)
     spectrum = sum((even_spectrum(outputs[i, 0].numerator) for i in range(e_1.rows)), Poly(0, s))
-    open_loop, precision = states.denominator, digits
+    precision = digits
     while True:
         factor = factor_even(canonical(spectrum), precision)
         if factor.polynomial is not None:

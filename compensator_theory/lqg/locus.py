@@ -12,15 +12,15 @@ from compensator_theory.polynomials.shared import in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import require_rational
+from compensator_theory.roots.enclosures import text_of
 from compensator_theory.roots.half_plane_factors import (
     HalfPlaneFactor,
     continuous_spectral_factor,
-    even_spectrum,
 )
+from compensator_theory.roots.reflections import even_spectrum, spectrum_of
 from compensator_theory.roots.spectral_factors import (
     SpectralFactor,
     spectral_factor,
-    spectrum_of,
 )
 
 R_2 = Symbol("R_2")
@@ -142,7 +142,8 @@ class RegulatorLocus(ExactValue):
         ends = []
         for end, poly in (("cheap", self.numerator), ("expensive", self.denominator)):
             try:
-                ends.append(_shown(getattr(self, end)))
+                limit = getattr(self, end)
+                ends.append(text_of(limit.polynomial, limit.enclosure))
             except CompensatorError:  # the limit itself is not stable
                 ends.append(f"roots of {format_polynomial(poly)} on the boundary of stability")
         k = self.number_to_infinity
@@ -206,9 +207,3 @@ def regulator_locus(
     if denominator.degree() == 0:
         raise InputError("the plant has no pole that could move; give D of degree 1 or more")
     return RegulatorLocus(numerator, denominator)
-
-
-def _shown(factor: SpectralFactor | HalfPlaneFactor) -> str:
-    if factor.polynomial is None:
-        return str(factor.enclosure)
-    return format_polynomial(factor.polynomial)

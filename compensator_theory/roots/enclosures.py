@@ -9,6 +9,7 @@ from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import quoted, shown
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.values import ExactValue
 
@@ -151,6 +152,34 @@ class PolynomialEnclosure(ExactValue):
             for k, c in enumerate(reversed(self.coefficients))
         )
         return str(sympy.latex(sum(terms)))
+
+
+def text_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
+    """Write a polynomial where it is rational, and its enclosure where it is not.
+
+    Examples
+    --------
+    >>> from compensator_theory import spectral_factor
+    >>> from compensator_theory.roots.enclosures import text_of
+    >>> found = spectral_factor("z - 2")
+    >>> text_of(found.polynomial, found.enclosure)
+    'z - 1/2'
+    """
+    return str(enclosure) if polynomial is None else format_polynomial(polynomial)
+
+
+def latex_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
+    """Write the same for a notebook.
+
+    Examples
+    --------
+    >>> from compensator_theory import spectral_factor
+    >>> from compensator_theory.roots.enclosures import latex_of
+    >>> found = spectral_factor("z - 2", "z", 3)
+    >>> latex_of(found.polynomial, found.enclosure)
+    'z - 0.26794919'
+    """
+    return enclosure.latex() if polynomial is None else str(sympy.latex(polynomial.as_expr()))
 
 
 def enclosure_of_ball(ball: flint.arb) -> Enclosure:

@@ -1,7 +1,6 @@
 """For which values of one symbol a polynomial is stable: intervals with exact end points."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
@@ -16,8 +15,8 @@ from compensator_theory.roots.counts import RootCount, count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.stabilisation.critical_values import (
     CriticalValue,
+    cells_between,
     critical_polynomials,
-    number_between,
     real_roots,
 )
 
@@ -167,27 +166,15 @@ def _cells(
     poly: Poly, parameter: Symbol, ends: list[CriticalValue], discrete: bool
 ) -> list[StabilityCell]:
     count = count_unit_disk_roots if discrete else count_half_plane_roots
-    bounds: list[CriticalValue | None] = [None, *ends, None]
     cells = []
-    for below, above in pairwise(bounds):
-        sample = _sample(below, above)
+    for lower, upper, sample in cells_between(ends):
         there = Poly(
             [c.subs(parameter, sample) for c in map(sympy.sympify, poly.all_coeffs())],
             poly.gen,
             domain=QQ,
         )
-        lower = -sympy.oo if below is None else below.value
-        upper = sympy.oo if above is None else above.value
         cells.append(StabilityCell(lower, upper, sample, count(there)))
     return cells
-
-
-def _sample(below: CriticalValue | None, above: CriticalValue | None) -> Rational:
-    if below is not None and above is not None:
-        return number_between(below.enclosure.upper, above.enclosure.lower)
-    if below is not None:
-        return sympy.floor(below.enclosure.upper) + 1
-    return sympy.Integer(0) if above is None else sympy.ceiling(above.enclosure.lower) - 1
 
 
 def _written(end: Expr) -> str:
