@@ -104,6 +104,8 @@ def warmed():
 @example("s**2 + s/(j*sqrt(2*b))")
 @example("s*j*sqrt(-b)")
 @example("s/((sqrt(b) + j)*(sqrt(b) - j))")
+@example("7/3/(sqrt(-2) - sqrt(1 + j))")
+@example("(sqrt(-b) - sqrt(a*b) - sqrt(sqrt(b)))/(sqrt(a*b)*s + sqrt(b)/(7/3))")
 def test_a_text_is_refused_or_echoed(text):
     check_text(text)
 
