@@ -226,6 +226,10 @@ from .state_feedback.observer_gain_families import ObserverGainFamily as Observe
 from .state_feedback.observer_gain_families import observer_gain_family as observer_gain_family
 from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
 from .structure.coprime_fractions import coprime_fractions as coprime_fractions
+from .structure.expansions import PartialFraction as PartialFraction
+from .structure.expansions import PartialFractions as PartialFractions
+from .structure.expansions import markov_parameters as markov_parameters
+from .structure.expansions import partial_fractions as partial_fractions
 from .structure.hankel_matrices import hankel_matrix as hankel_matrix
 from .structure.hankel_matrices import mcmillan_degree as mcmillan_degree
 from .structure.kalman import KalmanDecomposition as KalmanDecomposition
@@ -248,10 +252,6 @@ from .systems.controllability import is_controllable as is_controllable
 from .systems.controllability import uncontrollable_polynomial as uncontrollable_polynomial
 from .systems.conversions import transfer_function as transfer_function
 from .systems.difference_equations import compensator_polynomials as compensator_polynomials
-from .systems.expansions import PartialFraction as PartialFraction
-from .systems.expansions import PartialFractions as PartialFractions
-from .systems.expansions import markov_parameters as markov_parameters
-from .systems.expansions import partial_fractions as partial_fractions
 from .systems.matrix_conversions import transfer_matrix as transfer_matrix
 from .systems.problems import servo_problem as servo_problem
 from .systems.problems import standard_problem as standard_problem

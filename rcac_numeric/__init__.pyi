@@ -116,8 +116,8 @@ from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
 from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
-from .h2.riccati import solve_dare as solve_dare
-from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
+from .h2.riccati.equations import solve_dare as solve_dare
+from .h2.riccati.solutions import StabilisingSolution as StabilisingSolution
 from .health.diagnosis import loop_health as loop_health
 from .health.health import LoopHealth as LoopHealth
 from .health.warning import HealthWarning as HealthWarning

@@ -6,7 +6,7 @@ from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.systems.expansions import markov_parameters
+from compensator_theory.structure.expansions import markov_parameters
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix

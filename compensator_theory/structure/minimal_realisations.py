@@ -10,6 +10,7 @@ from compensator_theory.polynomial_matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.structure.expansions import markov_parameters
 from compensator_theory.structure.hankel_matrices import (
     block_rows,
     hankel_matrix,
@@ -18,7 +19,6 @@ from compensator_theory.structure.hankel_matrices import (
 )
 from compensator_theory.structure.kalman import kalman_decomposition
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
-from compensator_theory.systems.expansions import markov_parameters
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems.realisations import Realisation

@@ -47,6 +47,7 @@ LAYERS = {
         "engine.reference",
         "analysis",
         "margins",
+        "h2.riccati",
         "h2",
         "estimation.models",
         "estimation",

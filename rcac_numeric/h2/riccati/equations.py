@@ -10,14 +10,14 @@ from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import square_root_columns
 from rcac_numeric.arrays.validation import matrix
-from rcac_numeric.h2.riccati_obstacles import (
+from rcac_numeric.h2.riccati.obstacles import (
     REGULATOR,
     Role,
     require_no_zero_on_circle,
     require_rank,
     require_stabilisable,
 )
-from rcac_numeric.h2.stabilising_solution import StabilisingSolution, norm
+from rcac_numeric.h2.riccati.solutions import StabilisingSolution, norm
 
 # From which closeness of a closed-loop pole to the unit circle a zero on it is looked for (for a
 # zero of multiplicity d the pole is off by the 2d-th root of a rounding error), and the relative

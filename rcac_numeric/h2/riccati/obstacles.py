@@ -68,7 +68,7 @@ def require_stabilisable(A: Array, B: Array, role: Role = REGULATOR) -> None:
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric.h2.riccati_obstacles import require_stabilisable
+    >>> from rcac_numeric.h2.riccati.obstacles import require_stabilisable
     >>> require_stabilisable(np.diag([1.5, 0.5]), np.array([[0.0], [1.0]]))
     Traceback (most recent call last):
     ...
@@ -153,7 +153,7 @@ def words(value: complex) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric.h2.riccati_obstacles import words
+    >>> from rcac_numeric.h2.riccati.obstacles import words
     >>> words(1 + 1e-17j), words(0.6 - 0.8j), words(-1j)
     ('1', '0.6-0.8j', '-1j')
     """
