@@ -93,9 +93,10 @@ def test_methods(name, method, data):
 
 
 def may_refuse(name, method):
-    """What fits may still leave the range of float64, or meet a wrong answer of a function."""
+    """What fits may still leave the range of float64, meet a wrong answer or find no room."""
     return (name, method) in {
         ("Controller", "set_target"),
+        ("Controller", "set_weights"),
         ("Filter", "move"),
         ("Filter", "run"),
         ("Plant", "output"),
