@@ -39,6 +39,9 @@ from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
 from .errors import RoundingWarning as RoundingWarning
 from .errors import UnitCircleError as UnitCircleError
+from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
+from .exceptional_sets.cases import ExceptionalCase as ExceptionalCase
+from .exceptional_sets.cases import ExceptionalCases as ExceptionalCases
 from .frequency.norms import HInfinityNorm as HInfinityNorm
 from .frequency.norms import h_infinity_norm as h_infinity_norm
 from .frequency.passivity import RealnessDecision as RealnessDecision

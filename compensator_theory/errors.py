@@ -1,6 +1,8 @@
 """The one tree of errors of both packages: what was wrong with the input, and what to do next."""
 
 import re
+from collections.abc import Iterable
+from typing import Self
 
 _LONG_NUMBER = re.compile(r"\d{80,}")
 
@@ -19,7 +21,22 @@ class CompensatorError(ValueError):
     ... except CompensatorError as error:
     ...     print(type(error).__name__)
     NotCoprimeError
+
+    Attributes
+    ----------
+    unless : tuple or None
+        With symbols: polynomials that are all zero where the refusal falls; None: not known.
+    exceptional : tuple
+        With symbols: polynomials that are not zero where `unless` decides.
     """
+
+    unless: tuple[object, ...] | None = None
+    exceptional: tuple[object, ...] = ()
+
+    def holding(self, unless: Iterable[object], exceptional: Iterable[object] = ()) -> Self:
+        """Return the error, which says now for which values of the symbols it holds."""
+        self.unless, self.exceptional = tuple(unless), tuple(exceptional)
+        return self
 
     def __str__(self) -> str:
         """Return the message; long numbers in it, and what is longer than a page, are shortened."""

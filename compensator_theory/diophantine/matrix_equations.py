@@ -218,10 +218,13 @@ def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:
             rest = [x - factor * y for x, y in zip(rest, line, strict=True)]
         if len(factors) < rank or any(ring.degree(e) >= 0 for e in rest):
             divisor = written(ring, work.matrix[: max(rank, 1)])
+            left = rest if len(factors) == rank else [remainder]
+            parts = written(ring, [left]).rows[0]
+            used = [written(ring, grid) for grid in (work.matrix, work.U, work.U_inverse, [left])]
             raise NoSolutionError(
                 f"the equation has no solution: all combinations of A and B are multiples of the "
                 f"Hermite form {divisor} of the two together, and C is not"
-            )
+            ).holding([c for part in parts for c in part.all_coeffs()], denominators(*used))
         weights.append(factors)
     if not rank:
         return [[ring.zero] * len(stacked) for _ in wanted]

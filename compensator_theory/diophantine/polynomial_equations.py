@@ -10,6 +10,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve
+from compensator_theory.matrices.resultants import resultant
 from compensator_theory.polynomial_matrices.exceptional_sets import (
     denominators,
     exceptional_factors,
@@ -48,7 +49,8 @@ class DiophantineSolution(ExactValue):
     dx, dy : sympy.Poly
         The solution of the homogeneous equation, whose polynomial multiples are all of them.
     exceptional : tuple of sympy.Expr
-        Irreducible polynomials in the symbols; the identity holds where none of them is zero.
+        Irreducible polynomials in the symbols; where none of them is zero the identities hold and
+        there are no other solutions. :func:`exceptional_cases` says what holds elsewhere.
     certificate : Certificate
         Both identities, multiplied out anew.
     """
@@ -135,11 +137,12 @@ def solve_diophantine(
     over = [p.set_domain(_field(one, two, right)) for p in (one, two, right)]
     g = monic(canonical(over[0].gcd(over[1])))
     divisor = g.set_domain(over[0].domain)
-    if not over[2].rem(divisor).is_zero:
+    rest = canonical(over[2].rem(divisor))
+    if not rest.is_zero:
         raise NoSolutionError(
             f"a and b share the factor {format_polynomial(g)}, which does not divide "
             f"{format_polynomial(right)}; no polynomials x and y solve the equation"
-        )
+        ).holding(rest.all_coeffs(), denominators(PolynomialMatrix(((g, rest),))))
     p, q, r = (canonical(side.quo(divisor)) for side in over)
     u, v = _least(p, q, r)
     x, y, dx, dy = (u, v, q, -p) if least == "y" else (v, u, p, -q)
@@ -149,7 +152,10 @@ def solve_diophantine(
     )
     if not certificate.holds:
         raise NoSolutionError(f"{certificate}; the solution is wrong, please report it")
-    exceptional = exceptional_factors(denominators(PolynomialMatrix(((x, y, dx, dy),))))
+    divisors = denominators(PolynomialMatrix(((g, x, y, dx, dy),)))
+    if any(side.free_symbols_in_domain for side in (p, q)):
+        divisors.append(resultant(p, q, variable=first.gen))
+    exceptional = exceptional_factors(divisors)
     return DiophantineSolution(first, second, right, x, y, dx, dy, exceptional, certificate)
 
 

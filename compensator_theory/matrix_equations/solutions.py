@@ -8,7 +8,7 @@ from sympy import Expr, ImmutableMatrix, Matrix
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
-from compensator_theory.polynomial_matrices.echelon import echelon
+from compensator_theory.polynomial_matrices.echelon import contradictions, echelon
 from compensator_theory.polynomial_matrices.exceptional_sets import (
     denominators_of,
     exceptional_factors,
@@ -100,7 +100,8 @@ def solve_by_columns(
     size = len(units)
     divisors = [found.divided_by, *denominators_of(sources)]
     if size in found.pivots:
-        raise NoSolutionError(contradiction)
+        column = Matrix(len(right), 1, list(right))
+        raise NoSolutionError(contradiction).holding(contradictions(table, column))
     particular = Matrix.zeros(size, 1)
     for row, pivot in enumerate(found.pivots):
         particular[pivot] = found.matrix[row, size]

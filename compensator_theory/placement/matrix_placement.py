@@ -18,6 +18,7 @@ from compensator_theory.placement.matrix_equations import (
     pair_of_columns,
     reduced_left_fraction,
 )
+from compensator_theory.polynomial_matrices.echelon import contradictions
 from compensator_theory.polynomial_matrices.exceptional_sets import (
     denominators,
     exceptional_factors,
@@ -219,6 +220,8 @@ def place_matrix_poles(
             raise NoSolutionError(
                 f"no compensator of degree {order} gives column {j} the target {goal.as_expr()}; "
                 "raise the order, or change the targets"
+            ).holding(
+                contradictions(matrix, ImmutableMatrix(right)), denominators(D_l, N_l)
             ) from error
         D, N = pair_of_columns(found.particular, (p, m), free, order, model)
         N_c, D_c = N_c + in_column(N, j, p), D_c + in_column(D, j, p)

@@ -13,6 +13,9 @@ from compensator_theory.matrices.coprime_equations import solve_coprime_equation
 from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
+from compensator_theory.polynomial_matrices.echelon import contradictions
+from compensator_theory.polynomial_matrices.exceptional_sets import denominators
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (
@@ -199,12 +202,12 @@ def _check_degrees(G: TransferFunction, n_c: int, m_hat: int) -> None:
 
 def _check_fixed_poles(G: TransferFunction, goal: Poly) -> None:
     factor = G.common_factor()
-    if factor.degree() > 0 and not canonical(goal.rem(factor)).is_zero:
+    if factor.degree() > 0 and not (rest := canonical(goal.rem(factor))).is_zero:
         raise NotCoprimeError(
             f"numerator and denominator of {G} share the factor {format_polynomial(factor)}; its "
             "roots stay closed-loop poles whatever the compensator. Include them in the target "
             "or reduce the plant with .reduced()"
-        )
+        ).holding(rest.all_coeffs(), denominators(PolynomialMatrix(((factor, rest),))))
 
 
 Pair = tuple[Poly, Poly]
@@ -231,7 +234,7 @@ def _solve(
             f"no compensator with n_c = {n_c} and deg N_c <= {m_hat} places these poles: "
             f"{_obstruction(M, goal)}. From n_c = {n - 1} and numerator_degree = {n - 1} on, every "
             "target is reached"
-        ) from error
+        ).holding(contradictions(M, ImmutableMatrix(goal.all_coeffs()))) from error
     homogeneous = tuple(_pair(vector, G, n_c) for vector in found.nullspace)
     return _pair(found.particular, G, n_c), homogeneous
 

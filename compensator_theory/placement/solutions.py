@@ -83,13 +83,16 @@ class PolePlacement(ExactValue):
     def exceptional(self) -> tuple[Expr, ...]:
         """Irreducible polynomials in the symbols; the answer holds where none of them is zero.
 
-        They divide the resultant of N and D or a denominator of the answer. Where one is zero there
-        may be no compensator or a family: substitute, and place again. Empty without symbols.
+        They divide the resultant of N and D, without the factor that they share, or a denominator
+        of the answer. Where one is zero there may be no compensator or a family:
+        :func:`exceptional_cases` says which. Empty without symbols.
         """
         answers = [(self.numerator, self.denominator), *self.homogeneous]
         matrices = [PolynomialMatrix((pair,)) for pair in answers]
-        common = resultant(self.plant.denominator, self.plant.numerator)
-        return exceptional_factors([common, *denominators(*matrices)])
+        g = self.plant.common_factor()
+        p, q = (canonical(side.quo(g)) for side in (self.plant.denominator, self.plant.numerator))
+        matrices.append(PolynomialMatrix(((g, self.target),)))
+        return exceptional_factors([resultant(p, q, variable=p.gen), *denominators(*matrices)])
 
     @property
     def compensator(self) -> TransferFunction:

@@ -87,3 +87,29 @@ def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
     chosen = [matrix[:, pivot] for pivot in found.pivots]
     basis = ImmutableMatrix.hstack(ImmutableMatrix.zeros(matrix.rows, 0), *chosen)
     return basis, found.divided_by
+
+
+def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:
+    r"""Return y b for a basis of the relations y A = 0 of a linear system A x = b.
+
+    The system is contradictory wherever one of them is not zero, for they hold no denominators.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.polynomial_matrices.echelon import contradictions
+    >>> contradictions(Matrix([[a], [1]]), Matrix([b, 1]))
+    [a - b]
+    """
+    if not (matrix.free_symbols or right_side.free_symbols):
+        return [sympy.Integer(1)]
+    relations = echelon(ImmutableMatrix(matrix.T)).kernel()
+    found = []
+    for k in range(relations.cols):
+        bottoms = [sympy.fraction(sympy.cancel(entry))[1] for entry in relations[:, k]]
+        common = sympy.lcm_list(bottoms)
+        total = sum(common * y * b for y, b in zip(relations[:, k], right_side, strict=True))
+        if (value := sympy.cancel(total)) != 0:
+            found.append(value)
+    return found

@@ -10,7 +10,7 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialEr
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import quoted, shown, unlimited
 from compensator_theory.polynomials.expressions import read_text
-from compensator_theory.polynomials.formatting import in_least_domain
+from compensator_theory.polynomials.formatting import in_least_domain, require_real
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
@@ -142,10 +142,7 @@ def canonical(poly: Poly) -> Poly:
     require_one_symbol_a_name({*poly.free_symbols_in_domain, poly.gen})
     if (least := in_least_domain(poly)) is not None:
         return least
-    if any(value.has(sympy.I) for value in poly.all_coeffs()):
-        raise InputError(
-            f"{quoted(poly)} has complex coefficients; complex roots must come in conjugate pairs"
-        )
+    require_real(poly)
     small = poly.retract() if poly.domain.is_Composite else poly
     domain = small.domain
     if domain.is_ZZ or (domain.is_Algebraic and all(c.is_Rational for c in small.all_coeffs())):
@@ -294,5 +291,8 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
             f"the coefficients of {quoted(whole)} span no field that is known here; write symbols "
             "in their place"
         ) from error
-    settled_powers = {(k,): settled(c) for k, c in powers.items()} if result.domain.is_EX else {}
-    return Poly(settled_powers, variable, domain=EX) if settled_powers else canonical(result)
+    if not result.domain.is_EX:
+        return canonical(result)
+    result = Poly({(k,): settled(c) for k, c in powers.items()}, variable, domain=EX)
+    require_real(result)  # as canonical does: the echo may come by the other way
+    return result

@@ -49,12 +49,13 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     ('1/2 + 2*I', 's**2 + 3*s + 2', '(2*s + 1)/(s**2 + s)')
     """
     text, is_plain = _written(obj, variable)
+    is_text = is_plain or (isinstance(obj, str) and variable is None)
     for _ in range(5):  # SymPy has several forms for roots of rational numbers
         with unlimited():
             quotient = read_text(text)
-            again = "" if is_plain else _form(text, quotient, variable)[0]
-        if is_plain:  # q/q - s is no system, and -s is; within the budget, as the first look was
-            again, is_plain = _form(text, quotient, variable)
+            again = "" if is_text else _form(text, quotient, variable)[0]
+        if is_text:  # within the budget, as its reader will look at it: q/q - s is no system, -s is
+            again, _ = _form(text, quotient, variable)
         if again == text:
             return text
         text = again

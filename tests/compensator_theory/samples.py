@@ -47,6 +47,11 @@ def observer_based(draw):
     return exact.observer_based_compensator((A, B, C), draw(spectrum), draw(spectrum))
 
 
+EXCEPTIONAL_CASES = st.sampled_from(["1", "s - c", "c*s**2 + 1"]).map(
+    lambda right: exact.exceptional_cases(exact.solve_diophantine, "s**2 - a", "s - b", right, "s")
+)
+
+
 def loops(order=1, hidden=()):
     return st.tuples(minimal_plants(1), compensators(order, hidden=hidden))
 
@@ -238,6 +243,8 @@ SAMPLES = {
     exact.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
     | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),
     exact.Enclosure: st.builds(exact.Enclosure, rationals(), rationals().map(abs)),
+    exact.ExceptionalCases: EXCEPTIONAL_CASES,
+    exact.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda found: found.cases[-1]),
     exact.HighAuthorityLQG: discrete_problems().map(exact.high_authority_lqg),
     exact.ZeroDirectionTarget: nonzero_rationals().map(
         lambda a: exact.zero_direction_target([[1, 0], [a, 1]], [(a + a / abs(a), [1, a])])

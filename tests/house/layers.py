@@ -13,6 +13,7 @@ LAYERS = {
         "polynomial_matrices",
         "canonical_forms",
         "structure",
+        "exceptional_sets",
         "diophantine",
         "state_feedback",
         "loops",

@@ -53,6 +53,7 @@ GOOD = {
     "solve_diophantine": ([_P, _Q, "s**3"], {}),
     "solve_matrix_diophantine": ([[["s"]], [["s + 1"]], [["s**2"]]], {}),
     "minimal_basis": ([[["s", "1"]]], {}),
+    "exceptional_cases": ([exact.solve_diophantine, "s - a", "s - b", "1", "s"], {}),
     "closed_loop_polynomial": ([_SERVO, "1", "q"], {}),
     "closed_loop_transfer_matrix": ([_SERVO, "1", "q"], {}),
     "closed_loop_zero_polynomial": ([_SERVO, "1", "q"], {}),

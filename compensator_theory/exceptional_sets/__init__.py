@@ -1,0 +1,1 @@
+"""What a symbolic answer becomes where its exceptional polynomials vanish."""

@@ -1,0 +1,322 @@
+"""Cases of symbolic answers: the oracle substitutes numbers first and constructs afterwards."""
+
+import functools
+import itertools
+from fractions import Fraction
+
+import pytest
+import sympy
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+import compensator_theory as exact
+from compensator_theory import InputError, exceptional_cases
+
+s = sympy.Symbol("s")
+SYMBOLS = a, b, c = sympy.symbols("a b c")
+# What stands at the places of a template; equal ones make common factors for all values.
+PARTS = ["a", "b", "c", "a - b", "a*b", "a**2 - b", "b + c", "a**2 - 2*a*b", "0", "1", "-2"]
+
+
+def exactly(point):
+    return dict(zip(SYMBOLS, point, strict=True))
+
+
+def value_of(expression, point):
+    return sympy.simplify(sympy.sympify(expression).subs(exactly(point), simultaneous=True))
+
+
+def polynomial_at(poly, point):
+    return sympy.Poly(
+        [value_of(coefficient, point) for coefficient in poly.all_coeffs()], poly.gen
+    ).as_expr()
+
+
+def same(one, other, point):
+    return sympy.expand(polynomial_at(one, point) - other.as_expr()) == 0
+
+
+def same_matrices(one, other, point):
+    return (one.applyfunc(lambda e: value_of(e, point)) - other).is_zero_matrix
+
+
+# One construction each: its arguments by four parts, and what must agree at a point.
+def placement(p, q, r, t):
+    return (f"(s + {p})/(s**2 + {q}*s + {r})", ["-1", "-2", f"-({t})"]), {"feedback": -1}
+
+
+def placements_agree(one, other, point):
+    if other.is_unique:
+        pairs = ((one.numerator, other.numerator), (one.denominator, other.denominator))
+        return one.is_unique and all(same(x, y, point) for x, y in pairs)
+    D, N = other.plant.denominator, other.plant.numerator
+    D_c, N_c = (polynomial_at(x, point) for x in (one.denominator, one.numerator))
+    closed = sympy.expand(D.as_expr() * D_c + N.as_expr() * N_c - other.target.as_expr())
+    return closed == 0 and len(one.homogeneous) == len(other.homogeneous)
+
+
+def short_placement(p, q, r, t):
+    arguments = f"1/(s**2 + {p}*s + {q})", f"s**3 + {r}*s**2 + {t}*s + 1"
+    return arguments, {"feedback": -1, "numerator_degree": 0}
+
+
+def diophantine(p, q, r, t):
+    return (f"s**2 + {p}", f"s + {q}", f"{r}*s + {t}", "s"), {}
+
+
+def diophantines_agree(one, other, point):
+    ours = [getattr(one, name) for name in ("x", "y", "dx", "dy")]
+    theirs = [getattr(other, name) for name in ("x", "y", "dx", "dy")]
+    return all(same(x, y, point) for x, y in zip(ours, theirs, strict=True))
+
+
+def matrix_diophantine(p, q, r, t):
+    return ([[f"s - ({p})", 0], [0, "s"]], [["1"], [q]], [[f"s + {r}"], [t]], "s"), {}
+
+
+def matrix_diophantines_agree(one, other, point):
+    A, B, C = (M.as_matrix() for M in (other.A, other.B, other.C))
+    X, Y = (M.as_matrix().applyfunc(lambda e: value_of(e, point)) for M in (one.X, one.Y))
+    left = (A * X + B * Y - C).applyfunc(sympy.expand)
+    return left.is_zero_matrix and one.kernel.indices == other.kernel.indices
+
+
+def smith(p, q, r, t):
+    return ([[f"s + {p}", q], [r, f"s**2 + {t}*s"]], "s"), {}
+
+
+def smiths_agree(one, other, point):
+    return one.rank == other.rank and all(
+        same(x, y, point)
+        for x, y in zip(one.invariant_polynomials, other.invariant_polynomials, strict=True)
+    )
+
+
+def kalman(p, q, r, t):
+    return (([[p, 0], [q, r]], [[1], [t]], [[1, 1]]),), {}
+
+
+def sylvester(p, q, r, t):
+    return ([[p, 1], [0, q]], [[r]], [[1], [t]]), {}
+
+
+def solutions_agree(one, other, point):
+    if not other.homogeneous:
+        return not one.homogeneous and same_matrices(one.X, other.X, point)
+    return len(one.homogeneous) == len(other.homogeneous)
+
+
+def fractions(p, q, r, t):
+    return (([[p, 1], [q, r]], [[0], [t]], [[1, 0]]), [-1, -2], [-1, -3], "s"), {}
+
+
+def fractions_agree(one, other, point):
+    return same_matrices(one.K, other.K, point) and same_matrices(one.F, other.F, point)
+
+
+def gains(p, q, r, t):
+    return ([[p, 1], [q, r]], [[1, 0], [t, 0]], [-1, -2], "s"), {}
+
+
+CASES = {
+    "placement": (exact.place_poles, placement, placements_agree),
+    "short placement": (exact.place_poles, short_placement, placements_agree),
+    "Diophantine": (exact.solve_diophantine, diophantine, diophantines_agree),
+    "matrix Diophantine": (
+        exact.solve_matrix_diophantine, matrix_diophantine, matrix_diophantines_agree
+    ),
+    "Smith": (exact.smith_form, smith, smiths_agree),
+    "Kalman": (exact.kalman_decomposition, kalman, lambda x, y, _: x.dimensions == y.dimensions),
+    "Sylvester": (exact.solve_sylvester, sylvester, solutions_agree),
+    "Stein": (
+        exact.solve_stein,
+        lambda p, q, r, t: (([[p, 1], [0, q]], [[1], [t]], [[r]]), {}),
+        solutions_agree,
+    ),
+    "coprime": (exact.doubly_coprime_fractions, fractions, fractions_agree),
+    "gains": (
+        exact.state_feedback_family, gains,
+        lambda x, y, _: x.form.indices == y.form.indices,
+    ),
+}  # fmt: skip
+
+
+def at_numbers(parts, point):
+    """The oracle's own substitution: parts are evaluated before the construction sees them."""
+    names = {symbol.name: value for symbol, value in exactly(point).items()}
+    return [f"({sympy.sympify(part, locals=names)})" for part in parts]
+
+
+@functools.cache
+def analysed(name, parts):
+    function, template, _ = CASES[name]
+    arguments, options = template(*(f"({part})" for part in parts))
+    return exceptional_cases(function, *arguments, **options)
+
+
+def points_of(found, values):
+    """Points of a small grid, and one in each case that is solved for its symbols."""
+    yield from itertools.product([-1, 0, Fraction(1, 2), 2], repeat=3)
+    for case in found.cases:
+        solved = dict(case.values)
+        free = {x: value for x, value in zip(SYMBOLS, values, strict=True) if x not in solved}
+        point = [sympy.sympify(solved.get(x, x)).subs(free) for x in SYMBOLS]
+        if all(value.is_Rational for value in point):
+            yield tuple(Fraction(int(v.p), int(v.q)) for v in point)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_cases_are_what_a_construction_answers_at_points(name, in_full):
+    function, template, agree = CASES[name]
+    seen = {"answered": 0, "refused": 0, "open": 0}
+
+    @settings(
+        max_examples=150 if in_full else 3, database=None, derandomize=not in_full,
+        phases=[Phase.generate],
+    )  # fmt: skip
+    @given(
+        st.tuples(*[st.sampled_from(PARTS)] * 4),
+        st.tuples(*[st.fractions(-4, 4, max_denominator=3)] * 3),
+        st.randoms(use_true_random=False),
+    )
+    def holds(parts, values, random):
+        found = analysed(name, parts)
+        points = list(dict.fromkeys(points_of(found, values)))
+        for point in random.sample(points, min(len(points), 8)):
+            at = exactly(point)
+            (case,) = [case for case in found.cases if case.contains(at)]
+            assert found.at(at) == case
+            if case.status == "open" or case.is_generic:
+                seen["open"] += 1
+                continue
+            seen[case.status] += 1
+            arguments, options = template(*at_numbers(parts, point))
+            if case.status == "refused":
+                with pytest.raises(case.error):
+                    function(*arguments, **options)
+            else:
+                assert agree(case.answer, function(*arguments, **options), point), (parts, point)
+
+    holds()
+    assert seen["answered"] and seen["open"] < sum(seen.values()) / 5, seen
+
+
+def conditions(found):
+    return [(case.conditions, case.status) for case in found.cases]
+
+
+def test_a_solution_where_the_resultant_vanishes_and_what_was_free():
+    """s - a and s - b have 1 as gcd but for a = b, where c must be the common root."""
+    found = exceptional_cases(exact.solve_diophantine, "s - a", "s - b", "s - c", "s")
+    assert conditions(found) == [
+        ("a - b != 0", "answered"),
+        ("a = b, b - c != 0", "refused"),
+        ("a = c, b = c", "answered"),
+    ]
+    assert found.is_complete and found.generic == found.at({"a": 1, "b": 2, "c": "1/3"})
+    assert found.at({a: 1, "b": 1, c: 1}).answer.dx == exact.polynomial("1", "s")
+
+
+def test_algebraic_values():
+    found = exceptional_cases(exact.smith_form, [["s**2", "a**4 - 5*a**2 + 6"], [0, "s"]], "s")
+    values = [value for case in found.cases[1:] for _, value in case.values]
+    assert {sympy.expand(v**2) for v in values} == {2, 3} and len(values) == 4
+    assert all(len(case.answer.elementary_divisors) == 2 for case in found.cases[1:])
+    cubic = exceptional_cases(exact.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s")
+    assert [case.values[0][1] for case in cubic.cases[1:]] == [sympy.CRootOf(s**3 - s - 1, 0)]
+    assert exceptional_cases(exact.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s").is_complete
+
+
+def test_what_is_left_open_says_why():
+    circle = exceptional_cases(exact.smith_form, [["s", "a**2 + b**2 - 1"], [0, "s"]], "s")
+    assert circle.cases[1].status == "open" and "linear in no symbol" in circle.cases[1].reason
+    assert circle.at({"a": "3/5", "b": "4/5"}) == circle.cases[1] and not circle.is_complete
+    with exact.budget(field_degree=2):
+        found = exceptional_cases(exact.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s")
+        assert "field_degree" in found.cases[1].reason
+    few = exceptional_cases(exact.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2)
+    assert [case.status for case in few.cases] == ["answered", "answered", "open"]
+    found = exceptional_cases(exact.place_poles, "1/(a*s + b)", [-2], feedback=-1)
+    assert "drops out" in found.cases[1].reason
+    named = exceptional_cases(exact.solve_diophantine, "s - x", "s - y", "1", "s", least="y")
+    assert named.cases[1].status == "refused"
+    other = exceptional_cases(exact.solve_diophantine, "s - y", "y*s - 1", "1", "s", least="y")
+    assert [case.status for case in other.cases[1:]] == ["open", "open"]
+    assert "rename" in other.cases[1].reason
+
+
+def test_assumptions_of_symbols_exclude_cases():
+    positive = sympy.Symbol("a", positive=True)
+    left, right = exact.polynomial(s - positive, "s"), exact.polynomial(s + positive, "s")
+    assert len(exceptional_cases(exact.solve_diophantine, left, right, 1).cases) == 1
+    found = exceptional_cases(exact.solve_diophantine, left, exact.polynomial(s - 4 / positive), 1)
+    assert [case.values for case in found.cases[1:]] == [((positive, 2),)]
+
+
+def test_systems_and_matrices_are_substituted():
+    G = exact.transfer_function("(s - a)/((s - 1)*(s - b))", "s")
+    found = exceptional_cases(exact.minimal_realisation, G)
+    assert [len(case.answer.realisation.A.tolist()) for case in found.cases] == [2, 1, 1, 1][
+        : len(found.cases)
+    ]
+    matrix = sympy.Matrix([[a, 0], [0, b]])
+    plant = exact.Realisation(matrix, [[1], [c]], [[1, 1]])
+    same = exceptional_cases(exact.kalman_decomposition, plant)
+    texts = exceptional_cases(
+        exact.kalman_decomposition, ([["a", 0], [0, "b"]], [[1], ["c"]], [[1, 1]])
+    )
+    assert [case.answer.dimensions for case in same.cases] == [
+        case.answer.dimensions for case in texts.cases
+    ]
+
+
+def test_a_function_of_several_constructions():
+    def both(plant, matrix):
+        return exact.place_poles(plant, [-1], feedback=-1), exact.smith_form(matrix, "s")
+
+    found = exceptional_cases(both, "k/(s + a)", [["s", "a*k"], [0, "s"]])
+    assert conditions(found) == [
+        ("k != 0, a != 0", "answered"), ("k = 0, a - 1 != 0", "refused"),
+        ("a = 1, k = 0", "answered"), ("a = 0, k != 0", "answered"),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("entry", ["a*k", "b"])
+def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
+    def hidden(plant):
+        placed = exact.place_poles(plant, [-1], feedback=-1)
+        return placed, exact.smith_form([["s", entry], [0, "s"]], "s")
+
+    with pytest.raises(exact.FunctionFailedError, match="besides its arguments"):
+        exceptional_cases(hidden, "k/(s + a)")
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: exceptional_cases("place_poles", "1/s"), "cannot be called"),
+        (lambda: exceptional_cases(exact.polynomial, "s + a"), "no exceptional set"),
+        (lambda: exceptional_cases(exact.smith_form, [["s"]], cases=0), "positive integer"),
+        (lambda: exceptional_cases(exact.smith_form, [["1/s"]]), "polynomial"),
+        (lambda: exceptional_cases(exact.smith_form, [["s"]]).at(1), "mapping"),
+        (
+            lambda: exceptional_cases(exact.smith_form, [["s", "a"], [0, "s"]], "s").at({"b": 1}),
+            "value for a",
+        ),
+    ],
+)
+def test_bad_input(call, words):
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+def test_an_error_of_the_function_is_named():
+    with pytest.raises(exact.FunctionFailedError, match="place_poles failed: TypeError"):
+        exceptional_cases(exact.place_poles, "1/(s + a)", [-1])
+
+
+def test_latex():
+    found = exceptional_cases(exact.place_poles, "b/(s + a)", [-1], feedback=-1)
+    text = found._repr_latex_()
+    assert text.startswith(r"$\displaystyle \begin{cases} ") and text.count("$") == 2
+    assert r"\text{NotCoprimeError}" in text and r"b \ne 0" in text
