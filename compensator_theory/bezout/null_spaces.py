@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from sympy import ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
 from compensator_theory.matrices.sylvester import sylvester_m1
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -122,7 +122,4 @@ def gcd_from_null_space(
 
 def _certificate(a: Poly, b: Poly, g: Poly, cofactors: tuple[Poly, Poly]) -> Certificate:
     left = [canonical(g * x - y).as_expr() for x, y in zip(cofactors, (a, b), strict=True)]
-    certificate = Certificate(IDENTITY, ImmutableMatrix([left]))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the divisor is wrong, please report it")
-    return certificate
+    return proven(Certificate(IDENTITY, ImmutableMatrix([left])), "divisor")

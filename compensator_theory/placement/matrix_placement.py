@@ -9,7 +9,7 @@ from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.loops.siso import require_sign
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.placement.matrix_equations import (
     coefficient_columns,
@@ -229,9 +229,9 @@ def place_matrix_poles(
             D, N = pair_of_columns(vector, (p, m), free, order, model)
             homogeneous.append((in_column(N, j, p), in_column(D, j, p)))
     left = (D_l @ D_c + signed @ N_c).as_matrix() - sympy.diag(*(t.as_expr() for t in goals))
-    certificate = Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.expand)))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the compensator is wrong, please report it")
+    certificate = proven(
+        Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.expand))), "compensator"
+    )
     every = [D_l, N_l, N_c, D_c, *(part for pair in homogeneous for part in pair)]
     exceptional = exceptional_factors(denominators(*every))
     return MatrixPlacement(

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
-from compensator_theory.errors import NoSolutionError, NotControllableError
+from compensator_theory.errors import NotControllableError
 from compensator_theory.latex import displayed, latex, unless
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import determinant, solve
 from compensator_theory.polynomial_matrices.echelon import echelon
@@ -198,7 +198,4 @@ def _certificate(
     A_c, B_c = chains(indices)
     left = [*((a + b * F) * T - T * A_c), *(b * W - T * B_c)]
     residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
-    certificate = Certificate(IDENTITY, residual)
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the form is wrong, please report it")
-    return certificate
+    return proven(Certificate(IDENTITY, residual), "form")

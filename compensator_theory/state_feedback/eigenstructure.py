@@ -8,7 +8,7 @@ from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
 from compensator_theory.polynomial_matrices.echelon import echelon
@@ -172,9 +172,9 @@ def assign_eigenstructure(
             f"the eigenvectors {V.T.tolist()} are linearly dependent; choose independent ones"
         ) from error
     left = (a + b * K) * V - V * jordan
-    certificate = Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.cancel)))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the gain is wrong, please report it")
+    certificate = proven(
+        Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.cancel))), "gain"
+    )
     bottoms = [sympy.fraction(sympy.cancel(entry))[1] for entry in K]
     return Eigenstructure(
         ImmutableMatrix(K.applyfunc(sympy.cancel)),

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -155,9 +155,9 @@ def doubly_coprime_fractions(
     residual = [
         entry.as_expr() for row in (second @ first - sympy.eye(m + p)).numerators for entry in row
     ]
-    certificate = Certificate(IDENTITY, ImmutableMatrix(1, len(residual), residual))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the fractions are wrong, please report it")
+    certificate = proven(
+        Certificate(IDENTITY, ImmutableMatrix(1, len(residual), residual)), "pair of fractions"
+    )
     return DoublyCoprimeFractions(
         given, K, F, M_r, N_r, U_r, V_r, M_l, -minus_N_l, -minus_U_l, V_l, exceptional, certificate
     )
