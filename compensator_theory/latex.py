@@ -17,8 +17,9 @@ def latex(value: object) -> str:
 
     Parameters
     ----------
-    value : sympy object, result of ours, number, tuple or str
-        A str is taken as the formula that it is; a matrix without rows or columns shows its shape.
+    value : sympy object, result of ours, number, tuple, str or anything else
+        A str is taken as the formula that it is; a matrix without rows or columns shows its shape,
+        anything else is words.
 
     Examples
     --------
@@ -35,10 +36,12 @@ def latex(value: object) -> str:
         return rf"\left({', '.join(map(latex, value))}\right)"
     if isinstance(value, MatrixBase) and 0 in value.shape:
         return rf"0_{{{value.rows} \times {value.cols}}}"
-    if isinstance(value, Basic | MatrixBase | int):
+    if isinstance(value, Basic | MatrixBase | int) and not isinstance(value, bool):
         return str(sympy.latex(value))
-    shown: str = value._repr_latex_()  # type: ignore[attr-defined]  # every result has it
-    return shown.removeprefix(BEFORE).removesuffix(AFTER)
+    show = getattr(value, "_repr_latex_", None)  # every result of ours has it
+    if show is None:
+        return words(str(value))
+    return str(show()).removeprefix(BEFORE).removesuffix(AFTER)
 
 
 def displayed(*formulas: str) -> str:

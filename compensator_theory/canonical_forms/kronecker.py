@@ -10,7 +10,7 @@ from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError
 from compensator_theory.latex import diagonal, displayed, latex, unless
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     polynomial_matrix,

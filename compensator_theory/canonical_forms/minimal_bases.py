@@ -7,7 +7,7 @@ from sympy import Expr, ImmutableMatrix, Symbol
 from compensator_theory.canonical_forms.row_forms import row_reduced_form
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
-from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,

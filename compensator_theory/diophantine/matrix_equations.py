@@ -9,7 +9,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.elimination import Elimination
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
 )

@@ -11,7 +11,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import solve
 from compensator_theory.matrices.resultants import resultant
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
 )

@@ -14,7 +14,7 @@ from compensator_theory.matrices.linear_algebra import (
     determinant,
     solve,
 )
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,
 )

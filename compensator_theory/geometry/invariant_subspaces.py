@@ -9,7 +9,7 @@ from compensator_theory.geometry.subspaces import Subspaces
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,
 )

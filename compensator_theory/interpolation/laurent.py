@@ -14,7 +14,7 @@ from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
-from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import ask, decimal_digits, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import is_rational

@@ -17,7 +17,7 @@ from compensator_theory.matrix_equations.solutions import (
     certified,
     solve_by_columns,
 )
-from compensator_theory.polynomial_matrices.exceptional_sets import denominators_of
+from compensator_theory.polynomial_matrices.exceptional_factors import denominators_of
 from compensator_theory.polynomials.budget import ask
 
 

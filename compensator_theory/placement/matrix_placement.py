@@ -19,7 +19,7 @@ from compensator_theory.placement.matrix_equations import (
     reduced_left_fraction,
 )
 from compensator_theory.polynomial_matrices.echelon import contradictions
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
 )

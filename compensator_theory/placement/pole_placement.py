@@ -14,7 +14,7 @@ from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomial_matrices.echelon import contradictions
-from compensator_theory.polynomial_matrices.exceptional_sets import denominators
+from compensator_theory.polynomial_matrices.exceptional_factors import denominators
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial

@@ -14,7 +14,7 @@ from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.matrices.resultants import resultant
 from compensator_theory.placement.rounding_effects import rounding_effect
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
 )

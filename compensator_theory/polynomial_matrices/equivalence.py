@@ -7,7 +7,7 @@ from sympy import Expr
 
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.polynomial_matrices.elimination import Elimination
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
 )

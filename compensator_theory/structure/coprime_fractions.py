@@ -8,7 +8,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.equivalence import certificate_of_products
-from compensator_theory.polynomial_matrices.exceptional_sets import (
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
 )

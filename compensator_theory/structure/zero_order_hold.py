@@ -10,7 +10,7 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import ask, shown, unlimited
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, from_coefficients

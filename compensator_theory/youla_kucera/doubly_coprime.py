@@ -9,7 +9,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.values import ExactValue

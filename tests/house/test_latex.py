@@ -20,7 +20,7 @@ RESULTS = [
 ]
 PARSER = MathTextParser("path")
 MATRIX = re.compile(
-    r"\\begin\{(b?matrix|array)\}(?:\{l\})?((?:(?!\\begin).)*?)\\end\{\1\}", re.DOTALL
+    r"\\begin\{(b?matrix|array|cases)\}(?:\{l\})?((?:(?!\\begin).)*?)\\end\{\1\}", re.DOTALL
 )
 # MathJax has these and Matplotlib has not: what stands for them there.
 ELSEWHERE = {r"\textstyle": "", r"\iff": r"\Leftrightarrow", r"\not\succeq": r"\succeq"}
@@ -49,7 +49,7 @@ def require_formula(text):
     symbols = re.sub(r"\\text\{.*?\}", "", formula)
     assert not re.search(r"\b(None|True|False|Poly|Matrix|Enclosure)\b", symbols)
     flat = without_matrices(formula)
-    assert "matrix" not in flat and "array" not in flat
+    assert "matrix" not in flat and "array" not in flat and "cases" not in flat
     for name, stand_in in ELSEWHERE.items():
         flat = flat.replace(name, stand_in)
     PARSER.parse(f"${flat}$")

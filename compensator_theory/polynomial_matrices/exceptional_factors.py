@@ -20,7 +20,7 @@ def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     --------
     >>> from sympy import Integer
     >>> from sympy.abc import a, b
-    >>> from compensator_theory.polynomial_matrices.exceptional_sets import exceptional_factors
+    >>> from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
     >>> exceptional_factors([Integer(2), a**2 - a, a / (b + 1)])
     (a, a - 1, b + 1)
     """
@@ -43,7 +43,7 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
     Examples
     --------
     >>> from sympy import Matrix
-    >>> from compensator_theory.polynomial_matrices.exceptional_sets import denominators_of
+    >>> from compensator_theory.polynomial_matrices.exceptional_factors import denominators_of
     >>> denominators_of([Matrix([["1/a", "2*b"]])])
     [a]
     """
@@ -65,7 +65,7 @@ def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.polynomial_matrices.exceptional_sets import denominators
+    >>> from compensator_theory.polynomial_matrices.exceptional_factors import denominators
     >>> denominators(polynomial_matrix([["s/a", "b*s/(a + 1)"]], "s"))
     [a, a + 1]
     """
