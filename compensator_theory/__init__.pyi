@@ -90,8 +90,12 @@ from .loops.sensitivity import sensitivity_function as sensitivity_function
 from .loops.zero_directions import ZeroDirectionTarget as ZeroDirectionTarget
 from .loops.zero_directions import direction_residual as direction_residual
 from .loops.zero_directions import zero_direction_target as zero_direction_target
+from .lqg.butterworth_patterns import ButterworthPattern as ButterworthPattern
 from .lqg.continuous import ContinuousLQG as ContinuousLQG
 from .lqg.continuous import continuous_lqg as continuous_lqg
+from .lqg.continuous_high_authority import ContinuousHighAuthority as ContinuousHighAuthority
+from .lqg.continuous_high_authority import HighAuthorityLimit as HighAuthorityLimit
+from .lqg.continuous_high_authority import continuous_high_authority as continuous_high_authority
 from .lqg.continuous_poles import ContinuousLQGPoles as ContinuousLQGPoles
 from .lqg.continuous_poles import continuous_lqg_poles as continuous_lqg_poles
 from .lqg.continuous_riccati import ContinuousRiccatiSolution as ContinuousRiccatiSolution

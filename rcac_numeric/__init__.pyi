@@ -15,6 +15,8 @@ from .checks.check import ControllerCheck as ControllerCheck
 from .checks.check import check_controller as check_controller
 from .checks.logs import ControllerLog as ControllerLog
 from .checks.logs import read_log as read_log
+from .checks.plant_residual import PlantResidual as PlantResidual
+from .checks.plant_residual import plant_residual as plant_residual
 from .checks.replays import ControlReplay as ControlReplay
 from .checks.replays import replay as replay
 from .controllers.bounds import CoefficientBounds as CoefficientBounds

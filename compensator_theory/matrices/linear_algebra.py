@@ -73,7 +73,8 @@ def rank(matrix: Matrix) -> int:
         return 0
     if (raw := rational_in_flint(matrix)) is not None:
         return int(raw.rref()[1])
-    return len(DomainMatrix.from_Matrix(matrix).rref_den()[2])
+    # SymPy keeps an entry such as (1 - b)/b + (b - 1)/b as a nonzero one in sparse form.
+    return len(DomainMatrix.from_Matrix(matrix).to_dense().rref_den()[2])
 
 
 def characteristic_polynomial(matrix: Matrix, variable: Symbol) -> Poly:
@@ -199,7 +200,7 @@ def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:
             next(c for c in range(result.cols) if result[row, c] != 0) for row in range(int(found))
         )
         return result, tuple(leading)
-    numerator, denominator, pivots = DomainMatrix.from_Matrix(matrix).rref_den()
+    numerator, denominator, pivots = DomainMatrix.from_Matrix(matrix).to_dense().rref_den()
     return _quotient(numerator, denominator), tuple(pivots)
 
 

@@ -63,7 +63,8 @@ def echelon(matrix: Matrix) -> Echelon:
         form = from_flint(reduced)[: int(found), :]
         pivots = tuple(next(c for c in range(columns) if row[c] != 0) for row in form.tolist())
         return Echelon(ImmutableMatrix(form), pivots, sympy.Integer(1))
-    over_ring = DomainMatrix.from_Matrix(matrix).clear_denoms_rowwise(convert=True)[1]
+    # Dense, for SymPy keeps a zero that is not simplified as an entry of a sparse matrix.
+    over_ring = DomainMatrix.from_Matrix(matrix).to_dense().clear_denoms_rowwise(convert=True)[1]
     numerator, minor, pivots = over_ring.rref_den(method="FF")
     field = numerator.domain.get_field()
     inverse = 1 / field.convert_from(minor, numerator.domain)

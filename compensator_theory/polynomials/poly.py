@@ -267,14 +267,15 @@ def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
     sides = reduced.polynomials(variable)
     if sides is not None and sides[1].degree() == 0:
         return sides[0].quo_ground(sides[1].LC())
-    numerator, denominator = reduced.sides()
-    powers = by_powers(numerator, variable)
-    if powers is None or variable in denominator.free_symbols:
-        raise InputError(
-            f"{quoted(numerator / denominator)} is not a polynomial in {variable}; give numerator "
-            "and denominator of a rational function separately"
-        )
-    return _from_powers({k: c / denominator for k, c in powers.items()}, variable)
+    top, bottom = (by_powers(side, variable) for side in reduced.sides())
+    if top is not None and bottom is not None:
+        if list(bottom) == [0]:
+            return _from_powers({k: c / bottom[0] for k, c in top.items()}, variable)
+        divisor = _from_powers(bottom, variable)  # irrational factors show only in a division
+        exact, rest = _from_powers(top, variable).to_field().div(divisor)
+        if rest.is_zero:
+            return canonical(exact)
+    raise InputError(f"{quoted(reduced.value())} is no polynomial in {variable}, nor equal to one")
 
 
 def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:

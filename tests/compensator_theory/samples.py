@@ -258,6 +258,13 @@ SAMPLES = {
     ),
     exact.ContinuousLQG: continuous_problems().map(exact.continuous_lqg),
     exact.ContinuousLQGPoles: continuous_problems().map(exact.continuous_lqg_poles),
+    exact.ContinuousHighAuthority: continuous_problems().map(exact.continuous_high_authority),
+    exact.HighAuthorityLimit: continuous_problems().map(
+        lambda plant: exact.continuous_high_authority(plant).regulator
+    ),
+    exact.ButterworthPattern: continuous_problems().map(
+        lambda plant: exact.continuous_high_authority(plant).estimator.patterns[0]
+    ),
     exact.RegulatorLocus: strictly_proper_plants().map(
         lambda plant: exact.regulator_locus(plant.numerator, plant.denominator)
     ),

@@ -189,6 +189,7 @@ GOOD = {
     "stable_compensator": (["(s - 2)/(s**2 - 1)", 4], {"feedback": -1}),
     "decide_simultaneous_stabilisability": (["1/(s - 1)", "1/(s - 2)"], {"feedback": -1}),
     "continuous_lqg_poles": ([_CONTINUOUS], {}),
+    "continuous_high_authority": ([_CONTINUOUS], {}),
     "continuous_regulator_spectrum": ([[[0]], [[1]], [[2], [0]], [[0], [1]], "s"], {}),
 }  # fmt: skip
 NOT_DOORS = {"strategies", "budget"}

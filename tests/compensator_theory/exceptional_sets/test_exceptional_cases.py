@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory import InputError, exceptional_cases
+from compensator_theory.matrices.linear_algebra import rank, solve_affine
+from compensator_theory.structure.echelon import echelon
 
 s = sympy.Symbol("s")
 SYMBOLS = a, b, c = sympy.symbols("a b c")
@@ -320,3 +322,14 @@ def test_latex():
     text = found._repr_latex_()
     assert text.startswith(r"$\displaystyle \begin{cases} ") and text.count("$") == 2
     assert r"\text{NotCoprimeError}" in text and r"b \ne 0" in text
+
+
+def test_a_zero_that_is_not_simplified_is_a_zero():
+    """SymPy's sparse matrices keep it as an entry, and elimination would divide by it."""
+    zero = (1 - b) / b**2 + (b - 1) / b**2
+    matrix = sympy.Matrix([[zero, 1, 1], [0, 1, 1]])
+    assert zero != 0 and rank(matrix) == 1 == len(echelon(matrix).pivots)
+    assert len(solve_affine(matrix, sympy.Matrix([1, 1])).nullspace) == 2
+    parts = ("a**2 - 2*a*b", "a**2 - b", "b + c", "1")
+    assert [len(case.answer.homogeneous) for case in analysed("Sylvester", parts).cases
+            if case.status == "answered"] == [0, 1]  # fmt: skip
