@@ -4,20 +4,14 @@ from dataclasses import dataclass
 
 from sympy import ImmutableMatrix, Poly, Symbol
 
+from compensator_theory.bezout.sylvester import sylvester_m1
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
-from compensator_theory.matrices.sylvester import sylvester_m1
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    from_coefficients,
-    monic,
-    scaled,
-)
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "a = g abar, b = g bbar"

@@ -10,8 +10,8 @@ from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, from_coefficients
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import from_coefficients
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
 

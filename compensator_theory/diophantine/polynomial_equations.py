@@ -6,11 +6,11 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 
+from compensator_theory.bezout.resultants import resultant
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import solve
-from compensator_theory.matrices.resultants import resultant
 from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
@@ -18,15 +18,8 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    from_coefficients,
-    monic,
-    polynomial,
-    scaled,
-)
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 

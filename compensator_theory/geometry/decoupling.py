@@ -20,7 +20,8 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
 )
 from compensator_theory.polynomials.budget import listed
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic, polynomial
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation

@@ -9,7 +9,7 @@ from sympy import Expr, ImmutableMatrix, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
-from compensator_theory.polynomial_matrices.echelon import echelon
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,

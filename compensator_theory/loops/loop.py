@@ -16,7 +16,8 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.poly import PolynomialLike, from_expression, polynomial
+from compensator_theory.polynomials.poly import from_expression
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.standard_problems import StandardProblem

@@ -8,8 +8,8 @@ from sympy import QQ, Expr, Poly, Symbol
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, canonical
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import require_rational

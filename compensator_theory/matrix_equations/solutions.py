@@ -8,7 +8,7 @@ from sympy import Expr, ImmutableMatrix, Matrix
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
-from compensator_theory.polynomial_matrices.echelon import contradictions, echelon
+from compensator_theory.matrices.echelon import contradictions, echelon
 from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,

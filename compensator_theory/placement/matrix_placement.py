@@ -10,6 +10,7 @@ from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.echelon import contradictions
 from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.placement.matrix_equations import (
     coefficient_columns,
@@ -18,7 +19,6 @@ from compensator_theory.placement.matrix_equations import (
     pair_of_columns,
     reduced_left_fraction,
 )
-from compensator_theory.polynomial_matrices.echelon import contradictions
 from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
     exceptional_factors,
@@ -30,12 +30,8 @@ from compensator_theory.polynomial_matrices.polynomial_matrices import (
 from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    monic,
-    polynomial,
-)
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix

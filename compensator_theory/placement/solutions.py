@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy import Expr, Poly
 
+from compensator_theory.bezout.resultants import resultant
 from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.latex import displayed, fraction, latex
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
-from compensator_theory.matrices.resultants import resultant
 from compensator_theory.placement.rounding_effects import rounding_effect
 from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,

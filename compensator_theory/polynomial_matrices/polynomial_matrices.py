@@ -14,7 +14,8 @@ from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomial_matrices.rings import Grid, Ring, multiply, ring_of
 from compensator_theory.polynomials.budget import ask, quoted
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, from_expression, polynomial
+from compensator_theory.polynomials.poly import canonical, from_expression
+from compensator_theory.polynomials.reading import polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 

@@ -19,7 +19,7 @@ def format_polynomial(poly: Poly) -> str:
     Examples
     --------
     >>> from compensator_theory.polynomials.formatting import format_polynomial
-    >>> from compensator_theory.polynomials.poly import polynomial
+    >>> from compensator_theory.polynomials.reading import polynomial
     >>> format_polynomial(polynomial("a - s/3 + (a + 1)*s**2"))
     '(a + 1)*s**2 - s/3 + a'
     """
@@ -53,7 +53,7 @@ def require_real(poly: Poly) -> None:
     Examples
     --------
     >>> from compensator_theory.polynomials.formatting import require_real
-    >>> from compensator_theory.polynomials.poly import polynomial
+    >>> from compensator_theory.polynomials.reading import polynomial
     >>> require_real(polynomial("sqrt(b)*s"))
     """
     if any(value.has(sympy.I) for value in poly.all_coeffs()):

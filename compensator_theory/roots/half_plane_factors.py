@@ -8,7 +8,8 @@ from sympy import Expr, Poly, Rational, Symbol
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import count_half_plane_roots, require_rational

@@ -5,8 +5,8 @@ from sympy import QQ, Expr, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic, require_poly
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical, monic, require_poly
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.roots.counts import require_rational
 
 

@@ -8,7 +8,8 @@ from sympy import Poly, Symbol
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, canonical
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (

@@ -9,7 +9,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots

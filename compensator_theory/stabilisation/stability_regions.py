@@ -11,7 +11,7 @@ from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
 from compensator_theory.stabilisation.critical_values import cells_between, even_and_odd, real_roots

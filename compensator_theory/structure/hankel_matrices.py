@@ -3,7 +3,7 @@
 from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
-from compensator_theory.polynomial_matrices.echelon import echelon
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.structure.expansions import markov_parameters

@@ -9,9 +9,8 @@ from compensator_theory.polynomials.budget import long_integers, unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import polynomial
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
-from compensator_theory.polynomials.shared import is_list
+from compensator_theory.polynomials.reading import is_list, polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import is_foreign

@@ -12,7 +12,8 @@ from compensator_theory.latex import displayed, fraction
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
+from compensator_theory.polynomials.poly import canonical, monic, scaled
+from compensator_theory.polynomials.reading import polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.transfer_functions.sample_times import time_base, to_float

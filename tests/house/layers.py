@@ -24,6 +24,7 @@ LAYERS = {
         "interpolation",
         "youla_kucera",
         "lqg",
+        "lqg.continuous",
         "placement",
         "observers",
         "strategies",

@@ -6,13 +6,13 @@ from fractions import Fraction
 
 import pytest
 import sympy
+from compensator_theory.structure.echelon import echelon
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory import InputError, exceptional_cases
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
-from compensator_theory.structure.echelon import echelon
 
 s = sympy.Symbol("s")
 SYMBOLS = a, b, c = sympy.symbols("a b c")

@@ -7,6 +7,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, fraction
 from compensator_theory.lqg.locus import R_2
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -60,6 +61,14 @@ class ButterworthPattern(ExactValue):
     def __str__(self) -> str:
         return f"{self.order} pole(s) to infinity at the distance {self.distance}"
 
+    def _repr_latex_(self) -> str:
+        k = self.order
+        angle = rf"\theta_i = \frac{{\pi}}{{2}} + \frac{{(2i + 1)\pi}}{{{2 * k}}}"
+        distance = rf"\left({fraction(self.gain, R_2)}\right)^{{1/{2 * k}}}"
+        return displayed(
+            rf"\lambda_i \approx {distance} e^{{\mathrm{{j}}\theta_i}}", angle, f"i < {k}"
+        )
+
 
 def butterworth_patterns(
     known: dict[int, tuple[int, Rational]], start: int
@@ -81,7 +90,7 @@ def butterworth_patterns(
     Examples
     --------
     >>> from sympy import Integer
-    >>> from compensator_theory.lqg.butterworth_patterns import butterworth_patterns
+    >>> from compensator_theory.lqg.continuous.butterworth_patterns import butterworth_patterns
     >>> print(butterworth_patterns({0: (0, Integer(4)), 2: (1, Integer(1))}, 0)[0])
     2 pole(s) to infinity at the distance sqrt(2)/R_2**(1/4)
     """
@@ -120,7 +129,7 @@ def positive_weight(weight: NumberLike) -> Rational:
 
     Examples
     --------
-    >>> from compensator_theory.lqg.butterworth_patterns import positive_weight
+    >>> from compensator_theory.lqg.continuous.butterworth_patterns import positive_weight
     >>> positive_weight("1e-3")
     1/1000
     """

@@ -4,17 +4,18 @@ import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory.errors import InputError
-from compensator_theory.matrices.flint_matrices import rational
-from compensator_theory.matrices.flint_polynomials import kept_in_flint, to_flint_polynomial
-from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.matrices.sylvester import (
+from compensator_theory.bezout.sylvester import (
     formal_coefficients,
     matrix_of_coefficients,
     with_formal_degrees,
 )
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.flint_matrices import rational
+from compensator_theory.matrices.flint_polynomials import kept_in_flint, to_flint_polynomial
+from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.budget import ask
-from compensator_theory.polynomials.poly import PolynomialLike, is_rational
+from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.reading import PolynomialLike
 
 
 def number_of_common_roots(

@@ -6,8 +6,8 @@ from functools import cached_property
 from sympy import Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.lqg.continuous_poles import ContinuousLQGPoles
-from compensator_theory.lqg.continuous_riccati import (
+from compensator_theory.lqg.continuous.poles import ContinuousLQGPoles
+from compensator_theory.lqg.continuous.riccati import (
     ContinuousRiccatiSolution,
     solve_continuous_riccati,
 )

@@ -44,7 +44,7 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.coprime_equations import solve_coprime_equation
+    >>> from compensator_theory.bezout.coprime_equations import solve_coprime_equation
     >>> a, b, c = map(polynomial, ("s**2 + 1", "s + 2", "s**3"))
     >>> [str(p.as_expr()) for p in solve_coprime_equation(a, b, c)]
     ['s + 2/5', '-2*s/5 - 1/5']

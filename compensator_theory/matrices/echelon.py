@@ -50,7 +50,7 @@ def echelon(matrix: Matrix) -> Echelon:
     --------
     >>> from sympy import Matrix
     >>> from sympy.abc import a
-    >>> from compensator_theory.polynomial_matrices.echelon import echelon
+    >>> from compensator_theory.matrices.echelon import echelon
     >>> found = echelon(Matrix([[a, 1, 2], [0, a - 1, 0]]))
     >>> found.pivots, found.divided_by
     ((0, 1), a**2 - a)
@@ -78,7 +78,7 @@ def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
     Examples
     --------
     >>> from sympy import Matrix
-    >>> from compensator_theory.polynomial_matrices.echelon import independent_columns
+    >>> from compensator_theory.matrices.echelon import independent_columns
     >>> independent_columns(Matrix([[0, 2, 4], [0, 1, 2]]))[0]
     Matrix([
     [2],
@@ -99,7 +99,7 @@ def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:
     --------
     >>> from sympy import Matrix
     >>> from sympy.abc import a, b
-    >>> from compensator_theory.polynomial_matrices.echelon import contradictions
+    >>> from compensator_theory.matrices.echelon import contradictions
     >>> contradictions(Matrix([[a], [1]]), Matrix([b, 1]))
     [a - b]
     """

@@ -7,10 +7,14 @@ import sympy
 from sympy import QQ, Expr, Matrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.lqg.butterworth_patterns import ButterworthPattern, butterworth_patterns
-from compensator_theory.lqg.continuous_poles import continuous_regulator_spectrum
+from compensator_theory.latex import displayed, latex, lines
+from compensator_theory.lqg.continuous.butterworth_patterns import (
+    ButterworthPattern,
+    butterworth_patterns,
+)
 from compensator_theory.lqg.locus import R_2
-from compensator_theory.lqg.poles import interpolated, require_stable_hidden_modes
+from compensator_theory.lqg.poles import require_stable_hidden_modes
+from compensator_theory.lqg.regulator_spectra import continuous_regulator_spectrum, interpolated
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomials.budget import shown
@@ -18,6 +22,7 @@ from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.roots.enclosures import latex_of
 from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
 from compensator_theory.systems.standard_problems import StandardProblem
 
@@ -62,6 +67,12 @@ class HighAuthorityLimit(ExactValue):
         finite = str(self.finite).split("\n", maxsplit=1)[0].removeprefix("χ = ")
         return "; ".join([finite, *map(str, self.patterns)])
 
+    def _repr_latex_(self) -> str:
+        return displayed(self._finite(), *(_distance(p, "R_2") for p in self.patterns))
+
+    def _finite(self) -> str:
+        return latex_of(self.finite.polynomial, self.finite.enclosure)
+
 
 @dataclass(frozen=True)
 class ContinuousHighAuthority(ExactValue):
@@ -82,15 +93,14 @@ class ContinuousHighAuthority(ExactValue):
     def _repr_latex_(self) -> str:
         rows = []
         for name, part in (("R_2", self.regulator), ("V_2", self.estimator)):
-            chi = part.finite.polynomial
-            finite = part.finite.enclosure.latex() if chi is None else sympy.latex(chi.as_expr())
-            away = [
-                rf"|\lambda| \approx ({sympy.latex(p.gain)}/{name})^{{1/{2 * p.order}}}"
-                for p in part.patterns
-            ]
-            rows.append(rf"{name} \to 0: & {', '.join([finite, *away])}")
-        body = r" \\ ".join(rows)
-        return rf"$\displaystyle \begin{{array}}{{ll}} {body} \end{{array}}$"
+            limits = ", ".join([part._finite(), *(_distance(p, name) for p in part.patterns)])
+            rows.append(rf"{name} \to 0: \; {limits}")
+        return displayed(lines(rows))
+
+
+def _distance(pattern: ButterworthPattern, weight: str) -> str:
+    gain = latex(pattern.gain)
+    return rf"|\lambda| \approx \left({gain}/{weight}\right)^{{1/{2 * pattern.order}}}"
 
 
 def continuous_high_authority(

@@ -8,8 +8,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, shown
-from compensator_theory.polynomials.poly import PolynomialLike
-from compensator_theory.polynomials.shared import in_one_variable, is_list
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, is_list
 
 
 def sylvester_m(
@@ -142,7 +141,7 @@ def matrix_of_coefficients(first: list[Expr], second: list[Expr]) -> ImmutableMa
     Examples
     --------
     >>> from sympy.abc import a
-    >>> from compensator_theory.matrices.sylvester import matrix_of_coefficients
+    >>> from compensator_theory.bezout.sylvester import matrix_of_coefficients
     >>> matrix_of_coefficients([a, a], [a])
     Matrix([[a]])
     """
@@ -197,7 +196,7 @@ def with_formal_degrees(
 
     Examples
     --------
-    >>> from compensator_theory.matrices.sylvester import with_formal_degrees
+    >>> from compensator_theory.bezout.sylvester import with_formal_degrees
     >>> [degree for _, degree in with_formal_degrees([0, 1], "s + 2", None)]
     [1, 1]
     """
@@ -229,7 +228,7 @@ def formal_coefficients(poly: Poly, degree: int) -> list[Expr]:
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.sylvester import formal_coefficients
+    >>> from compensator_theory.bezout.sylvester import formal_coefficients
     >>> formal_coefficients(polynomial("s + 2"), 2)
     [0, 1, 2]
     """

@@ -13,8 +13,8 @@ from compensator_theory.matrices.flint_polynomials import (
     kept_in_flint,
 )
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
 
