@@ -9,8 +9,8 @@ from sympy import Matrix, Poly, Symbol, prevprime
 from sympy.polys.subresultants_qq_zz import sylvester
 
 from compensator_theory import certified_roots
+from compensator_theory.bezout import coprime_equations
 from compensator_theory.bezout.coprime_equations import solve_coprime_equation
-from compensator_theory.matrices import coprime_equations
 from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 import sympy
-from compensator_theory.structure.echelon import echelon
+from compensator_theory.matrices.echelon import echelon
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
