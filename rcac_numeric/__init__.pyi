@@ -15,6 +15,8 @@ from .checks.check import ControllerCheck as ControllerCheck
 from .checks.check import check_controller as check_controller
 from .checks.logs import ControllerLog as ControllerLog
 from .checks.logs import read_log as read_log
+from .checks.plant_residual import PlantResidual as PlantResidual
+from .checks.plant_residual import plant_residual as plant_residual
 from .checks.replays import ControlReplay as ControlReplay
 from .checks.replays import replay as replay
 from .controllers.bounds import CoefficientBounds as CoefficientBounds
@@ -116,8 +118,8 @@ from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
 from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
-from .h2.riccati import solve_dare as solve_dare
-from .h2.stabilising_solution import StabilisingSolution as StabilisingSolution
+from .h2.riccati.equations import solve_dare as solve_dare
+from .h2.riccati.solutions import StabilisingSolution as StabilisingSolution
 from .health.diagnosis import loop_health as loop_health
 from .health.health import LoopHealth as LoopHealth
 from .health.warning import HealthWarning as HealthWarning

@@ -1,1 +1,1 @@
-"""Bezout matrices, subresultants and Sylvester null spaces: what two polynomials share."""
+"""Two polynomials: Sylvester and Bezout matrices, resultants, common factors, identities."""

@@ -8,8 +8,8 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import ask
-from compensator_theory.polynomials.poly import PolynomialLike, is_rational
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 
 
 def bezout_matrix(

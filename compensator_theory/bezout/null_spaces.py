@@ -4,19 +4,14 @@ from dataclasses import dataclass
 
 from sympy import ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.bezout.sylvester import sylvester_m1
+from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
-from compensator_theory.matrices.sylvester import sylvester_m1
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    from_coefficients,
-    monic,
-    scaled,
-)
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "a = g abar, b = g bbar"
@@ -48,6 +43,14 @@ class NullSpaceGCD(ExactValue):
     def __str__(self) -> str:
         a, b = map(format_polynomial, self.cofactors)
         return f"gcd = {format_polynomial(self.gcd)}, a = gcd*({a}), b = gcd*({b})"
+
+    def _repr_latex_(self) -> str:
+        a, b = self.cofactors
+        return displayed(
+            rf"\gcd(a, b) = g = {latex(self.gcd)}",
+            rf"a = g \cdot \left({latex(a)}\right)",
+            rf"b = g \cdot \left({latex(b)}\right)",
+        )
 
 
 def gcd_from_null_space(
@@ -113,7 +116,4 @@ def gcd_from_null_space(
 
 def _certificate(a: Poly, b: Poly, g: Poly, cofactors: tuple[Poly, Poly]) -> Certificate:
     left = [canonical(g * x - y).as_expr() for x, y in zip(cofactors, (a, b), strict=True)]
-    certificate = Certificate(IDENTITY, ImmutableMatrix([left]))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the divisor is wrong, please report it")
-    return certificate
+    return proven(Certificate(IDENTITY, ImmutableMatrix([left])), "divisor")

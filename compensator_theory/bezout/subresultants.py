@@ -6,11 +6,12 @@ import sympy
 from sympy import Expr, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, from_coefficients
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import from_coefficients
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
 
@@ -45,6 +46,9 @@ class Subresultants(ExactValue):
 
     def __str__(self) -> str:
         return ", ".join(f"S_{k} = {format_polynomial(p)}" for k, p in enumerate(self.chain))
+
+    def _repr_latex_(self) -> str:
+        return displayed(*(f"S_{{{k}}} = {latex(poly)}" for k, poly in enumerate(self.chain)))
 
 
 def subresultants(

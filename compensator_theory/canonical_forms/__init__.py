@@ -1,1 +1,1 @@
-"""Canonical forms of matrices, pencils and polynomial matrices: Frobenius, Kronecker, Popov."""
+"""Canonical forms of polynomial matrices, pencils and matrices: Hermite to Frobenius."""

@@ -6,18 +6,21 @@ from itertools import pairwise
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
+from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
-from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.smith import smith_form
 
 IDENTITY = "A T = T A_F, det T not 0, each invariant polynomial a divisor of the next"
 
@@ -63,6 +66,13 @@ class FrobeniusForm(ExactValue):
 
     def __str__(self) -> str:
         return "companions of " + ", ".join(map(format_polynomial, self.invariant_polynomials))
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            rf"A = T A_F T^{{-1}}, \quad A_F = {latex(self.form)}",
+            f"T = {latex(self.T)}",
+            unless(self.exceptional),
+        )
 
 
 def frobenius_form(A: MatrixLike, variable: str | Symbol = "s") -> FrobeniusForm:

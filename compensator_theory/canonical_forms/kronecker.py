@@ -5,16 +5,20 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory.diophantine.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError
+from compensator_theory.latex import diagonal, displayed, latex, unless
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
+    polynomial_matrix,
+)
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, polynomial_matrix
-from compensator_theory.structure.smith import smith_form
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,15 @@ class KroneckerForm(ExactValue):
             f"right indices {self.right_indices}, left indices {self.left_indices}, finite "
             f"{finite}, infinite {self.infinite_orders}"
         )
+
+    def _repr_latex_(self) -> str:
+        s = self.pencil.variable
+        blocks = [f"L_{{{index}}}" for index in self.right_indices]
+        blocks += [f"L_{{{index}}}^T" for index in self.left_indices]
+        blocks += [rf"{s} I - C_{{{latex(p)}}}" for p in self.invariant_polynomials]
+        blocks += [rf"{s} N_{{{order}}} - I" for order in self.infinite_orders]
+        form = diagonal(blocks) if blocks else "0"
+        return displayed(rf"{latex(self.pencil)} \sim {form}", unless(self.exceptional))
 
 
 def kronecker_form(A: MatrixLike, E: MatrixLike, variable: str | Symbol = "s") -> KroneckerForm:

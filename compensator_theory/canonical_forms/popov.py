@@ -5,21 +5,16 @@ from dataclasses import dataclass
 from sympy import Expr, Symbol
 
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import (
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.equivalence import by_rows, elimination_of
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    denominators,
-    joint_ring,
     polynomial_matrix,
-    read_into,
-    written,
 )
-from compensator_theory.structure.rings import identity, multiply
-from compensator_theory.structure.smith import certificate_of
+from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "U P = F, U U^-1 = I"
 
@@ -61,6 +56,12 @@ class PopovForm(ExactValue):
     def __str__(self) -> str:
         return str(self.form)
 
+    def _repr_latex_(self) -> str:
+        parts = latex(self.U_inverse) + latex(self.form)
+        return displayed(
+            rf"P = {latex(self.matrix)} = U^{{-1}} F = {parts}", unless(self.exceptional)
+        )
+
 
 def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = None) -> PopovForm:
     r"""Bring a polynomial matrix to its Popov form by row operations.
@@ -98,28 +99,28 @@ def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
     [[0, 1], [s, 0]]
     """
     source = polynomial_matrix(matrix, variable)
-    ring = joint_ring(source)
-    grid = read_into(ring, source)
-    work = Elimination(ring, grid)
-    pivots = _weak(work)
+    work = elimination_of(source)
+    ring, pivots = work.ring, _weak(work)
     order = sorted(pivots, key=lambda i: (ring.degree(work.matrix[i][pivots[i]]), pivots[i]))
     _permute(work, order)
     columns = [pivots[i] for i in order]
     for i, column in enumerate(columns):
         work.make_monic(i, column)
     _reduce(work, columns)
-    results = [written(ring, part) for part in (work.matrix, work.U, work.U_inverse)]
-    form, U, U_inverse = results
-    degrees = tuple(int(form[i, c].degree()) for i, c in enumerate(columns))
-    pairs = [
-        (multiply(ring, work.U, grid), work.matrix),
-        (multiply(ring, work.U, work.U_inverse), identity(ring, work.rows)),
-    ]
-    certificate = certificate_of(ring, IDENTITY, pairs)
-    if not _is_popov(form, columns):
+    found = by_rows(work, IDENTITY)
+    degrees = tuple(int(found.form[i, c].degree()) for i, c in enumerate(columns))
+    if not _is_popov(found.form, columns):
         raise NoSolutionError("the form is not reduced; it is wrong, please report it")
-    exceptional = exceptional_factors(denominators(*results))
-    return PopovForm(source, form, U, U_inverse, tuple(columns), degrees, exceptional, certificate)
+    return PopovForm(
+        source,
+        found.form,
+        found.U,
+        found.U_inverse,
+        tuple(columns),
+        degrees,
+        found.exceptional,
+        found.certificate,
+    )
 
 
 def _pivot(work: Elimination, i: int) -> int | None:

@@ -1,1 +1,1 @@
-"""Linear equations between polynomials and polynomial matrices, and bases of their null spaces."""
+"""Linear equations between polynomials and polynomial matrices."""

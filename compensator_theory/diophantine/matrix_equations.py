@@ -2,26 +2,28 @@
 
 from dataclasses import dataclass
 
-from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy import Expr, Poly, Symbol
 
-from compensator_theory.diophantine.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minimal_basis
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import (
+from compensator_theory.latex import displayed, latex, unless, words
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
-    denominators,
     joint_ring,
     polynomial_matrix,
     read_into,
     written,
 )
-from compensator_theory.structure.rings import Element, Grid, Ring, multiply
-from compensator_theory.structure.row_forms import triangulate
+from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring, multiply
+from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = {"right": "A X + B Y = C", "left": "X A + Y B = C"}
 
@@ -104,6 +106,19 @@ class MatrixDiophantineSolution(ExactValue):
 
     def __str__(self) -> str:
         return f"X = {self.X}\nY = {self.Y}"
+
+    def _repr_latex_(self) -> str:
+        equation = "A X + B Y = C" if self.side == "right" else "X A + Y B = C"
+        solution = (f"X = {latex(self.X)}", f"Y = {latex(self.Y)}")
+        more = ""
+        if self.kernel.basis is not None:
+            basis = self.kernel.basis
+            more = (
+                rf"{words('and')} \; {latex(basis)}\, T"
+                if self.side == "right"
+                else rf"{words('and')} \; T\, {latex(basis.T)}"
+            )
+        return displayed(equation, *solution, more, unless(self.exceptional))
 
 
 def solve_matrix_diophantine(
@@ -188,7 +203,7 @@ def solve_matrix_diophantine(
 def _particular(ring: Ring, stacked: Grid, wanted: Grid) -> Grid:
     """Return Z with Z [A B]' = C', row by row, from the Hermite form of [A B]'."""
     work = Elimination(ring, stacked)
-    rank = triangulate(work)
+    rank = work.triangulate()
     pivots = [
         next(j for j, e in enumerate(row) if ring.degree(e) >= 0) for row in work.matrix[:rank]
     ]
@@ -222,7 +237,7 @@ def _least(ring: Ring, row: list[Element], basis: Grid, indices: tuple[int, ...]
         usable = [i for i, index in enumerate(indices) if index <= degree]
         leading = [[ring.coefficient(e, indices[i]) for e in basis[i]] for i in usable]
         work = Elimination(ring, [*leading, [ring.coefficient(e, degree) for e in row]])
-        rank = triangulate(work)
+        rank = work.triangulate()
         if rank > len(usable):
             break
         relation = work.U[rank]
@@ -242,8 +257,4 @@ def _certificate(
 ) -> Certificate:
     A, B, C = given
     total = A @ X + B @ Y if side == "right" else X @ A + Y @ B
-    entries = list((total - C).as_matrix())
-    certificate = Certificate(IDENTITY[side], ImmutableMatrix(1, len(entries), entries))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the solution is wrong, please report it")
-    return certificate
+    return certificate_of(IDENTITY[side], [(total - C).as_matrix()], "solution")

@@ -6,25 +6,22 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 
+from compensator_theory.bezout.resultants import resultant
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import solve
-from compensator_theory.matrices.resultants import resultant
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    from_coefficients,
-    monic,
-    polynomial,
-    scaled,
-)
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, denominators
 
 IDENTITY = "a x + b y = c, a dx + b dy = 0"
 
@@ -70,6 +67,11 @@ class DiophantineSolution(ExactValue):
     def __str__(self) -> str:
         x, dx, y, dy = (format_polynomial(p) for p in (self.x, self.dx, self.y, self.dy))
         return f"x = {x} + t*({dx}), y = {y} + t*({dy})"
+
+    def _repr_latex_(self) -> str:
+        x = rf"x = {latex(self.x)} + t \left({latex(self.dx)}\right)"
+        y = rf"y = {latex(self.y)} + t \left({latex(self.dy)}\right)"
+        return displayed(x, y, unless(self.exceptional))
 
 
 def solve_diophantine(
@@ -138,11 +140,10 @@ def solve_diophantine(
     u, v = _least(p, q, r)
     x, y, dx, dy = (u, v, q, -p) if least == "y" else (v, u, p, -q)
     residual = [first * x + second * y - right, first * dx + second * dy]
-    certificate = Certificate(
-        IDENTITY, ImmutableMatrix([[canonical(rest).as_expr() for rest in residual]])
+    certificate = proven(
+        Certificate(IDENTITY, ImmutableMatrix([[canonical(rest).as_expr() for rest in residual]])),
+        "solution",
     )
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the solution is wrong, please report it")
     divisors = denominators(PolynomialMatrix(((g, x, y, dx, dy),)))
     if any(side.free_symbols_in_domain for side in (p, q)):
         divisors.append(resultant(p, q, variable=first.gen))

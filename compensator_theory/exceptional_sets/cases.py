@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-import sympy
 from sympy import Expr, Symbol
 
 from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.exceptional_sets.equations import irreducible_factors
+from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.polynomials.budget import quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
@@ -101,22 +101,20 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
         name = f" ({self.error.__name__})" if self.error else ""
         return f"{self.conditions}: {self.status}{generic}{name}: {quoted(self.reason)}"
 
-    def _latex(self) -> str:
-        parts = [f"{sympy.latex(s)} = {sympy.latex(value)}" for s, value in self.values]
-        parts += [f"{sympy.latex(f)} = 0" for f in self.zero]
-        parts += [rf"{sympy.latex(f)} \ne 0" for f in self.nonzero]
+    def _repr_latex_(self) -> str:
+        return displayed(*self._formulas())
+
+    def _formulas(self) -> tuple[str, str]:
+        """The answer and its conditions."""
+        conditions = [f"{latex(symbol)} = {latex(value)}" for symbol, value in self.values]
+        conditions += [f"{latex(factor)} = 0" for factor in self.zero]
+        conditions.append(unless(self.nonzero))
         if self.not_all_zero:
-            listed = ", ".join(map(sympy.latex, self.not_all_zero))
-            parts.append(rf"({listed}) \ne 0")
-        show = getattr(self.answer, "_repr_latex_", None)
-        if show is not None:
-            body = show().strip("$").removeprefix(r"\displaystyle")
-        elif self.status == "answered":
-            body = rf"\text{{{type(self.answer).__name__}}}"
-        else:
-            body = rf"\text{{{self.error.__name__ if self.error else self.status}}}"
-        where = ", ".join(parts) or r"\text{always}"
-        return f"{body} & {where}"
+            conditions.append(rf"{latex(self.not_all_zero)} \neq 0")
+        where = r", \; ".join(filter(None, conditions)) or words("always")
+        if self.status == "answered":
+            return latex(self.answer), where
+        return words(self.error.__name__ if self.error else self.status), where
 
 
 @dataclass(frozen=True)
@@ -164,5 +162,5 @@ class ExceptionalCases(ExactValue, Generic[Answer]):
         return "\n".join(map(str, self.cases))
 
     def _repr_latex_(self) -> str:
-        rows = r" \\ ".join(case._latex() for case in self.cases)
-        return rf"$\displaystyle \begin{{cases}} {rows} \end{{cases}}$"
+        rows = r" \\ ".join(" & ".join(case._formulas()) for case in self.cases)
+        return displayed(rf"\begin{{cases}} {rows} \end{{cases}}")

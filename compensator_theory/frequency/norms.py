@@ -8,6 +8,7 @@ from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.frequency.half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
+from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import number_of_real_roots
@@ -42,6 +43,9 @@ class HInfinityNorm(ExactValue):
 
     def __str__(self) -> str:
         return f"{self.value} = {float(self.enclosure):.6g}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(rf"\|G\|_\infty = {latex(self.value)} \approx {float(self.enclosure):.6g}")
 
 
 def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None) -> HInfinityNorm:

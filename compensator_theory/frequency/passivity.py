@@ -8,6 +8,7 @@ from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.frequency.half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
+from compensator_theory.latex import displayed, words
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import RootCount
@@ -49,6 +50,9 @@ class RealnessDecision(ExactValue):
         if self.poles.stable < self.poles.total:
             return f"not {self.question}: {self.poles} poles"
         return f"not {self.question}: the matrix is indefinite at omega^2 = {self.violated}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(words(str(self)))
 
 
 def decide_bounded_real(

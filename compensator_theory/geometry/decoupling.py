@@ -7,18 +7,22 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import diagonal, displayed, fraction, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
     solve,
 )
-from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import listed
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic, polynomial
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
@@ -61,6 +65,14 @@ class Decoupling(ExactValue):
     def __str__(self) -> str:
         parts = ", ".join(f"1/({format_polynomial(p)})" for p in self.polynomials)
         return f"diag({parts}) with F = {self.F.tolist()}, W = {self.W.tolist()}"
+
+    def _repr_latex_(self) -> str:
+        loop = diagonal(fraction(1, poly) for poly in self.polynomials)
+        return displayed(
+            rf"y = {loop}\, v, \quad u = F x + W v, \quad F = {latex(self.F)}",
+            f"W = {latex(self.W)}",
+            unless(self.exceptional),
+        )
 
 
 def decouple(

@@ -10,9 +10,9 @@ from compensator_theory.geometry.invariant_subspaces import (
     controlled_invariant_subspaces,
 )
 from compensator_theory.geometry.subspaces import Subspaces
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless, words
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrix_equations.solutions import certificate_of
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
@@ -44,6 +44,11 @@ class DisturbanceDecoupling(ExactValue):
         if self.F is None:
             return "no state feedback hides the disturbance from the output"
         return f"u = F x with F = {self.F.tolist()} hides the disturbance from the output"
+
+    def _repr_latex_(self) -> str:
+        if self.F is None:
+            return displayed(words(str(self)), unless(self.subspaces.exceptional))
+        return displayed(f"u = F x, \\quad F = {latex(self.F)}", unless(self.subspaces.exceptional))
 
 
 def decouple_disturbance(

@@ -9,6 +9,7 @@ import sympy
 from sympy import QQ, Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
 from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -46,6 +47,11 @@ class FixedModes(ExactValue):
         if not self.polynomial.degree():
             return "no fixed modes"
         return f"the roots of {format_polynomial(self.polynomial)} are fixed"
+
+    def _repr_latex_(self) -> str:
+        s = latex(self.polynomial.gen)
+        loop = rf"\det\left({s} I - A - \textstyle\sum_i B_i K_i C_i\right)"
+        return displayed(rf"\gcd_{{K_i}} {loop} = {latex(self.polynomial)}")
 
 
 def decentralised_fixed_modes(

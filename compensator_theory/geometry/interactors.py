@@ -7,14 +7,14 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import ImproperError, NoSolutionError
 from compensator_theory.geometry.subspaces import Subspaces
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import rank
-from compensator_theory.matrix_equations.solutions import certificate_of
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -48,6 +48,11 @@ class Interactor(ExactValue):
 
     def __str__(self) -> str:
         return f"{self.matrix}, limit {self.limit.tolist()}"
+
+    def _repr_latex_(self) -> str:
+        s = latex(self.matrix.variable)
+        limit = rf"\lim_{{{s} \to \infty}} \xi G = {latex(self.limit)}"
+        return displayed(rf"\xi = {latex(self.matrix)}", limit, unless(self.exceptional))
 
 
 def interactor(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Interactor:

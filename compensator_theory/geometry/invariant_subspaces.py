@@ -6,12 +6,15 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.geometry.subspaces import Subspaces
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless, words
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "(A + B F) V = V M, (C + D F) V = 0"
@@ -21,7 +24,7 @@ IDENTITY = "(A + B F) V = V M, (C + D F) V = 0"
 class ControlledInvariantSubspaces(ExactValue):
     r"""The largest subspace in which feedback can keep the state with zero output, and its parts.
 
-    .. math:: (A + BF)\,\mathcal V^* \subset \mathcal V^*, \qquad (C + DF)\,\mathcal V^* = 0
+    .. math:: (A + BF)\,\mathcal{{V}}^* \subset \mathcal V^*, \qquad (C + DF)\,\mathcal V^* = 0
 
     Attributes
     ----------
@@ -57,6 +60,18 @@ class ControlledInvariantSubspaces(ExactValue):
         return (
             f"V* = span {self.V.T.tolist()}, R* = span {self.R.T.tolist()}, "
             f"zeros of {self.zero_polynomial.as_expr()}"
+        )
+
+    def _repr_latex_(self) -> str:
+        polynomial = self.zero_polynomial
+        zeros = f"{words('zeros of ')} {latex(polynomial)}" if polynomial.degree() else ""
+        return displayed(
+            rf"\mathcal{{V}}^* = \operatorname{{im}} {latex(self.V)}",
+            rf"\mathcal{{R}}^* = \operatorname{{im}} {latex(self.R)}",
+            rf"\mathcal{{S}}^* = \operatorname{{im}} {latex(self.S)}",
+            f"F = {latex(self.F)}",
+            zeros,
+            unless(self.exceptional),
         )
 
 

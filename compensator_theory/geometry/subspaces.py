@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
-from compensator_theory.structure.echelon import echelon, independent_columns
+from compensator_theory.matrices.echelon import echelon, independent_columns
 
 
 @dataclass

@@ -10,15 +10,15 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.constructor import construct_domain
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, total, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
-from compensator_theory.matrix_equations.solutions import certificate_of
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import ask, decimal_digits, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -74,6 +74,14 @@ class LaurentExpansion(ExactValue):
             for k, c in enumerate(self.coefficients)
         ]
         return f"about {self.point}: " + ", ".join(parts)
+
+    def _repr_latex_(self) -> str:
+        terms = [
+            f"{latex(c[0, 0] if c.shape == (1, 1) else c)} h^{{{power}}}"
+            for power, c in enumerate(self.coefficients, -self.order)
+        ]
+        series = f"G({latex(self.point)} + h) = {total(terms)} + \\cdots"
+        return displayed(series, unless(self.exceptional))
 
 
 def laurent_expansion(

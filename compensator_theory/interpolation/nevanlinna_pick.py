@@ -8,6 +8,7 @@ from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.budget import ask, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.values import ExactValue
@@ -51,6 +52,14 @@ class PickInterpolation(ExactValue):
         verdict = "feasible" if self.is_feasible else "not feasible"
         least = sympy.sqrtdenest(sympy.sqrt(self.least_squared))
         return f"{verdict} with bound {self.bound}; the least bound is {least}"
+
+    def _repr_latex_(self) -> str:
+        sign = r"\succeq" if self.is_feasible else r"\not\succeq"
+        least = latex(sympy.sqrtdenest(sympy.sqrt(self.least_squared)))
+        return displayed(
+            rf"{latex(self.matrix)} {sign} 0, \quad \gamma = {latex(self.bound)}",
+            rf"\gamma_{{\min}} = {least}",
+        )
 
 
 def nevanlinna_pick(

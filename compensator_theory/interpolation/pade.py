@@ -8,14 +8,18 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.echelon import echelon
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials.poly import from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
-from compensator_theory.structure.echelon import echelon, exceptional_factors
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 IDENTITY = "the coefficients of N - c D up to s^(m + n)"
@@ -43,6 +47,11 @@ class PadeApproximant(ExactValue):
 
     def __str__(self) -> str:
         return str(self.approximant)
+
+    def _repr_latex_(self) -> str:
+        s = latex(self.approximant.denominator.gen)
+        order = rf"O\left({s}^{{{self.agreement}}}\right)"
+        return displayed(f"{latex(self.approximant)} + {order}", unless(self.exceptional))
 
 
 def pade_approximant(

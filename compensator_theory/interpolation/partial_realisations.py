@@ -7,14 +7,18 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.matrix_equations.solutions import certificate_of, denominators_of
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.echelon import echelon
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials.poly import from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
-from compensator_theory.structure.echelon import echelon, exceptional_factors
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 IDENTITY = "D h = N in the powers of z that the data determine"
@@ -54,6 +58,9 @@ class PartialRealisation(ExactValue):
         return f"{self.transfer_function}" + (
             f", one of a family of dimension {count}" * bool(count)
         )
+
+    def _repr_latex_(self) -> str:
+        return displayed(f"G = {latex(self.transfer_function)}", unless(self.exceptional))
 
 
 def partial_realisation(

@@ -13,10 +13,11 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 
-from compensator_theory.errors import ImproperError, InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.poly import PolynomialLike, from_expression, polynomial
+from compensator_theory.polynomials.poly import from_expression
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.standard_problems import StandardProblem
@@ -117,9 +118,7 @@ class Loop(ExactValue):
         identity = DomainMatrix.eye(delta.shape[0], self._domain).to_dense()
         residual = ImmutableMatrix((delta * adjugate - identity * determinant).to_Matrix())
         name = "(D D_c - N_c N_yu) adj(D D_c - N_c N_yu) = det(D D_c - N_c N_yu) I"
-        certificate = Certificate(name, residual)
-        if not certificate.holds:
-            raise NoSolutionError(f"{certificate}; the loop is wrong, please report it")
+        certificate = proven(Certificate(name, residual), "loop")
         return adjugate, determinant, certificate
 
     @property

@@ -8,6 +8,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.directions import (
     gaussian,
     rational_matrix,
@@ -61,6 +62,13 @@ class ZeroDirectionTarget(ExactValue):
     def __str__(self) -> str:
         lines = [f"{zero} in the direction {list(eta)}" for zero, eta in self.zeros]
         return "\n".join([f"G_f = {self.transfer_matrix}", *lines])
+
+    def _repr_latex_(self) -> str:
+        at = [
+            rf"\eta^T G_f\left({latex(zero)}\right) = 0, \; \eta = {latex(eta)}"
+            for zero, eta in self.zeros
+        ]
+        return displayed(f"G_f = {latex(self.transfer_matrix)}", *at)
 
 
 def zero_direction_target(

@@ -1,1 +1,1 @@
-"""High-authority LQG: exact gains, Riccati solutions, costs, poles and target model."""
+"""LQG with proof: gains, Riccati solutions, poles and targets, high authority included."""

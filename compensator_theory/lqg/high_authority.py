@@ -3,17 +3,20 @@
 from dataclasses import dataclass
 from functools import cached_property
 
-import sympy
-from sympy import ImmutableMatrix, Poly
+from sympy import Poly
 
 from compensator_theory.lqg.poles import LQGPoles
 from compensator_theory.lqg.riccati import RiccatiSolution, solve_riccati
+from compensator_theory.lqg.separation import (
+    ControllerMatrices,
+    controller_matrices,
+    scalar_controller,
+)
 from compensator_theory.lqg.targets import scalar_numerators
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.enclosures import PolynomialEnclosure
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
@@ -62,24 +65,14 @@ class HighAuthorityLQG(ExactValue):
         return self.poles.enclosure
 
     @property
-    def realisation(self) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix] | None:
+    def realisation(self) -> ControllerMatrices | None:
         """The matrices (A_c, B_c, C_c) of (A.4)-(A.6) if they are rational, else None."""
-        if self.regulator.K is None or self.estimator.K is None:
-            return None
-        plant = self.plant
-        B_c, C_c = -self.estimator.K.T, self.regulator.K
-        A_c = plant.A + plant.B * C_c - B_c * plant.C - B_c * plant.D_0 * C_c
-        return ImmutableMatrix(A_c), ImmutableMatrix(B_c), ImmutableMatrix(C_c)
+        return controller_matrices(self.plant, self.regulator.K, self.estimator.K)
 
     @cached_property
     def compensator(self) -> TransferFunction | None:
         """The compensator of order n for u = G_c y if it is rational, else None."""
-        if self.realisation is None:
-            return None
-        direct = sympy.zeros(1, 1)
-        return transfer_matrix_of_realisation(
-            *self.realisation, direct, self.plant.variable
-        ).scalar()
+        return scalar_controller(self.plant, self.realisation)
 
     def __str__(self) -> str:
         if self.polynomial is None:

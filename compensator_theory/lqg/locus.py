@@ -6,21 +6,22 @@ import sympy
 from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import CompensatorError, ImproperError, InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, canonical
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import require_rational
+from compensator_theory.roots.enclosures import text_of
 from compensator_theory.roots.half_plane_factors import (
     HalfPlaneFactor,
     continuous_spectral_factor,
-    even_spectrum,
 )
+from compensator_theory.roots.reflections import even_spectrum, spectrum_of
 from compensator_theory.roots.spectral_factors import (
     SpectralFactor,
     spectral_factor,
-    spectrum_of,
 )
 
 R_2 = Symbol("R_2")
@@ -142,7 +143,8 @@ class RegulatorLocus(ExactValue):
         ends = []
         for end, poly in (("cheap", self.numerator), ("expensive", self.denominator)):
             try:
-                ends.append(_shown(getattr(self, end)))
+                limit = getattr(self, end)
+                ends.append(text_of(limit.polynomial, limit.enclosure))
             except CompensatorError:  # the limit itself is not stable
                 ends.append(f"roots of {format_polynomial(poly)} on the boundary of stability")
         k = self.number_to_infinity
@@ -152,7 +154,7 @@ class RegulatorLocus(ExactValue):
         )
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {sympy.latex(self.spectrum.as_expr())}$"
+        return displayed(latex(self.spectrum))
 
 
 def regulator_locus(
@@ -206,9 +208,3 @@ def regulator_locus(
     if denominator.degree() == 0:
         raise InputError("the plant has no pole that could move; give D of degree 1 or more")
     return RegulatorLocus(numerator, denominator)
-
-
-def _shown(factor: SpectralFactor | HalfPlaneFactor) -> str:
-    if factor.polynomial is None:
-        return str(factor.enclosure)
-    return format_polynomial(factor.polynomial)

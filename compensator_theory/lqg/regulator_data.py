@@ -1,12 +1,16 @@
 """The matrices of a regulator problem, read once, and their balls."""
 
 import flint
-from sympy import ImmutableMatrix, Matrix, Rational
+import sympy
+from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NotControllableError
+from compensator_theory.latex import table
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import is_rational_matrix
+from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.roots.enclosures import Enclosure, ball_of_number, enclosure_of_ball
+from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 
 EnclosedMatrix = tuple[tuple[Enclosure, ...], ...]
 RegulatorData = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
@@ -41,6 +45,40 @@ def regulator_data(
         if not is_rational_matrix(matrix):
             raise InputError(f"{name} has entries that are not rational numbers; substitute them")
     return a, b, e_1, e_2
+
+
+def state_numerators(
+    A: ImmutableMatrix, B: ImmutableMatrix, variable: Symbol
+) -> tuple[Poly, ImmutableMatrix]:
+    r"""Return det(sI - A), and W with adj(sI - A) B = W' (s^(n-1), ..., 1)' for one input.
+
+    The gain K that moves the first to another polynomial solves W K' = their difference.
+
+    Raises
+    ------
+    NotControllableError
+        If W is singular, so that the closed-loop polynomial does not determine the gain.
+
+    Examples
+    --------
+    >>> from sympy import ImmutableMatrix
+    >>> from sympy.abc import q
+    >>> from compensator_theory.lqg.regulator_data import state_numerators
+    >>> A, B = ImmutableMatrix([[0, 1], [-2, -3]]), ImmutableMatrix([[0], [1]])
+    >>> print(*state_numerators(A, B, q))
+    Poly(q**2 + 3*q + 2, q, domain='QQ') Matrix([[0, 1], [1, 0]])
+    """
+    n = A.rows
+    states = transfer_matrix_of_realisation(A, B, sympy.eye(n), sympy.zeros(n, 1), variable)
+    W = ImmutableMatrix(
+        n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(variable ** (n - 1 - i))
+    )
+    if rank(W) < n:
+        raise NotControllableError(
+            f"(A, B) has {n - rank(W)} uncontrollable mode(s), so the closed-loop polynomial does "
+            "not determine the gain; remove them from the realisation first"
+        )
+    return states.denominator, W
 
 
 def ball_matrix(matrix: Matrix) -> flint.arb_mat:
@@ -80,3 +118,16 @@ def exact_rows(matrix: Matrix) -> EnclosedMatrix:
     ((1/2,),)
     """
     return tuple(tuple(Enclosure(entry, Rational(0)) for entry in row) for row in matrix.tolist())
+
+
+def approximately(matrix: EnclosedMatrix) -> str:
+    r"""Write the centres of an enclosed matrix in LaTeX, to eight digits.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.lqg.regulator_data import approximately, exact_rows
+    >>> print(approximately(exact_rows(Matrix([["1/3"]]))))
+    \left[\begin{matrix}0.33333333\end{matrix}\right]
+    """
+    return table([[sympy.N(entry.centre, 8) for entry in row] for row in matrix])

@@ -5,29 +5,30 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import flint
-import sympy
 from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
-from compensator_theory.errors import InputError, NoSolutionError, NotControllableError
+from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.lqg.regulator_data import (
     EnclosedMatrix,
     RegulatorData,
+    approximately,
     ball_matrix,
     enclosed_rows,
     exact_rows,
     regulator_data,
+    state_numerators,
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import from_flint, to_flint
-from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_discrete
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
+from compensator_theory.roots.reflections import spectrum_of
 from compensator_theory.roots.spectral_factors import (
     SpectralFactor,
     factor_palindrome,
-    spectrum_of,
 )
 from compensator_theory.roots.unit_circle_enclosures import working_bits
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
@@ -104,10 +105,10 @@ class RiccatiSolution(ExactValue):
         return f"K = {K}{P}\n{chi}\nR_2 + B'PB = {self.factor.constant!r}"
 
     def _repr_latex_(self) -> str:
-        exact = rf"K = {sympy.latex(self.K)}, \quad P = {sympy.latex(self.P)}, \quad "
-        centres = Matrix([[sympy.N(c.centre, 8) for c in row] for row in self.K_enclosure])
-        gain = exact if self.is_exact else rf"K \approx {sympy.latex(centres)}, \quad "
-        return rf"$\displaystyle {gain}R_2 + B^TPB = {self.factor.constant.latex()}$"
+        innovation = f"R_2 + B^TPB = {latex(self.factor.constant)}"
+        if self.is_exact:
+            return displayed(f"K = {latex(self.K)}", f"P = {latex(self.P)}", innovation)
+        return displayed(rf"K \approx {approximately(self.K_enclosure)}", innovation)
 
 
 def solve_riccati(
@@ -171,21 +172,14 @@ def solve_riccati(
     a, b, e_1, e_2 = matrices = regulator_data(A, B, E_1, E_2)
     if b.cols != 1:
         raise InputError(f"B has {b.cols} columns; one input is needed (see lqg_poles for several)")
-    states = transfer_matrix_of_realisation(a, b, sympy.eye(a.rows), sympy.zeros(a.rows, 1), q)
     n = a.rows
-    W = Matrix(n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(q ** (n - 1 - i)))
-    if rank(W) < n:
-        raise NotControllableError(
-            f"(A, B) has {n - rank(W)} uncontrollable mode(s), so the closed-loop polynomial does "
-            "not determine the gain; remove them from the realisation first"
-        )
+    open_loop, W = state_numerators(a, b, q)
     outputs = transfer_matrix_of_realisation(a, b, e_1, e_2, q)
     palindrome = sum(
         (spectrum_of(outputs[row, 0].numerator, n) for row in range(e_1.rows)), Poly(0, q)
     )
     if palindrome.is_zero:
         raise NoSolutionError("the transfer matrix from u to z is zero, so no gain is the best")
-    open_loop = states.denominator
     precision = digits
     working_bits(digits)
     while True:

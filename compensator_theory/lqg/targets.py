@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
+from compensator_theory.latex import displayed, fraction, latex
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -63,9 +64,8 @@ class HighAuthorityTarget(ExactValue):
 
     def _repr_latex_(self) -> str:
         if self.transfer_function is not None:
-            return rf"$\displaystyle G_f = {self.transfer_function._repr_latex_()[15:-1]}$"
-        top, bottom = self.numerator.latex(), self.denominator.latex()
-        return rf"$\displaystyle G_f = \frac{{{top}}}{{{bottom}}}$"
+            return displayed(f"G_f = {latex(self.transfer_function)}")
+        return displayed(f"G_f = {fraction(self.numerator, self.denominator)}")
 
 
 def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAuthorityTarget:

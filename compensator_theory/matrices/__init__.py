@@ -1,1 +1,1 @@
-"""Exact linear algebra, Sylvester matrices and invariant subspaces."""
+"""Exact linear algebra: systems, ranks with symbols, exponentials, invariant subspaces."""

@@ -1,9 +1,13 @@
 """What a conversion leaves behind to be checked: an identity, and what is left of it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from sympy import ImmutableMatrix
+import sympy
+from sympy import Expr, ImmutableMatrix
 
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.values import ExactValue
 
 
@@ -36,3 +40,48 @@ class Certificate(ExactValue):
 
     def __str__(self) -> str:
         return f"{self.identity}: {'holds exactly' if self.holds else 'FAILS'}"
+
+    def _repr_latex_(self) -> str:
+        left = "" if self.holds else f"{words('left is')} {latex(self.residual)}"
+        return displayed(words(str(self)), left)
+
+
+def proven(certificate: Certificate, what: str = "result") -> Certificate:
+    """Return a certificate that holds.
+
+    Raises
+    ------
+    NoSolutionError
+        If it does not: then the computation before was wrong.
+
+    Examples
+    --------
+    >>> from sympy import ImmutableMatrix
+    >>> from compensator_theory.matrices.certificates import Certificate, proven
+    >>> print(proven(Certificate("1 - 1 = 0", ImmutableMatrix([[0]])), "difference"))
+    1 - 1 = 0: holds exactly
+    """
+    if not certificate.holds:
+        raise NoSolutionError(f"{certificate}; the {what} is wrong, please report it")
+    return certificate
+
+
+def certificate_of(
+    identity: str, residuals: Iterable[Iterable[Expr]], what: str = "result"
+) -> Certificate:
+    """Return the certificate of matrices, or lists of expressions, that must vanish.
+
+    Raises
+    ------
+    NoSolutionError
+        If one does not: then the computation before was wrong.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.certificates import certificate_of
+    >>> certificate_of("0 = 0", [Matrix([[0]])]).holds
+    True
+    """
+    left = [sympy.cancel(entry) for matrix in residuals for entry in matrix]
+    return proven(Certificate(identity, ImmutableMatrix(1, len(left), left)), what)

@@ -5,6 +5,7 @@ from typing import Any
 import flint
 from sympy import QQ, ImmutableMatrix, Matrix, Rational
 from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.sdm import SDM
 from sympy.polys.polyerrors import CoercionFailed
 
 
@@ -77,9 +78,13 @@ def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:
     rows = matrix.tolist() if 0 not in shape else []
     if QQ.dtype is not flint.fmpq:
         rows = [[QQ(int(entry.p), int(entry.q)) for entry in row] for row in rows]
-    nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
-    by_row = {i: row for i, row in nonzero.items() if row}
-    return DomainMatrix.from_dod(by_row, shape, QQ).to_Matrix().as_immutable()
+    if shape[1] == 1:
+        by_row = {i: {0: row[0]} for i, row in enumerate(rows) if row[0]}
+    else:
+        nonzero = {i: {j: e for j, e in enumerate(row) if e} for i, row in enumerate(rows)}
+        by_row = {i: row for i, row in nonzero.items() if row}
+    # SymPy's public way, through a mutable matrix, takes twice as long for a column of 20.
+    return ImmutableMatrix._fromrep(DomainMatrix.from_rep(SDM(by_row, shape, QQ)))
 
 
 def _fraction(entry: Any) -> flint.fmpq:

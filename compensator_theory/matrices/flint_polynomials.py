@@ -4,7 +4,7 @@ import flint
 from sympy import QQ, Poly, Symbol
 from sympy.polys.polyclasses import DMP, DUP_Flint
 
-from compensator_theory.polynomials.poly import PolynomialLike
+from compensator_theory.polynomials.reading import PolynomialLike
 
 
 def kept_in_flint(

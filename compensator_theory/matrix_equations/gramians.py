@@ -6,17 +6,17 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.matrix_equations.solutions import certificate_of
 from compensator_theory.matrix_equations.sylvester_equations import solve_lyapunov, solve_stein
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.stability import decide_hurwitz, decide_schur
 from compensator_theory.stabilisation.conditions import stability_conditions
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "both Lyapunov equations of the Gramians"
@@ -58,6 +58,15 @@ class Gramians(ExactValue):
         return (
             f"W_c = {self.controllability.tolist()}\nW_o = {self.observability.tolist()}\n"
             f"H2 norm squared: {self.norm_squared}"
+        )
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            f"W_c = {latex(self.controllability)}",
+            f"W_o = {latex(self.observability)}",
+            rf"\|G\|_2^2 = {latex(self.norm_squared)}",
+            *(f"{latex(condition)} > 0" for condition in self.conditions),
+            unless(self.exceptional),
         )
 
 

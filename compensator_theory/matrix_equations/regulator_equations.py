@@ -6,11 +6,12 @@ import sympy
 from sympy import Expr, ImmutableMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrix_equations.solutions import certificate_of, solve_by_columns
+from compensator_theory.matrix_equations.solutions import solve_by_columns
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "Pi S = A Pi + B Gamma + P, 0 = C Pi + D Gamma + Q"
@@ -55,6 +56,13 @@ class RegulatorSolution(ExactValue):
 
     def __str__(self) -> str:
         return f"Pi = {self.Pi.tolist()}, Gamma = {self.Gamma.tolist()}"
+
+    def _repr_latex_(self) -> str:
+        one, other = latex(self.Pi), latex(self.Gamma)
+        for k, (state, control) in enumerate(self.homogeneous, 1):
+            one += rf" + \alpha_{{{k}}} {latex(state)}"
+            other += rf" + \alpha_{{{k}}} {latex(control)}"
+        return displayed(rf"\Pi = {one}", rf"\Gamma = {other}", unless(self.exceptional))
 
 
 def solve_regulator_equations(

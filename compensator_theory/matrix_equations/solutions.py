@@ -3,14 +3,18 @@
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, total, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.echelon import contradictions, echelon
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators_of,
+    exceptional_factors,
+)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import contradictions, echelon, exceptional_factors
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,10 @@ class MatrixSolution(ExactValue):
     def __str__(self) -> str:
         count = len(self.homogeneous)
         return f"X = {self.X.tolist()}" + (f", one of a family of dimension {count}" * bool(count))
+
+    def _repr_latex_(self) -> str:
+        terms = [rf"\alpha_{{{k}}} {latex(part)}" for k, part in enumerate(self.homogeneous, 1)]
+        return displayed(f"X = {total([latex(self.X), *terms])}", unless(self.exceptional))
 
 
 def solve_by_columns(
@@ -103,25 +111,6 @@ def solve_by_columns(
     return X, tuple(more), divisors
 
 
-def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
-    """Return the denominators of all entries that have symbols in them.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrix_equations.solutions import denominators_of
-    >>> denominators_of([Matrix([["1/a", "2*b"]])])
-    [a]
-    """
-    bottoms = (
-        sympy.fraction(sympy.cancel(entry))[1]
-        for matrix in matrices
-        for entry in matrix
-        if entry.free_symbols
-    )
-    return [bottom for bottom in dict.fromkeys(bottoms) if bottom.free_symbols]
-
-
 def certified(
     identity: str,
     residuals: Iterable[Matrix],
@@ -146,25 +135,3 @@ def certified(
     """
     certificate = certificate_of(identity, residuals)
     return MatrixSolution(X, homogeneous, exceptional_factors(divisors), certificate)
-
-
-def certificate_of(identity: str, residuals: Iterable[Matrix]) -> Certificate:
-    """Return the certificate of matrices that must vanish.
-
-    Raises
-    ------
-    NoSolutionError
-        If one does not.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrix_equations.solutions import certificate_of
-    >>> certificate_of("0 = 0", [Matrix([[0]])]).holds
-    True
-    """
-    left = [sympy.cancel(entry) for matrix in residuals for entry in matrix]
-    certificate = Certificate(identity, ImmutableMatrix(1, len(left), left))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the result is wrong, please report it")
-    return certificate

@@ -15,9 +15,9 @@ from compensator_theory.matrices.linear_algebra import determinant, solve
 from compensator_theory.matrix_equations.solutions import (
     MatrixSolution,
     certified,
-    denominators_of,
     solve_by_columns,
 )
+from compensator_theory.polynomial_matrices.exceptional_factors import denominators_of
 from compensator_theory.polynomials.budget import ask
 
 

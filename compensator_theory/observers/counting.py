@@ -6,7 +6,7 @@ from sympy import Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import shown
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.roots.certified import real_multiplicities
 
 

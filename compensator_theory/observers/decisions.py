@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.observers.form_lists import ObserverForms
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
@@ -76,6 +76,6 @@ class ObserverDecision(ExactValue):
 
     def _repr_latex_(self) -> str:
         if self.characteristic_polynomial is None:
-            return rf"$\text{{{self.verdict}}}$"
-        loop = sympy.latex(self.characteristic_polynomial.as_expr())
-        return rf"$\displaystyle \text{{{self.question} {self._word}}}, \quad \tilde D = {loop}$"
+            return displayed(words(self.verdict))
+        loop = rf"\tilde D = {latex(self.characteristic_polynomial)}"
+        return displayed(words(f"{self.question} {self._word}"), loop)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import ImmutableMatrix, Poly
 
+from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.observers.gains import observer_gain, regulator_gain, wanted_spectrum
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -86,9 +87,10 @@ class ObserverBasedCompensator(ExactValue):
         )
 
     def _repr_latex_(self) -> str:
-        return (
-            rf"$\displaystyle K = {sympy.latex(self.K)},\; F = {sympy.latex(self.F)},\; "
-            rf"G_c = {sympy.latex(self.transfer_function.as_expr())}$"
+        return displayed(
+            f"K = {latex(self.K)}",
+            f"F = {latex(self.F)}",
+            f"G_c = {latex(self.transfer_function)}",
         )
 
 

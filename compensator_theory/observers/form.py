@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -130,11 +131,13 @@ class ObserverForm(ExactValue):
         )
 
     def _repr_latex_(self) -> str:
-        F = "" if self.F is None else rf"F = {sympy.latex(self.F)},\; "
-        return (
-            rf"$\displaystyle p_R = {sympy.latex(self.regulator.as_expr())},\; "
-            rf"p_O = {sympy.latex(self.observer.as_expr())},\; K = {sympy.latex(self.K)},\; "
-            rf"{F}T = {sympy.latex(self.T)}$"
+        F = "" if self.F is None else f"F = {latex(self.F)}"
+        return displayed(
+            f"p_R = {latex(self.regulator)}",
+            f"p_O = {latex(self.observer)}",
+            f"K = {latex(self.K)}",
+            F,
+            f"T = {latex(self.T)}",
         )
 
 

@@ -7,6 +7,7 @@ import sympy
 from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, lines, words
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.observers.counting import count_observer_forms
 from compensator_theory.observers.form import ObserverForm
@@ -181,5 +182,5 @@ class ObserverForms(ExactValue):
         return "\n".join(lines)
 
     def _repr_latex_(self) -> str:
-        bodies = [form._repr_latex_().strip("$") for form in (*self.forms, *self.families)]
-        return r"$\begin{array}{l}" + r"\\ ".join(bodies) + r"\end{array}$"
+        forms = [*self.forms, *self.families]
+        return displayed(lines(map(latex, forms)) if forms else words("no form"))

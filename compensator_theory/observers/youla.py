@@ -3,10 +3,10 @@
 import itertools
 from dataclasses import dataclass
 
-import sympy
 from sympy import ImmutableMatrix, Matrix, Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.loops.siso import agreed_sign
 from compensator_theory.matrices.invariant_subspaces import (
@@ -106,11 +106,11 @@ class YoulaForm(ExactValue):
         )
 
     def _repr_latex_(self) -> str:
-        return (
-            rf"$\displaystyle p_R = {sympy.latex(self.regulator.as_expr())},\; "
-            rf"p_O = {sympy.latex(self.observer.as_expr())},\; "
-            rf"p_Q = {sympy.latex(self.parameter.as_expr())},\; K = {sympy.latex(self.K)},\; "
-            rf"F = {sympy.latex(self.F)},\; T = {sympy.latex(self.T)}$"
+        return displayed(
+            f"p_R = {latex(self.regulator)}",
+            f"p_O = {latex(self.observer)}",
+            f"p_Q = {latex(self.parameter)}",
+            *(f"{name} = {latex(getattr(self, name))}" for name in ("K", "F", "T")),
         )
 
 

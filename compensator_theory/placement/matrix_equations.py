@@ -3,11 +3,11 @@
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly
 
+from compensator_theory.canonical_forms.row_forms import row_reduced_form
 from compensator_theory.matrices.linear_algebra import solve
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.structure.coprime_fractions import coprime_fractions
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix
-from compensator_theory.structure.row_forms import row_reduced_form
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 

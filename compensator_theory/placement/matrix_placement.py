@@ -7,8 +7,10 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.loops.siso import require_sign
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.echelon import contradictions
 from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.placement.matrix_equations import (
     coefficient_columns,
@@ -17,23 +19,21 @@ from compensator_theory.placement.matrix_equations import (
     pair_of_columns,
     reduced_left_fraction,
 )
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
+    polynomial_matrix,
+)
 from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    monic,
-    polynomial,
-)
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
-from compensator_theory.structure.echelon import contradictions, exceptional_factors
-from compensator_theory.structure.polynomial_matrices import (
-    PolynomialMatrix,
-    denominators,
-    polynomial_matrix,
-)
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -108,6 +108,15 @@ class MatrixPlacement(ExactValue):
         count = len(self.homogeneous)
         extent = "unique" if not count else f"one of a {count}-parameter family"
         return f"G_c = N_c D_c^-1, {extent}\nN_c = {self.N_c}\nD_c = {self.D_c}"
+
+    def _repr_latex_(self) -> str:
+        top, below = latex(self.N_c), latex(self.D_c)
+        count = len(self.homogeneous)
+        return displayed(
+            rf"G_c = N_c D_c^{{-1}} = {top} {below}^{{-1}}",
+            words(f"one of a {count}-parameter family") if count else "",
+            unless(self.exceptional),
+        )
 
 
 def place_matrix_poles(
@@ -216,9 +225,9 @@ def place_matrix_poles(
             D, N = pair_of_columns(vector, (p, m), free, order, model)
             homogeneous.append((in_column(N, j, p), in_column(D, j, p)))
     left = (D_l @ D_c + signed @ N_c).as_matrix() - sympy.diag(*(t.as_expr() for t in goals))
-    certificate = Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.expand)))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the compensator is wrong, please report it")
+    certificate = proven(
+        Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.expand))), "compensator"
+    )
     every = [D_l, N_l, N_c, D_c, *(part for pair in homogeneous for part in pair)]
     exceptional = exceptional_factors(denominators(*every))
     return MatrixPlacement(

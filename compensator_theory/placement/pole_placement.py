@@ -7,12 +7,15 @@ from typing import cast
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly
 
+from compensator_theory.bezout.coprime_equations import solve_coprime_equation
+from compensator_theory.bezout.sylvester import sylvester_m
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError, NotCoprimeError
 from compensator_theory.loops.siso import require_sign
-from compensator_theory.matrices.coprime_equations import solve_coprime_equation
+from compensator_theory.matrices.echelon import contradictions
 from compensator_theory.matrices.linear_algebra import solve_affine
-from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.solutions import PolePlacement
+from compensator_theory.polynomial_matrices.exceptional_factors import denominators
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (
@@ -21,18 +24,10 @@ from compensator_theory.polynomials.from_roots import (
     read_roots,
 )
 from compensator_theory.polynomials.numbers import NumberLike
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    from_coefficients,
-    monic,
-    scaled,
-)
-from compensator_theory.polynomials.poly import polynomial as read_polynomial
-from compensator_theory.polynomials.shared import is_list
+from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
+from compensator_theory.polynomials.reading import PolynomialLike, is_list
+from compensator_theory.polynomials.reading import polynomial as read_polynomial
 from compensator_theory.polynomials.variables import require_no_other_operator
-from compensator_theory.structure.echelon import contradictions
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, denominators
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.transfer_functions.transfer_functions import (
     TransferFunction,

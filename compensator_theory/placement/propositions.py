@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 from sympy import ImmutableMatrix, Poly, Symbol
 
+from compensator_theory.bezout.sylvester import sylvester_m, sylvester_m1, sylvester_m2
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.sylvester import sylvester_m, sylvester_m1, sylvester_m2
+from compensator_theory.latex import displayed, words
 from compensator_theory.polynomials.budget import ask, shown
-from compensator_theory.polynomials.poly import PolynomialLike
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
 
@@ -56,6 +56,9 @@ class PropositionCheck(ExactValue):
             printed = "holds" if self.printed_holds else "does not hold"
             lines.append(f"as printed (with n_c <= n): {printed}")
         return "\n".join(lines)
+
+    def _repr_latex_(self) -> str:
+        return displayed(words(str(self)))
 
 
 def check_proposition_3(

@@ -8,18 +8,22 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy import Expr, Poly
 
+from compensator_theory.bezout.resultants import resultant
 from compensator_theory.errors import InputError, RoundingWarning
+from compensator_theory.latex import displayed, fraction, latex
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
-from compensator_theory.matrices.resultants import resultant
 from compensator_theory.placement.rounding_effects import rounding_effect
+from compensator_theory.polynomial_matrices.exceptional_factors import (
+    denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import long_integers
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix, denominators
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 if TYPE_CHECKING:
@@ -207,9 +211,8 @@ class PolePlacement(ExactValue):
         return int(max([min(self.plant.order - 1, self.denominator.degree()), *degrees]))
 
     def _repr_latex_(self) -> str:
-        top, bottom = sympy.latex(self.numerator.as_expr()), sympy.latex(self.denominator.as_expr())
         sign = "-" if self.feedback == 1 else "+"
-        return (
-            rf"$\displaystyle G_c = \frac{{{top}}}{{{bottom}}}, \quad "
-            rf"D D_c {sign} N N_c = {sympy.latex(self.target.as_expr())}$"
+        return displayed(
+            f"G_c = {fraction(self.numerator, self.denominator)}",
+            f"D D_c {sign} N N_c = {latex(self.target)}",
         )

@@ -9,7 +9,8 @@ from sympy import QQ, Poly, Symbol
 from sympy.polys.domains.domain import Domain
 from sympy.polys.polyclasses import DMP
 
-from compensator_theory.polynomials.budget import long_integers
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import long_integers, quoted
 
 
 def format_polynomial(poly: Poly) -> str:
@@ -18,7 +19,7 @@ def format_polynomial(poly: Poly) -> str:
     Examples
     --------
     >>> from compensator_theory.polynomials.formatting import format_polynomial
-    >>> from compensator_theory.polynomials.poly import polynomial
+    >>> from compensator_theory.polynomials.reading import polynomial
     >>> format_polynomial(polynomial("a - s/3 + (a + 1)*s**2"))
     '(a + 1)*s**2 - s/3 + a'
     """
@@ -39,6 +40,26 @@ def _formatted(poly: Poly) -> str:
     if not text:
         return "0"
     return text[3:] if text.startswith(" +") else "-" + text[3:]
+
+
+def require_real(poly: Poly) -> None:
+    """Refuse coefficients with the imaginary unit, whatever SymPy's domain for them is.
+
+    Raises
+    ------
+    InputError
+        If a coefficient contains it.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.formatting import require_real
+    >>> from compensator_theory.polynomials.reading import polynomial
+    >>> require_real(polynomial("sqrt(b)*s"))
+    """
+    if any(value.has(sympy.I) for value in poly.all_coeffs()):
+        raise InputError(
+            f"{quoted(poly)} has complex coefficients; complex roots must come in conjugate pairs"
+        )
 
 
 def in_least_domain(poly: Poly) -> Poly | None:

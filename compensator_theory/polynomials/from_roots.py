@@ -13,12 +13,8 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
 from compensator_theory.polynomials.budget import ask, listed, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import (
-    PolynomialLike,
-    canonical,
-    from_expression,
-    polynomial,
-)
+from compensator_theory.polynomials.poly import canonical, from_expression
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.variables import as_symbol
 
 SpectrumLike: TypeAlias = PolynomialLike | Iterable[NumberLike]

@@ -1,7 +1,6 @@
-"""Exact polynomials in one variable: the one way in from text, expressions, lists and roots."""
+"""Exact polynomials in one variable, in the canonical form in which equal ones compare equal."""
 
-from collections.abc import Iterable, Mapping, Sequence, Set
-from typing import TypeAlias
+from collections.abc import Sequence
 
 import sympy
 from sympy import EX, QQ, Expr, Poly, Symbol
@@ -9,9 +8,8 @@ from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialEr
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import quoted, shown, unlimited
-from compensator_theory.polynomials.expressions import read_text
-from compensator_theory.polynomials.formatting import in_least_domain
-from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
+from compensator_theory.polynomials.formatting import in_least_domain, require_real
+from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
     by_powers,
@@ -20,67 +18,8 @@ from compensator_theory.polynomials.sympy_trees import (
     tree_of,
 )
 from compensator_theory.polynomials.variables import (
-    as_symbol,
     require_one_symbol_a_name,
-    shared_variable,
 )
-
-PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
-"""What :func:`polynomial` reads."""
-
-
-def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
-    r"""Make an exact polynomial with coefficients in descending powers.
-
-    .. math:: a(s) = a_k s^k + a_{k-1} s^{k-1} + \cdots + a_0
-
-    Parameters
-    ----------
-    obj : Poly, Expr, str, number or sequence
-        A sequence lists :math:`a_k, \ldots, a_0`; leading zeros are dropped.
-    variable : str or Symbol, optional
-        Default: the only one of ``s``, ``z``, ``q`` that occurs, else the only symbol.
-
-    Returns
-    -------
-    sympy.Poly
-        Over QQ for rational coefficients, over QQ[a, b] for symbols. Symbols stand for real
-        numbers.
-
-    Raises
-    ------
-    InputError
-        If the variable is not evident, or `obj` is no polynomial with real coefficients in it.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> polynomial("(s + 1)*(s + 0.5)")
-    Poly(s**2 + 3/2*s + 1/2, s, domain='QQ')
-    >>> polynomial([1, "a", 0.25], "q")
-    Poly(q**2 + a*q + 1/4, q, domain='QQ[a]')
-    """
-    if isinstance(obj, Poly):
-        return _from_poly(obj, variable)
-    if isinstance(obj, str):
-        quotient = read_text(obj)
-        return _from_quotient(quotient, shared_variable([quotient.value()], variable))
-    if isinstance(obj, Mapping | Set | bytes | bytearray):
-        raise InputError(
-            f"a {type(obj).__name__} has no first and last coefficient; list the coefficients from "
-            "the highest power down, as in [1, 3, 2]"
-        )
-    if not isinstance(obj, Iterable):
-        expression = exact_number(obj)
-        symbol = shared_variable([expression], variable)
-        return _from_quotient(multiplied_out(tree_of(expression), least_denominators=True), symbol)
-    coefficients = read_coefficients(obj)
-    if variable is None:
-        raise InputError(f"{len(coefficients)} coefficients need a variable, say variable='s'")
-    symbol = as_symbol(variable)
-    if any(symbol in value.free_symbols for value in coefficients):
-        raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
-    return from_coefficients(coefficients, symbol)
 
 
 def from_coefficients(descending: Sequence[Expr], variable: Symbol) -> Poly:
@@ -108,7 +47,7 @@ def from_expression(expression: Expr, variable: Symbol) -> Poly:
     """
     with unlimited():
         quotient = multiplied_out(tree_of(expression), least_denominators=True)
-        return _from_quotient(quotient, variable)
+        return from_quotient(quotient, variable)
 
 
 def canonical(poly: Poly) -> Poly:
@@ -142,10 +81,7 @@ def canonical(poly: Poly) -> Poly:
     require_one_symbol_a_name({*poly.free_symbols_in_domain, poly.gen})
     if (least := in_least_domain(poly)) is not None:
         return least
-    if any(value.has(sympy.I) for value in poly.all_coeffs()):
-        raise InputError(
-            f"{quoted(poly)} has complex coefficients; complex roots must come in conjugate pairs"
-        )
+    require_real(poly)
     small = poly.retract() if poly.domain.is_Composite else poly
     domain = small.domain
     if domain.is_ZZ or (domain.is_Algebraic and all(c.is_Rational for c in small.all_coeffs())):
@@ -183,7 +119,8 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
     Examples
     --------
     >>> from sympy.abc import a
-    >>> from compensator_theory.polynomials.poly import polynomial, scaled
+    >>> from compensator_theory.polynomials.poly import scaled
+    >>> from compensator_theory.polynomials.reading import polynomial
     >>> scaled(polynomial("s + 2"), 1/a)
     Poly(1/a*s + 2/a, s, domain='QQ(a)')
     """
@@ -226,22 +163,12 @@ def is_rational(poly: Poly) -> bool:
 
     Examples
     --------
-    >>> from compensator_theory.polynomials.poly import is_rational, polynomial
+    >>> from compensator_theory.polynomials.poly import is_rational
+    >>> from compensator_theory.polynomials.reading import polynomial
     >>> is_rational(polynomial("s + 1/3")), is_rational(polynomial("s + a"))
     (True, False)
     """
     return bool(require_poly(poly).domain.is_QQ)
-
-
-def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
-    if len(poly.gens) > 1 and variable is not None:
-        return from_expression(exact_number(poly.as_expr()), as_symbol(variable))
-    poly = canonical(poly)
-    if variable is None or poly.gen == (symbol := as_symbol(variable)):
-        return poly
-    if poly.degree() > 0:
-        raise InputError(f"{quoted(poly)} is a polynomial in {poly.gen}, not in {variable}")
-    return from_expression(poly.as_expr(), symbol)
 
 
 def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
@@ -264,20 +191,35 @@ def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
     return _from_powers(top, variable), _from_powers(bottom, variable)
 
 
-def _from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
-    """Return a quotient that is a polynomial; what divides it is cancelled first."""
+def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
+    """Return a quotient that is a polynomial; what divides it is cancelled first.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.polynomials.expressions import read_text
+    >>> from compensator_theory.polynomials.poly import from_quotient
+    >>> from_quotient(read_text("(s**2 + s)/s"), s)
+    Poly(s + 1, s, domain='QQ')
+    """
     reduced = quotient.reduced()
     sides = reduced.polynomials(variable)
     if sides is not None and sides[1].degree() == 0:
         return sides[0].quo_ground(sides[1].LC())
-    numerator, denominator = reduced.sides()
-    powers = by_powers(numerator, variable)
-    if powers is None or variable in denominator.free_symbols:
-        raise InputError(
-            f"{quoted(numerator / denominator)} is not a polynomial in {variable}; give numerator "
-            "and denominator of a rational function separately"
-        )
-    return _from_powers({k: c / denominator for k, c in powers.items()}, variable)
+    top, bottom = (by_powers(side, variable) for side in reduced.sides())
+    if top is not None and bottom is not None:
+        if list(bottom) == [0]:
+            return _from_powers({k: c / bottom[0] for k, c in top.items()}, variable)
+        divisor = _from_powers(bottom, variable)  # irrational factors show only in a division
+        exact, rest = _from_powers(top, variable).to_field().div(divisor)
+        if rest.is_zero:
+            return canonical(exact)
+    raise InputError(f"{quoted(reduced.value())} is no polynomial in {variable}, nor equal to one")
 
 
 def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
@@ -294,5 +236,8 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
             f"the coefficients of {quoted(whole)} span no field that is known here; write symbols "
             "in their place"
         ) from error
-    settled_powers = {(k,): settled(c) for k, c in powers.items()} if result.domain.is_EX else {}
-    return Poly(settled_powers, variable, domain=EX) if settled_powers else canonical(result)
+    if not result.domain.is_EX:
+        return canonical(result)
+    result = Poly({(k,): settled(c) for k, c in powers.items()}, variable, domain=EX)
+    require_real(result)  # as canonical does: the echo may come by the other way
+    return result

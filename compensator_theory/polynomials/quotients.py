@@ -269,7 +269,15 @@ def _rational(value: flint.fmpq) -> Rational:
 
 
 def _inverse_of_number(number: Expr) -> Expr:
-    """Return 1/number, square roots in the numerator; of a + jb (a - jb)/(a**2 + b**2)."""
+    """Return 1/number, square roots in the numerator; of a + jb (a - jb)/(a**2 + b**2).
+
+    Roots of irrational numbers have conjugates that are roots of their own: each pass would bring
+    in more of them, and no form be the last.
+    """
+    if any(
+        not root.base.is_Rational and not root.exp.is_Integer for root in number.atoms(sympy.Pow)
+    ):
+        return 1 / number
     if number.atoms(sympy.I):
         real, imaginary = sympy.expand(number).as_real_imag()
         if real.has(TrigonometricFunction) or imaginary.has(TrigonometricFunction):

@@ -9,6 +9,7 @@ import flint
 from sympy import Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, words
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
@@ -49,6 +50,11 @@ class Root(ExactValue):
     def __str__(self) -> str:
         text = f"{self.value.real:.6g}" if self.is_real else f"{self.value:.6g}"
         return text if self.multiplicity == 1 else f"{text} (multiplicity {self.multiplicity})"
+
+    def _repr_latex_(self) -> str:
+        text = words("" if self.multiplicity == 1 else f" (multiplicity {self.multiplicity})")
+        value = f"{self.value.real:.6g}" if self.is_real else f"{self.value:.6g}".replace("j", "i")
+        return displayed(rf"\lambda \approx {value} {text if self.multiplicity > 1 else ''}")
 
 
 def certified_roots(poly: Poly) -> tuple[Root, ...]:

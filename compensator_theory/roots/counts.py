@@ -8,6 +8,7 @@ import sympy
 from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, words
 from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
@@ -50,6 +51,9 @@ class RootCount(ExactValue):
 
     def __str__(self) -> str:
         return f"{self.stable} stable, {self.boundary} on the boundary, {self.unstable} unstable"
+
+    def _repr_latex_(self) -> str:
+        return displayed(words(str(self)))
 
 
 def number_of_real_roots(poly: Poly) -> int:

@@ -8,7 +8,9 @@ import sympy
 from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.budget import quoted, shown
+from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.values import ExactValue
 
@@ -69,7 +71,7 @@ class Enclosure(ExactValue):
         return f"{Decimal(int(rounded)).scaleb(last)} ± {Decimal(float(error)):.1e}"
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {self.latex()}$"
+        return displayed(self.latex())
 
     def latex(self) -> str:
         """Return the LaTeX of what is printed, without the dollars."""
@@ -142,7 +144,7 @@ class PolynomialEnclosure(ExactValue):
         return f"PolynomialEnclosure({self}, radius {sympy.N(self.radius, 2)})"
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {self.latex()}$"
+        return displayed(self.latex())
 
     def latex(self) -> str:
         """Return the LaTeX of the centres, exact ones as they are and others to eight digits."""
@@ -151,6 +153,34 @@ class PolynomialEnclosure(ExactValue):
             for k, c in enumerate(reversed(self.coefficients))
         )
         return str(sympy.latex(sum(terms)))
+
+
+def text_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
+    """Write a polynomial where it is rational, and its enclosure where it is not.
+
+    Examples
+    --------
+    >>> from compensator_theory import spectral_factor
+    >>> from compensator_theory.roots.enclosures import text_of
+    >>> found = spectral_factor("z - 2")
+    >>> text_of(found.polynomial, found.enclosure)
+    'z - 1/2'
+    """
+    return str(enclosure) if polynomial is None else format_polynomial(polynomial)
+
+
+def latex_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
+    """Write the same for a notebook.
+
+    Examples
+    --------
+    >>> from compensator_theory import spectral_factor
+    >>> from compensator_theory.roots.enclosures import latex_of
+    >>> found = spectral_factor("z - 2", "z", 3)
+    >>> latex_of(found.polynomial, found.enclosure)
+    'z - 0.26794919'
+    """
+    return latex(enclosure if polynomial is None else polynomial)
 
 
 def enclosure_of_ball(ball: flint.arb) -> Enclosure:

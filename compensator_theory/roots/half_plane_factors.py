@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 
 import flint
-import sympy
-from sympy import QQ, Expr, Poly, Rational, Symbol
+from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, canonical, monic
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import count_half_plane_roots, require_rational
@@ -20,7 +19,10 @@ from compensator_theory.roots.enclosures import (
     ball_of_enclosure,
     ball_of_number,
     enclosure_of_ball,
+    latex_of,
+    text_of,
 )
+from compensator_theory.roots.reflections import even_spectrum, weighted_pair
 from compensator_theory.roots.unit_circle_enclosures import (
     exact_enclosure,
     product_of_roots,
@@ -76,14 +78,11 @@ class HalfPlaneFactor(ExactValue):
             return tuple(enclosure_of_ball(c) for c in reversed(difference.coeffs()))
 
     def __str__(self) -> str:
-        chi = self.polynomial
-        text = str(self.enclosure) if chi is None else format_polynomial(chi)
-        return f"χ = {text}\nc = {self.constant}"
+        return f"χ = {text_of(self.polynomial, self.enclosure)}\nc = {self.constant}"
 
     def _repr_latex_(self) -> str:
-        chi = self.polynomial
-        body = self.enclosure.latex() if chi is None else sympy.latex(chi.as_expr())
-        return rf"$\displaystyle \chi = {body}, \quad c = {sympy.latex(self.constant)}$"
+        body = latex_of(self.polynomial, self.enclosure)
+        return displayed(rf"\chi = {body}", f"c = {latex(self.constant)}")
 
 
 def continuous_spectral_factor(
@@ -136,26 +135,9 @@ def continuous_spectral_factor(
     >>> print(continuous_spectral_factor("s", "s**2 - 3", 1).enclosure)
     s**2 + 3.6055512754639892931*s + 3.0000000000000000000
     """
-    weight = exact_number(r)
-    if not (weight.is_Rational and weight >= 0):
-        raise InputError(f"r = {weight} must be a rational number of at least 0")
-    read = in_one_variable(N, 0 if D is None else D, variable=variable)
-    first, second = (p if p.is_zero else require_rational(p) for p in read)
+    first, second, weight = weighted_pair(N, D, r, variable)
     spectrum = canonical(even_spectrum(first) + even_spectrum(second).mul_ground(weight))
     return factor_even(spectrum, digits)
-
-
-def even_spectrum(poly: Poly) -> Poly:
-    """Return a(s) a(-s).
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots.half_plane_factors import even_spectrum
-    >>> even_spectrum(polynomial("s + 2")).as_expr()
-    4 - s**2
-    """
-    return poly * poly.compose(Poly([-1, 0], poly.gen, domain=QQ))
 
 
 def factor_even(spectrum: Poly, digits: int = 30) -> HalfPlaneFactor:

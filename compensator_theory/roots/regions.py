@@ -5,7 +5,7 @@ from sympy import QQ, Poly
 
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import RootCount, require_rational
-from compensator_theory.roots.reciprocals import reciprocal_polynomial
+from compensator_theory.roots.reflections import reciprocal_polynomial
 from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 

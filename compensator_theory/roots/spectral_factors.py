@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 
 import flint
-import sympy
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, canonical
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
@@ -19,8 +18,10 @@ from compensator_theory.roots.enclosures import (
     ball_of_enclosure,
     ball_of_number,
     enclosure_of_ball,
+    latex_of,
+    text_of,
 )
-from compensator_theory.roots.reciprocals import reciprocal_polynomial
+from compensator_theory.roots.reflections import reciprocal_polynomial, spectrum_of, weighted_pair
 from compensator_theory.roots.unit_circle import split_at_unit_circle
 from compensator_theory.roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle,
@@ -87,14 +88,11 @@ class SpectralFactor(ExactValue):
         return (max(terms) + min(terms)) // 2
 
     def __str__(self) -> str:
-        chi = self.polynomial
-        text = str(self.enclosure) if chi is None else format_polynomial(chi)
-        return f"χ = {text}\nc = {self.constant!r}"
+        return f"χ = {text_of(self.polynomial, self.enclosure)}\nc = {self.constant!r}"
 
     def _repr_latex_(self) -> str:
-        chi = self.polynomial
-        body = self.enclosure.latex() if chi is None else sympy.latex(chi.as_expr())
-        return rf"$\displaystyle \chi = {body}, \quad c = {self.constant.latex()}$"
+        body = latex_of(self.polynomial, self.enclosure)
+        return displayed(rf"\chi = {body}", f"c = {latex(self.constant)}")
 
 
 def spectral_factor(
@@ -147,11 +145,7 @@ def spectral_factor(
     >>> high_authority.polynomial.as_expr(), high_authority.constant
     (z**3 - z**2 + z/4, 36)
     """
-    weight = exact_number(r)
-    if not (weight.is_Rational and weight >= 0):
-        raise InputError(f"r = {weight} must be a rational number of at least 0")
-    read = in_one_variable(N, 0 if D is None else D, variable=variable)
-    first, second = (p if p.is_zero else require_rational(p) for p in read)
+    first, second, weight = weighted_pair(N, D, r, variable)
     size = int(max(first.degree(), second.degree(), 0))
     palindrome = spectrum_of(first, size) + spectrum_of(second, size).mul_ground(weight)
     return factor_palindrome(canonical(palindrome), size, digits)
@@ -217,20 +211,3 @@ def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> Spectr
         zeros = exact_enclosure(power).coefficients[1:]
         chi_ball = PolynomialEnclosure(enclosed.coefficients + zeros, palindrome.gen)
         return SpectralFactor(palindrome, degree, None, chi_ball, enclosure_of_ball(constant_ball))
-
-
-def spectrum_of(poly: Poly, size: int) -> Poly:
-    r"""Return :math:`z^k a(z) a(1/z)` for a polynomial a of at most degree k.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots.spectral_factors import spectrum_of
-    >>> spectrum_of(polynomial("z - 2"), 2).as_expr()
-    -2*z**3 + 5*z**2 - 2*z
-    """
-    if poly.is_zero:
-        return poly
-    degree = int(poly.degree())
-    backwards = Poly(poly.all_coeffs()[::-1], poly.gen)
-    return poly * backwards * Poly(poly.gen ** (size - degree), poly.gen)

@@ -6,9 +6,11 @@ from typing import Literal
 import sympy
 from sympy import Expr, Matrix, Poly
 
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import PolynomialLike, is_rational, polynomial
+from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
 from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
@@ -80,7 +82,7 @@ class StabilityDecision(ExactValue):
         verdict = {True: f"is {name}", False: f"is not {name}", None: "is undecided"}[
             self.is_stable
         ]
-        return rf"$\displaystyle {sympy.latex(self.polynomial.as_expr())} \text{{ {verdict}}}$"
+        return displayed(rf"{latex(self.polynomial)} {words(' ' + verdict)}")
 
 
 def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:

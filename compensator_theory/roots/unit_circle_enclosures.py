@@ -17,7 +17,7 @@ from compensator_theory.roots.enclosures import (
     ball_of_enclosure,
     enclosure_of_ball,
 )
-from compensator_theory.roots.reciprocals import monic_reciprocal_polynomial
+from compensator_theory.roots.reflections import monic_reciprocal_polynomial
 from compensator_theory.roots.unit_circle import (
     is_inside,
     require_none_on_circle,

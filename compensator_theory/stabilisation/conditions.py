@@ -5,7 +5,7 @@ from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.stabilisation.half_plane import half_plane_polynomial
 

@@ -60,8 +60,7 @@ def critical_polynomials(poly: Poly, parameter: Symbol, *, discrete: bool) -> li
     found = [_in(poly.LC(), parameter)]
     for factor, _ in Poly(q.as_expr(), q.gen, parameter, domain=QQ).factor_list()[1]:
         part = Poly(factor.as_expr(), q.gen)
-        ascending = list(reversed(part.all_coeffs()))
-        even, odd = (Poly(list(reversed(ascending[k::2])) or [0], q.gen) for k in (0, 1))
+        even, odd = even_and_odd(part)
         if part.degree() > 0 and (even.is_zero or odd.is_zero):
             return None  # its roots come in pairs that are symmetric about 0, or it is s
         found += [_in(part.LC(), parameter), _in(part.TC(), parameter)]
@@ -70,6 +69,21 @@ def critical_polynomials(poly: Poly, parameter: Symbol, *, discrete: bool) -> li
     if discrete and q.degree() < poly.degree():
         return None  # -1 is a root for every value
     return list(dict.fromkeys(found))
+
+
+def even_and_odd(poly: Poly) -> tuple[Poly, Poly]:
+    """Return E and O of q(s) = E(s^2) + s O(s^2).
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stabilisation.critical_values import even_and_odd
+    >>> [p.as_expr() for p in even_and_odd(polynomial("s**3 + 2*s**2 + 3*s + 4"))]
+    [2*s + 4, s + 3]
+    """
+    ascending = list(reversed(poly.all_coeffs()))
+    even, odd = (Poly(list(reversed(ascending[k::2])) or [0], poly.gen) for k in (0, 1))
+    return even, odd
 
 
 def real_roots(polys: list[Poly]) -> list[CriticalValue]:
@@ -92,6 +106,35 @@ def real_roots(polys: list[Poly]) -> list[CriticalValue]:
         if all(a.enclosure.upper < b.enclosure.lower for a, b in pairwise(found)):
             return found
         precision *= 2
+
+
+def cells_between(ends: list[CriticalValue]) -> list[tuple[Expr, Expr, Rational]]:
+    """Return the open intervals that ascending end points leave of the line, each with a sample.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stabilisation.critical_values import cells_between, real_roots
+    >>> cells_between(real_roots([polynomial("2*k - 1")]))
+    [(-oo, 1/2, 0), (1/2, oo, 1)]
+    """
+    bounds: list[CriticalValue | None] = [None, *ends, None]
+    return [
+        (
+            -sympy.oo if below is None else below.value,
+            sympy.oo if above is None else above.value,
+            _sample(below, above),
+        )
+        for below, above in pairwise(bounds)
+    ]
+
+
+def _sample(below: CriticalValue | None, above: CriticalValue | None) -> Rational:
+    if below is not None and above is not None:
+        return number_between(below.enclosure.upper, above.enclosure.lower)
+    if below is not None:
+        return sympy.floor(below.enclosure.upper) + 1
+    return sympy.Integer(0) if above is None else sympy.ceiling(above.enclosure.lower) - 1
 
 
 def number_between(lower: Rational, upper: Rational) -> Rational:

@@ -7,6 +7,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -52,6 +53,11 @@ class IntervalStability(ExactValue):
         if self.is_stable:
             return "every polynomial of the family is Hurwitz"
         return f"not stable: {', '.join(map(format_polynomial, self.failing))}"
+
+    def _repr_latex_(self) -> str:
+        if self.is_stable:
+            return displayed(words(str(self)))
+        return displayed(words("not stable"), *map(latex, self.failing))
 
 
 def decide_interval_stability(

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -50,6 +51,14 @@ class SimultaneousStabilisability(ExactValue):
         if self.compensator is None:
             return "some compensator stabilises both plants"
         return f"{self.compensator} stabilises both plants"
+
+    def _repr_latex_(self) -> str:
+        if self.compensator is None:
+            return displayed(words(str(self)))
+        loops = (
+            rf"\tilde D_{k} = {latex(p)}" for k, p in enumerate(self.characteristic_polynomials, 1)
+        )
+        return displayed(f"G_c = {latex(self.compensator)}", *loops)
 
 
 def decide_simultaneous_stabilisability(

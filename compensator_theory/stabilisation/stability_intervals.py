@@ -1,23 +1,23 @@
 """For which values of one symbol a polynomial is stable: intervals with exact end points."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.stabilisation.critical_values import (
     CriticalValue,
+    cells_between,
     critical_polynomials,
-    number_between,
     real_roots,
 )
 
@@ -57,6 +57,9 @@ class StabilityCell(ExactValue):
 
     def __str__(self) -> str:
         return f"({_written(self.lower)}, {_written(self.upper)})"
+
+    def _repr_latex_(self) -> str:
+        return displayed(latex((self.lower, self.upper)))
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,11 @@ class StabilityIntervals(ExactValue):
             f"is stable for no real {self.parameter}"
         )  # fmt: skip
         return f"{format_polynomial(self.polynomial)} {verdict}"
+
+    def _repr_latex_(self) -> str:
+        cells = r" \cup ".join(map(latex, self.intervals)) or r"\emptyset"
+        stable = rf"{latex(self.polynomial)} {words(' is stable ')}"
+        return displayed(rf"{stable} \iff {latex(self.parameter)} \in {cells}")
 
 
 def stability_intervals(
@@ -167,27 +175,15 @@ def _cells(
     poly: Poly, parameter: Symbol, ends: list[CriticalValue], discrete: bool
 ) -> list[StabilityCell]:
     count = count_unit_disk_roots if discrete else count_half_plane_roots
-    bounds: list[CriticalValue | None] = [None, *ends, None]
     cells = []
-    for below, above in pairwise(bounds):
-        sample = _sample(below, above)
+    for lower, upper, sample in cells_between(ends):
         there = Poly(
             [c.subs(parameter, sample) for c in map(sympy.sympify, poly.all_coeffs())],
             poly.gen,
             domain=QQ,
         )
-        lower = -sympy.oo if below is None else below.value
-        upper = sympy.oo if above is None else above.value
         cells.append(StabilityCell(lower, upper, sample, count(there)))
     return cells
-
-
-def _sample(below: CriticalValue | None, above: CriticalValue | None) -> Rational:
-    if below is not None and above is not None:
-        return number_between(below.enclosure.upper, above.enclosure.lower)
-    if below is not None:
-        return sympy.floor(below.enclosure.upper) + 1
-    return sympy.Integer(0) if above is None else sympy.ceiling(above.enclosure.lower) - 1
 
 
 def _written(end: Expr) -> str:

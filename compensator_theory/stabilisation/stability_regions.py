@@ -1,23 +1,20 @@
 """For which values of two symbols a polynomial is stable: an exact decomposition of the plane."""
 
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
-from compensator_theory.stabilisation.critical_values import (
-    CriticalValue,
-    number_between,
-    real_roots,
-)
+from compensator_theory.stabilisation.critical_values import cells_between, even_and_odd, real_roots
 from compensator_theory.stabilisation.half_plane import half_plane_polynomial
 from compensator_theory.stabilisation.stability_intervals import (
     StabilityIntervals,
@@ -44,6 +41,10 @@ class StabilitySlab(ExactValue):
     upper: Expr
     sample: Rational
     section: StabilityIntervals
+
+    def _repr_latex_(self) -> str:
+        where = rf"{latex((self.lower, self.upper))} \ni {latex(self.sample)}"
+        return displayed(where, latex(self.section))
 
 
 @dataclass(frozen=True)
@@ -92,6 +93,17 @@ class StabilityRegion(ExactValue):
             for slab in stable
         ]
         return "\n".join(lines) or f"stable for no real {k_1}, {k_2}"
+
+    def _repr_latex_(self) -> str:
+        first, second = map(latex, self.parameters)
+        stable = []
+        for slab in self.slabs:
+            if cells := r" \cup ".join(map(latex, slab.section.intervals)):
+                there = rf"{first} = {latex(slab.sample)}: {second} \in {cells}"
+                stable.append(rf"{first} \in {latex((slab.lower, slab.upper))} \; ({there})")
+        verdict = stable or [words("stable for no ") + rf"\left({first}, {second}\right)"]
+        curves = r", \; ".join(f"{latex(curve)} = 0" for curve in self.boundaries)
+        return displayed(*verdict, f"{words('bounded by ')} {curves}" if curves else "")
 
 
 def stability_region(
@@ -157,17 +169,10 @@ def stability_region(
     ask("degree", int(p.degree()) ** 2, "the region of stability")
     boundaries = _boundaries(p, k_1, k_2, discrete)
     ends = real_roots(_critical(boundaries, k_1, k_2))
-    slabs = []
-    for below, above in pairwise([None, *ends, None]):
-        sample = _sample(below, above)
-        slabs.append(
-            StabilitySlab(
-                -sympy.oo if below is None else below.value,
-                sympy.oo if above is None else above.value,
-                sample,
-                _section(p, (k_1, k_2), sample),
-            )
-        )
+    slabs = [
+        StabilitySlab(lower, upper, sample, _section(p, (k_1, k_2), sample))
+        for lower, upper, sample in cells_between(ends)
+    ]
     return StabilityRegion(
         p, (k_1, k_2), tuple(curve.as_expr() for curve in boundaries), tuple(slabs)
     )
@@ -181,8 +186,7 @@ def _section(p: Poly, parameters: tuple[Symbol, Symbol], value: Rational) -> Sta
 
 def _boundaries(p: Poly, k_1: Symbol, k_2: Symbol, discrete: bool) -> list[Poly]:
     q = half_plane_polynomial(p) if discrete else p
-    ascending = list(reversed(q.all_coeffs()))
-    even, odd = (Poly(list(reversed(ascending[k::2])) or [0], q.gen) for k in (0, 1))
+    even, odd = even_and_odd(q)
     parts = [p.LC(), q.LC(), q.TC()]
     if q.degree() > 1:
         parts.append(even.resultant(odd))
@@ -214,11 +218,3 @@ def _critical(boundaries: list[Poly], k_1: Symbol, k_2: Symbol) -> list[Poly]:
             found.append(curve.discriminant())
     found += [one.resultant(two) for one, two in combinations(in_second, 2)]
     return [Poly(part, k_1, domain=QQ) for part in found]
-
-
-def _sample(below: CriticalValue | None, above: CriticalValue | None) -> Rational:
-    if below is not None and above is not None:
-        return number_between(below.enclosure.upper, above.enclosure.lower)
-    if below is not None:
-        return sympy.floor(below.enclosure.upper) + 1
-    return sympy.Integer(0) if above is None else sympy.ceiling(above.enclosure.lower) - 1

@@ -8,7 +8,9 @@ import flint
 from sympy import QQ, Poly, Rational
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
+from compensator_theory.polynomial_matrices.rings import RationalRing
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -20,7 +22,6 @@ from compensator_theory.stabilisation.strong_stabilisability import (
     StrongStabilisability,
     decide_strong_stabilisability,
 )
-from compensator_theory.structure.rings import RationalRing
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
@@ -56,6 +57,14 @@ class StableCompensator(ExactValue):
         if self.compensator is None:
             return self.reason
         return f"{self.compensator} is stable and stabilises {self.decision.plant}"
+
+    def _repr_latex_(self) -> str:
+        if self.compensator is None:
+            return displayed(words(self.reason))
+        return displayed(
+            f"G_c = {latex(self.compensator)}",
+            rf"\tilde D = {latex(self.characteristic_polynomial)}",
+        )
 
 
 def stable_compensator(

@@ -6,26 +6,27 @@ from itertools import pairwise
 import flint
 from sympy import Poly
 
-from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, words
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import decided_balls
-from compensator_theory.roots.counts import count_half_plane_roots, require_rational
+from compensator_theory.roots.counts import count_half_plane_roots
 from compensator_theory.roots.enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
-from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.stabilisation.blocking_zeros import interlacing
+from compensator_theory.systems.matrix_conversions import TransferMatrixLike
 
 
 @dataclass(frozen=True)
 class UnstableRealZero(ExactValue):
-    """A real zero outside the region of stability, and the sign of D there.
+    """A real blocking zero outside the region of stability, and the sign of D there.
 
     Attributes
     ----------
     place : Enclosure or None
         Between two rational numbers; None for the zero at infinity of a strictly proper plant.
     sign : {+1, -1}
-        Of the monic D(s); in discrete time, of D(z)/z**n.
+        Of the monic pole polynomial D(s); in discrete time, of D(z)/z**n.
 
     Examples
     --------
@@ -40,6 +41,10 @@ class UnstableRealZero(ExactValue):
     def __str__(self) -> str:
         return "infinity" if self.place is None else f"{float(self.place):.6g}"
 
+    def _repr_latex_(self) -> str:
+        place = r"\infty" if self.place is None else f"{float(self.place):.6g}"
+        return displayed(rf"\operatorname{{sgn}} D\left({place}\right) = {self.sign}")
+
 
 @dataclass(frozen=True)
 class StrongStabilisability(ExactValue):
@@ -52,7 +57,7 @@ class StrongStabilisability(ExactValue):
         Along the real axis outside the region of stability: from 0 to infinity, or from 1 through
         infinity to -1.
     is_stabilisable : bool
-        False where numerator and denominator share an unstable root.
+        False where a hidden mode is unstable.
 
     Examples
     --------
@@ -87,8 +92,11 @@ class StrongStabilisability(ExactValue):
             f"has a real pole {places}"
         )
 
+    def _repr_latex_(self) -> str:
+        return displayed(words(str(self)))
 
-def decide_strong_stabilisability(plant: TransferFunctionLike) -> StrongStabilisability:
+
+def decide_strong_stabilisability(plant: TransferMatrixLike) -> StrongStabilisability:
     r"""Decide whether a stable compensator can stabilise a plant, by parity interlacing.
 
     .. math:: \tilde D(z_i) = D(z_i) D_c(z_i) \quad\text{at every zero } z_i,\text{ for } f = \pm 1
@@ -96,12 +104,15 @@ def decide_strong_stabilisability(plant: TransferFunctionLike) -> StrongStabilis
     :math:`\tilde D` keeps its sign along the real axis outside the region of stability. Between
     neighbouring real unstable zeros at which D has different signs so has :math:`D_c`, and the
     compensator has a pole there: an unstable one. Where D has one sign at all of them, a stable
-    compensator exists.
+    compensator exists. With several signals D is the pole polynomial, of the McMillan degree, and
+    the zeros are the blocking zeros, where the whole matrix vanishes.
 
     Parameters
     ----------
-    plant : transfer function
-        Proper, rational coefficients; in s, or in z or q. Anything :func:`transfer_function` reads.
+    plant : transfer function or transfer matrix
+        Proper, rational coefficients; in s, or in z or q. Anything :func:`transfer_function` or
+        :func:`transfer_matrix` reads. Of several signals a :class:`Realisation` shows every hidden
+        mode, a common denominator only those that are no poles.
 
     Returns
     -------
@@ -125,23 +136,18 @@ def decide_strong_stabilisability(plant: TransferFunctionLike) -> StrongStabilis
     >>> from compensator_theory import decide_strong_stabilisability
     >>> decide_strong_stabilisability("(s - 2)/(s**2 - 1)").is_strongly_stabilisable
     True
+    >>> P = "(s - 1)/(s*(s - 2))"  # one pole between 1 and infinity; of two such plants, two
+    >>> decide_strong_stabilisability([[P, 0], [0, P]]).is_strongly_stabilisable
+    True
     """
-    G = transfer_function(plant)
+    G, N, D, hidden, vanishes_at_infinity = interlacing(plant)
     discrete = is_discrete(G.variable, "strong stabilisability")
-    if G.numerator.is_zero:
-        raise InputError("the plant 0 feels no input; it has no zeros to look at")
-    if not G.is_proper:
-        raise InputError(f"the plant {G} is improper; a realisable one has as many poles as zeros")
-    for poly in (G.numerator, G.denominator):
-        require_rational(poly)
     count = count_unit_disk_roots if discrete else count_half_plane_roots
-    hidden = count(G.common_factor())
-    reduced = G.reduced()
-    N, D = reduced.numerator, reduced.denominator
+    modes = count(hidden)
     right = _zeros(N, D, 1 if discrete else 0, discrete)
     left = _zeros(N, D, -1, discrete) if discrete else []
-    infinity = [UnstableRealZero(None, 1)] if N.degree() < D.degree() else []
-    return StrongStabilisability(str(G), (*right, *infinity, *left), hidden.stable == hidden.total)
+    infinity = [UnstableRealZero(None, 1)] if vanishes_at_infinity else []
+    return StrongStabilisability(str(G), (*right, *infinity, *left), modes.stable == modes.total)
 
 
 def _zeros(N: Poly, D: Poly, edge: int, discrete: bool) -> list[UnstableRealZero]:

@@ -5,14 +5,16 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
-from compensator_theory.errors import NoSolutionError, NotControllableError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.errors import NotControllableError
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import determinant, solve
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
-from compensator_theory.structure.echelon import echelon, exceptional_factors
 from compensator_theory.systems.controllability import (
     controllability_matrix,
     uncontrollable_polynomial,
@@ -64,6 +66,16 @@ class BrunovskyForm(ExactValue):
 
     def __str__(self) -> str:
         return f"controllability indices {self.indices}"
+
+    def _repr_latex_(self) -> str:
+        indices = ", ".join(map(str, self.indices))
+        return displayed(
+            rf"(A + B F) T = T A_c, \quad B W = T B_c, \quad \kappa = \left({indices}\right)",
+            f"T = {latex(self.T)}",
+            f"F = {latex(self.F)}",
+            f"W = {latex(self.W)}",
+            unless(self.exceptional),
+        )
 
 
 def chains(indices: tuple[int, ...]) -> tuple[ImmutableMatrix, ImmutableMatrix]:
@@ -186,7 +198,4 @@ def _certificate(
     A_c, B_c = chains(indices)
     left = [*((a + b * F) * T - T * A_c), *(b * W - T * B_c)]
     residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
-    certificate = Certificate(IDENTITY, residual)
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the form is wrong, please report it")
-    return certificate
+    return proven(Certificate(IDENTITY, residual), "form")

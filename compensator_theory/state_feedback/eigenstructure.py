@@ -7,13 +7,15 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import echelon, exceptional_factors
 
 IDENTITY = "(A + B K) V = V Lambda"
 
@@ -45,6 +47,14 @@ class Eigenstructure(ExactValue):
 
     def __str__(self) -> str:
         return f"K = {self.K.tolist()}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            rf"K = {latex(self.K)}",
+            rf"(A + B K) V = V \Lambda, \quad V = {latex(self.V)}",
+            rf"\Lambda = {latex(self.Lambda)}",
+            unless(self.exceptional),
+        )
 
 
 def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike) -> ImmutableMatrix:
@@ -162,9 +172,9 @@ def assign_eigenstructure(
             f"the eigenvectors {V.T.tolist()} are linearly dependent; choose independent ones"
         ) from error
     left = (a + b * K) * V - V * jordan
-    certificate = Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.cancel)))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the gain is wrong, please report it")
+    certificate = proven(
+        Certificate(IDENTITY, ImmutableMatrix(left.applyfunc(sympy.cancel))), "gain"
+    )
     bottoms = [sympy.fraction(sympy.cancel(entry))[1] for entry in K]
     return Eigenstructure(
         ImmutableMatrix(K.applyfunc(sympy.cancel)),

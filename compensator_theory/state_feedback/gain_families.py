@@ -8,6 +8,8 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
@@ -20,7 +22,6 @@ from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.state_feedback.brunovsky import BrunovskyForm, brunovsky_form
-from compensator_theory.structure.echelon import echelon
 
 TRIES = 60
 
@@ -164,6 +165,14 @@ class StateFeedbackFamily(ExactValue):
         return (
             f"all {m} x {n} gains with det(sI - A - BK) = {format_polynomial(self.polynomial)}, "
             f"by {m} x {n} parameters"
+        )
+
+    def _repr_latex_(self) -> str:
+        s, (m, n) = latex(self.polynomial.gen), self.shape
+        return displayed(
+            rf"K = G(\Phi)\, X(\Phi)^{{-1}}, \quad \Phi \in \mathbb{{R}}^{{{m} \times {n}}}",
+            rf"\det({s} I - A - B K) = {latex(self.polynomial)}",
+            unless(self.exceptional),
         )
 
 

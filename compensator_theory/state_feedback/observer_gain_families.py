@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import NotControllableError, NotObservableError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
@@ -37,6 +38,15 @@ class ObserverGainFamily(ExactValue):
         p, n = self.dual.shape
         wanted = format_polynomial(self.dual.polynomial)
         return f"all {n} x {p} gains with det(sI - A + FC) = {wanted}, by {p} x {n} parameters"
+
+    def _repr_latex_(self) -> str:
+        s, (p, n) = latex(self.dual.polynomial.gen), self.dual.shape
+        return displayed(
+            rf"F = -\left(G(\Phi)\, X(\Phi)^{{-1}}\right)^T, \quad "
+            rf"\Phi \in \mathbb{{R}}^{{{p} \times {n}}}",
+            rf"\det({s} I - A + F C) = {latex(self.dual.polynomial)}",
+            unless(self.dual.exceptional),
+        )
 
 
 def observer_gain_family(

@@ -1,7 +1,10 @@
 """Hypothesis strategies for exact compensator theory: polynomials, spectra, plants, problems.
 
 Nothing here filters: every draw is repaired instead of refused, so that examples shrink well and
-no health check fails.
+no health check fails. Where shares of kinds are stated, the kind is the first thing drawn, from a
+list with as many entries as its weight: what comes first is not changed when Hypothesis repeats
+parts of a draw elsewhere in it. It varies each draw a few times, so that the shares among 100 draws
+scatter by about 0.1 around those that are stated, more than independent ones would.
 """
 
 from compensator_theory.libraries import needed

@@ -1,5 +1,7 @@
 """The hard corners of exact compensator theory for Hypothesis, by construction."""
 
+from math import prod
+
 from hypothesis import strategies as st
 from sympy import QQ, ImmutableMatrix, Poly, Rational, Symbol, diag
 
@@ -16,6 +18,12 @@ from compensator_theory.strategies.polynomials import (
 from compensator_theory.systems.state_space import controllable_canonical_form
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
+# The signs of d, by turns, and whether the second factor is the first again.
+_SIGNS = (
+    [((1, 1), False)] * 4 + [((1, 1), True)] * 2
+    + [((-1, -1), False)] * 4 + [((-1, -1), True)]
+    + [((1, -1), False)] * 2 + [((-1, 1), False)] * 2
+)  # fmt: skip
 Triple = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
 
 
@@ -25,8 +33,8 @@ def noncoprime_pairs(
 ) -> tuple[Poly, Poly, Poly]:
     """Draw (a, b, g): a and b, not zero, deg b < deg a, with the monic greatest common divisor g.
 
-    Of 150 draws with the defaults about four in five have g of degree 1, one in five of degree 2,
-    and one in seven a g that is a square.
+    With the defaults four in five have g of degree 1, one in five of degree 2, and two in fifteen
+    a g that is a square.
 
     Examples
     --------
@@ -38,11 +46,14 @@ def noncoprime_pairs(
     ...     assert a.gcd(b).monic() == g and g.degree() >= 1
     >>> check()
     """
+    kinds = [(1, False)] * max(1, 12 * (max_common - 1))
+    kinds += [(k, square) for k in range(2, max_common + 1) for square in (k == 2, k == 2, False)]
+    degree, is_square = draw(st.sampled_from(kinds))
     a, b = draw(coprime_pairs(variable, max_degree))
-    degree = draw(st.integers(1, max_common))
-    g = draw(polynomials(variable, degree, degree, is_monic=True))
-    if degree == 2 and draw(st.booleans()):
+    if is_square:
         g = Poly([1, draw(rationals())], Symbol(variable), domain=QQ) ** 2
+    else:
+        g = draw(polynomials(variable, degree, degree, is_monic=True))
     return canonical(a * g), canonical(b * g), canonical(g)
 
 
@@ -74,7 +85,7 @@ def nearly_cancelling_plants(
     .. math:: G = \frac{g\,(s - p - \epsilon)}{(s - p)^m \prod_j (s - p - j)}, \qquad
               \epsilon = \pm 10^{-k}, \quad 1 \le k \le 12
 
-    Of 150 draws about half have m = 1, one in seven m = 2, two in five m = 3.
+    Nine in twenty have m = 1, one in four m = 2, three in ten m = 3.
 
     Examples
     --------
@@ -86,9 +97,11 @@ def nearly_cancelling_plants(
     >>> check()
     """
     s = Symbol(variable)
-    p, m = draw(rationals()), draw(st.integers(1, 3))
+    m = draw(st.sampled_from([1] * 9 + [2] * 5 + [3] * 6))
+    p = draw(rationals())
     others = draw(st.integers(1 if m == 1 else 0, max(1, max_order - m)))
-    epsilon = draw(st.sampled_from([1, -1])) * Rational(1, 10 ** draw(st.integers(1, 12)))
+    sign = -1 if draw(st.booleans()) else 1
+    epsilon = sign * Rational(1, 10 ** draw(st.integers(1, 12)))
     D = Poly([1, -p], s, domain=QQ) ** m
     for j in range(1, others + 1):
         D *= Poly([1, -p - j], s, domain=QQ)
@@ -102,8 +115,8 @@ def irrational_polynomials(draw: st.DrawFn, pairs: int, variable: str = "s") -> 
 
     .. math:: \prod_i \left((s - p_i)^2 \mp d_i\right), \qquad d_i \in \{2, 3, 5, 7\}
 
-    Of 150 draws of two factors two in five have real roots only, a third none, and one in five has
-    a repeated root.
+    Two in five have real roots only, a third none where there are two factors or more, and of those
+    one in five has a repeated root.
 
     Examples
     --------
@@ -115,12 +128,17 @@ def irrational_polynomials(draw: st.DrawFn, pairs: int, variable: str = "s") -> 
     >>> check()
     """
     s = Symbol(variable)
-    product = Poly(1, s, domain=QQ)
-    for _ in range(pairs):
+    signs, is_repeated = draw(st.sampled_from(_SIGNS))
+    factors: list[Poly] = []
+    for k in range(pairs):
         p = draw(rationals(4, 2))
-        d = draw(st.sampled_from([2, 3, 5, 7])) * draw(st.sampled_from([1, -1]))
-        product *= Poly([1, -2 * p, p**2 - d], s, domain=QQ)
-    return canonical(product)
+        d = (2, 3, 5, 7)[draw(st.integers(0, 3))] * signs[k % 2]
+        factor = Poly([1, -2 * p, p**2 - d], s, domain=QQ)
+        while factor in factors:
+            p += 1
+            factor = Poly([1, -2 * p, p**2 - d], s, domain=QQ)
+        factors.append(factors[0] if is_repeated and k == 1 else factor)
+    return canonical(prod(factors, start=Poly(1, s, domain=QQ)))
 
 
 @st.composite
@@ -176,7 +194,7 @@ def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Tripl
     ...     assert derogatory_factor(A, whole).degree() == 1
     >>> check()
     """
-    n = draw(st.integers(1, max_order))
+    n = draw(st.sampled_from(range(1, max_order + 1)))
     D = draw(polynomials(min_degree=n, max_degree=n, is_monic=True))
     N = coprime_to(D, draw(polynomials(max_degree=n - 1)))
     D_c = draw(polynomials(min_degree=n - 1, max_degree=n - 1, is_monic=True))

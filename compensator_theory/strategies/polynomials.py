@@ -59,7 +59,7 @@ def polynomials(
     ...     assert p.is_monic and p.degree() >= 2
     >>> check()
     """
-    degree = draw(st.integers(min_degree, max_degree))
+    degree = draw(st.sampled_from(range(min_degree, max_degree + 1)))
     leading = Rational(1) if is_monic else draw(nonzero_rationals())
     rest = draw(st.lists(rationals(), min_size=degree, max_size=degree))
     return canonical(Poly([leading, *rest], Symbol(variable)))

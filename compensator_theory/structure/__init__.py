@@ -1,1 +1,1 @@
-"""The structure theory of systems, exact: decompositions, canonical forms, zeros, fractions."""
+"""The structure theory of systems, exact: decompositions, zeros, fractions, realisations."""

@@ -4,21 +4,23 @@ from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol
 
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.poly import monic
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.elimination import Elimination
-from compensator_theory.structure.polynomial_matrices import (
-    PolynomialMatrix,
+from compensator_theory.polynomial_matrices.elimination import Elimination
+from compensator_theory.polynomial_matrices.equivalence import certificate_of_products
+from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators,
+    exceptional_factors,
+)
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
     joint_ring,
     read_into,
     written,
 )
-from compensator_theory.structure.rings import Element, Grid, Ring, identity, multiply
-from compensator_theory.structure.row_forms import triangulate
-from compensator_theory.structure.smith import certificate_of
+from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring, identity, multiply
+from compensator_theory.polynomials.poly import monic
+from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -77,6 +79,13 @@ class CoprimeFractions(ExactValue):
     def __str__(self) -> str:
         return f"({self.N_r}) ({self.D_r})^-1 = ({self.D_l})^-1 ({self.N_l})"
 
+    def _repr_latex_(self) -> str:
+        right = rf"{latex(self.N_r)} {latex(self.D_r)}^{{-1}}"
+        left = rf"{latex(self.D_l)}^{{-1}} {latex(self.N_l)}"
+        return displayed(
+            rf"G = N_r D_r^{{-1}} = {right} = D_l^{{-1}} N_l = {left}", unless(self.exceptional)
+        )
+
 
 def coprime_fractions(
     G: TransferMatrixLike, variable: str | Symbol | None = None
@@ -123,19 +132,19 @@ def coprime_fractions(
     N, d = read_into(ring, numerators), ring.read(source.denominator)
     top = [[d * entry for entry in row] for row in identity(ring, inputs)]
     stacked = Elimination(ring, top + N)
-    triangulate(stacked)
+    stacked.triangulate()
     X_r, Y_r = _columns(stacked.U[:inputs], inputs)
     minus_N_l, D_l = _columns(stacked.U[inputs:], inputs)
     D_r, minus_Y_l = _columns(stacked.U_inverse[:inputs], inputs)
     N_r, X_l = _columns(stacked.U_inverse[inputs:], inputs)
     # D_l to Hermite form by rows: W [-N_l D_l], and W^-1 from the right on what stands opposite.
     left = Elimination(ring, D_l)
-    triangulate(left)
+    left.triangulate()
     D_l, minus_N_l = left.matrix, multiply(ring, left.U, minus_N_l)
     minus_Y_l, X_l = (multiply(ring, x, left.U_inverse) for x in (minus_Y_l, X_l))
     # D_r to Hermite form by columns, which are the rows of its transpose.
     right = Elimination(ring, _transposed(D_r))
-    triangulate(right)
+    right.triangulate()
     Z, Z_inverse = _transposed(right.U), _transposed(right.U_inverse)
     D_r, N_r = (multiply(ring, x, Z) for x in (D_r, N_r))
     X_r, Y_r = (multiply(ring, Z_inverse, x) for x in (X_r, Y_r))
@@ -193,4 +202,4 @@ def _certificate(ring: Ring, N: Grid, d: Element, blocks: tuple[Grid, ...]) -> C
         (multiply(ring, N, D_r), scaled[0]),
         (multiply(ring, D_l, N), scaled[1]),
     ]
-    return certificate_of(ring, IDENTITY, pairs)
+    return certificate_of_products(ring, IDENTITY, pairs)

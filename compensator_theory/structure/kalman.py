@@ -5,13 +5,14 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.echelon import echelon, independent_columns
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import echelon, exceptional_factors, independent_columns
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.controllability import controllability_matrix
 from compensator_theory.systems.realisations import Realisation
@@ -98,6 +99,14 @@ class KalmanDecomposition(ExactValue):
         names = ("c and not o", "c and o", "neither", "o and not c")
         sizes = ", ".join(f"{n}: {d}" for n, d in zip(names, self.dimensions, strict=True))
         return f"{sizes}\n{self.realisation}"
+
+    def _repr_latex_(self) -> str:
+        return displayed(
+            f"x = T x', \\quad T = {latex(self.T)}",
+            rf"\begin{{bmatrix}} A' & B' \\ C' & D' \end{{bmatrix}} = {latex(self.realisation)}",
+            rf"n = {' + '.join(map(str, self.dimensions))}",
+            unless(self.exceptional),
+        )
 
 
 def kalman_decomposition(
@@ -189,8 +198,4 @@ def _certificate(
         *(entry for i, row in enumerate(parts) if row > 1 for entry in moved.B[i, :]),
         *(entry for j, column in enumerate(parts) if column in (0, 2) for entry in moved.C[:, j]),
     ]
-    residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
-    certificate = Certificate(IDENTITY, residual)
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the decomposition is wrong, please report it")
-    return certificate
+    return certificate_of(IDENTITY, [left], "decomposition")

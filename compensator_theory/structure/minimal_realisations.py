@@ -1,23 +1,28 @@
-"""Minimal realisations and McMillan degrees, from Hankel matrices of Markov parameters."""
+"""Realisations of the least order, by Ho and Kalman or out of a larger one."""
 
 from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Symbol
 
-from compensator_theory.errors import ImproperError, InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.linear_algebra import solve
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.structure.echelon import echelon, exceptional_factors
+from compensator_theory.structure.expansions import markov_parameters
+from compensator_theory.structure.hankel_matrices import (
+    block_rows,
+    hankel_matrix,
+    places,
+    proper_entry,
+)
 from compensator_theory.structure.kalman import kalman_decomposition
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
-from compensator_theory.systems.expansions import markov_parameters
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 IDENTITY = "the transfer matrix of the realisation times D, less N times its denominator"
@@ -49,6 +54,10 @@ class MinimalRealisation(ExactValue):
 
     def __str__(self) -> str:
         return str(self.realisation)
+
+    def _repr_latex_(self) -> str:
+        name = r"\begin{bmatrix} A & B \\ C & D \end{bmatrix}"
+        return displayed(f"{name} = {latex(self.realisation)}", unless(self.exceptional))
 
 
 def minimal_realisation(
@@ -96,9 +105,10 @@ def minimal_realisation(
         source = given.transfer_matrix()
         return _checked(parts.minimal, source, parts.exceptional)
     source = transfer_matrix(G, variable)
-    size = _hankel_size(source)
+    size = block_rows(source)
     D = ImmutableMatrix(
-        *source.shape, [markov_parameters(_entry(source, i, j), 1)[0] for i, j in _places(source)]
+        *source.shape,
+        [markov_parameters(proper_entry(source, i, j), 1)[0] for i, j in places(source)],
     )
     whole = hankel_matrix(source, size, size + 1) if size else ImmutableMatrix.zeros(0, 0)
     outputs, inputs = source.shape
@@ -124,131 +134,10 @@ def minimal_realisation(
     return _checked(found, source, exceptional_factors([rows.divided_by, columns.divided_by]))
 
 
-def hankel_matrix(
-    G: TransferMatrixLike, rows: int, columns: int, variable: str | Symbol | None = None
-) -> ImmutableMatrix:
-    r"""Return the block Hankel matrix of the Markov parameters.
-
-    .. math:: \mathcal H = \begin{bmatrix} H_1 & H_2 & \cdots \\ H_2 & H_3 & \cdots \\
-              \vdots & \vdots & \ddots \end{bmatrix}, \qquad G = \sum_{k\ge 0} H_k s^{-k}
-
-    Parameters
-    ----------
-    G : transfer matrix
-        p x m and proper; anything :func:`transfer_matrix` reads.
-    rows, columns : int
-        Numbers of block rows and block columns.
-    variable : str or Symbol, optional
-        As for :func:`transfer_matrix`.
-
-    Returns
-    -------
-    sympy.ImmutableMatrix
-        (p rows) x (m columns). With as many of each as the common denominator has degree, its rank
-        is the McMillan degree.
-
-    Raises
-    ------
-    ImproperError
-        If an entry is improper.
-    InputError, BudgetError
-        If G cannot be read, a number is not positive, or the matrix is too large.
-
-    Examples
-    --------
-    >>> from compensator_theory import hankel_matrix
-    >>> hankel_matrix("(s + 5)/(s**2 + 3*s + 2)", 2, 2)
-    Matrix([
-    [1,  2],
-    [2, -8]])
-    """
-    for name, number in (("rows", rows), ("columns", columns)):
-        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-            raise InputError(f"{name} = {shown(number)} must be a positive integer")
-    source = transfer_matrix(G, variable)
-    outputs, inputs = source.shape
-    ask("entries", rows * outputs * columns * inputs, "the Hankel matrix")
-    series = {
-        (i, j): markov_parameters(_entry(source, i, j), rows + columns) for i, j in _places(source)
-    }
-    return ImmutableMatrix([
-        [series[i, j][r + c + 1] for c in range(columns) for j in range(inputs)]
-        for r in range(rows)
-        for i in range(outputs)
-    ])  # fmt: skip
-
-
-def mcmillan_degree(G: TransferMatrixLike, variable: str | Symbol | None = None) -> int:
-    r"""Return the number of poles with multiplicity, those at infinity included.
-
-    .. math:: \delta(G) = \mathrm{rank}\,\mathcal H(G_{sp}) + \mathrm{rank}\,\mathcal H(P(1/s)),
-              \qquad G = G_{sp} + P
-
-    Parameters
-    ----------
-    G : transfer matrix
-        Anything :func:`transfer_matrix` reads, improper ones too; with symbols, for generic values.
-    variable : str or Symbol, optional
-        As for :func:`transfer_matrix`.
-
-    Notes
-    -----
-    Source: B. McMillan, Introduction to formal realizability theory, Bell System Technical Journal
-    31 (1952). The order of :func:`minimal_realisation` and the degree of the denominators of
-    :func:`smith_mcmillan_form` are the same number.
-
-    Examples
-    --------
-    >>> from compensator_theory import mcmillan_degree
-    >>> mcmillan_degree([["1/(s + 1)", "1/(s + 1)"], ["1/(s + 1)", "2/(s + 1)"]])
-    2
-    >>> mcmillan_degree("s**2 + 1/s", "s")
-    3
-    """
-    source = transfer_matrix(G, variable)
-    s, bottom = source.variable, source.denominator
-    parts = [[entry.div(bottom) for entry in row] for row in source.numerators]
-    rest = TransferMatrix(tuple(tuple(canonical(r) for _, r in row) for row in parts), bottom)
-    degree = max((int(q.degree()) for row in parts for q, _ in row if not q.is_zero), default=0)
-    total = 0
-    if (size := _hankel_size(rest)) > 0:
-        total += len(echelon(hankel_matrix(rest, size, size)).pivots)
-    if degree > 0:
-        blocks = [
-            [q.coeff_monomial(s ** (r + c + 1)) for c in range(degree) for q, _ in row]
-            for r in range(degree)
-            for row in parts
-        ]
-        total += len(echelon(ImmutableMatrix(blocks)).pivots)
-    return total
-
-
 def _is_state_space(obj: object) -> bool:
     if isinstance(obj, Realisation) or (isinstance(obj, tuple) and len(obj) in (3, 4)):
         return True
     return is_foreign(obj) and all(hasattr(obj, name) for name in "ABCD")
-
-
-def _hankel_size(G: TransferMatrix) -> int:
-    """Return how many block rows are enough: the degree of the denominator without what cancels."""
-    common = G.denominator
-    for entry in (entry for row in G.numerators for entry in row):
-        common = common.gcd(entry)
-    return int(G.denominator.degree() - common.degree())
-
-
-def _places(G: TransferMatrix) -> list[tuple[int, int]]:
-    return [(i, j) for i in range(G.shape[0]) for j in range(G.shape[1])]
-
-
-def _entry(G: TransferMatrix, i: int, j: int) -> TransferFunction:
-    entry = G[i, j].reduced()
-    if not entry.is_proper:
-        raise ImproperError(
-            f"the entry {i}, {j} of the transfer matrix, {entry}, is improper; only proper ones "
-            "have a realisation"
-        )
-    return entry
 
 
 def _checked(
@@ -260,7 +149,5 @@ def _checked(
         for my_row, row in zip(back.numerators, source.numerators, strict=True)
         for mine, given in zip(my_row, row, strict=True)
     ]
-    certificate = Certificate(IDENTITY, ImmutableMatrix(1, len(residual), residual))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the realisation is wrong, please report it")
+    certificate = certificate_of(IDENTITY, [residual], "realisation")
     return MinimalRealisation(found, exceptional, certificate)

@@ -6,15 +6,16 @@ import sympy
 from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import ask, shown, unlimited
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -55,6 +56,11 @@ class SampledPlant(ExactValue):
     def __str__(self) -> str:
         meaning = ", ".join(f"{x} = {value}" for x, value in self.exponentials)
         return f"{self.realisation}" + (f"\n{meaning}" if meaning else "")
+
+    def _repr_latex_(self) -> str:
+        name = r"\begin{bmatrix} A_d & B_d \\ C & D \end{bmatrix}"
+        meaning = [f"{latex(x)} = {latex(value)}" for x, value in self.exponentials]
+        return displayed(f"{name} = {latex(self.realisation)}", *meaning, unless(self.exceptional))
 
 
 def zero_order_hold(

@@ -1,87 +1,15 @@
-"""Invariant, transmission and decoupling zeros, with the directions in which they block."""
-
-from dataclasses import dataclass
+"""The kinds of zeros: invariant, transmission, input- and output-decoupling."""
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Poly, Symbol
+from sympy import ImmutableMatrix, Symbol
 
-from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical
-from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.roots.certified import Root, certified_roots
+from compensator_theory.canonical_forms.smith import smith_form
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.structure.coprime_fractions import coprime_fractions
-from compensator_theory.structure.echelon import exceptional_factors
-from compensator_theory.structure.polynomial_matrices import PolynomialMatrix
-from compensator_theory.structure.smith import SmithForm, smith_form
+from compensator_theory.structure.zero_directions import Zeros, zeros_of
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike
 from compensator_theory.systems.realisations import Realisation
-
-IDENTITY = "the matrix at each zero times its directions"
-
-
-@dataclass(frozen=True)
-class ZeroDirection(ExactValue):
-    """Where a system blocks at a zero: vectors that hold at every root of one irreducible factor.
-
-    Attributes
-    ----------
-    factor : sympy.Poly
-        Monic and irreducible; the zeros are its roots.
-    state, input : sympy.ImmutableMatrix
-        Columns: the motion x e^(zt) under the input u e^(zt) that does not show in the output. For
-        a factor of higher degree their entries are polynomials in the variable, to be taken at a
-        root. Empty where the kind of zero has none.
-    costate, output : sympy.ImmutableMatrix
-        Columns: the same of the transposed system, the combination of outputs in which no input
-        with that exponent shows.
-    """
-
-    factor: Poly
-    state: ImmutableMatrix
-    input: ImmutableMatrix
-    costate: ImmutableMatrix
-    output: ImmutableMatrix
-
-    def __str__(self) -> str:
-        names = ("state", "input", "costate", "output")
-        vectors = [(name, list(getattr(self, name))) for name in names]
-        shown = ", ".join(f"{name} {vector}" for name, vector in vectors if vector)
-        return f"{format_polynomial(self.factor)} = 0: {shown}"
-
-
-@dataclass(frozen=True)
-class Zeros(ExactValue):
-    """The zeros of one kind, with multiplicity and directions.
-
-    Attributes
-    ----------
-    invariant_polynomials : tuple of sympy.Poly
-        Of the matrix whose rank falls at the zeros, those of degree 0 left out.
-    polynomial : sympy.Poly
-        Their product; 1 if there are no zeros.
-    directions : tuple of ZeroDirection
-        For each irreducible factor as many as the rank falls by.
-    exceptional : tuple of sympy.Expr
-        Irreducible polynomials in the symbols; everything holds where none of them is zero.
-    certificate : Certificate
-        That the matrix annihilates each direction, modulo its factor.
-    """
-
-    invariant_polynomials: tuple[Poly, ...]
-    polynomial: Poly
-    directions: tuple[ZeroDirection, ...]
-    exceptional: tuple[Expr, ...]
-    certificate: Certificate
-
-    def roots(self) -> tuple[Root, ...]:
-        """Return the certified zeros with multiplicity; InputError with symbols."""
-        return certified_roots(self.polynomial)
-
-    def __str__(self) -> str:
-        lines = [f"zeros of {format_polynomial(self.polynomial)}", *map(str, self.directions)]
-        return "\n".join(lines)
 
 
 def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
@@ -116,7 +44,7 @@ def invariant_zeros(plant: RealisationLike, variable: str | Symbol | None = None
     matrix = upper.col_join(given.C.row_join(given.D))
     smith = smith_form(matrix, given.variable)
     n = given.n
-    return _zeros(smith, smith, (n, given.B.cols), (n, given.C.rows))
+    return zeros_of(smith, smith, (n, given.B.cols), (n, given.C.rows))
 
 
 def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = None) -> Zeros:
@@ -150,7 +78,7 @@ def transmission_zeros(G: TransferMatrixLike, variable: str | Symbol | None = No
     """
     fractions = coprime_fractions(G, variable)
     right, left = smith_form(fractions.N_r), smith_form(fractions.N_l)
-    found = _zeros(
+    found = zeros_of(
         right,
         left,
         (0, fractions.D_r.shape[0]),
@@ -187,7 +115,7 @@ def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None
     if not given.n:
         return _none(given)
     smith = smith_form(_pencil(given).row_join(-given.B), given.variable)
-    return _zeros(smith, smith, (0, 0), (given.n, 0))
+    return zeros_of(smith, smith, (0, 0), (given.n, 0))
 
 
 def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
@@ -213,7 +141,7 @@ def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | Non
     if not given.n:
         return _none(given)
     smith = smith_form(_pencil(given).col_join(given.C), given.variable)
-    return _zeros(smith, smith, (given.n, 0), (0, 0))
+    return zeros_of(smith, smith, (given.n, 0), (0, 0))
 
 
 def _pencil(plant: Realisation) -> ImmutableMatrix:
@@ -222,70 +150,4 @@ def _pencil(plant: Realisation) -> ImmutableMatrix:
 
 def _none(plant: Realisation) -> Zeros:
     smith = smith_form([[1]], plant.variable)
-    return _zeros(smith, smith, (0, 0), (0, 0))
-
-
-def _zeros(
-    right: SmithForm,
-    left: SmithForm,
-    right_sizes: tuple[int, int],
-    left_sizes: tuple[int, int],
-    right_map: PolynomialMatrix | None = None,
-    left_map: PolynomialMatrix | None = None,
-) -> Zeros:
-    """Read the zeros off the Smith forms: U M V = S makes column k of V a direction where s_k = 0.
-
-    The vectors are multiplied by the maps, and split into state and signal by the sizes; what
-    exceeds the sizes is not asked for.
-    """
-    s = right.matrix.variable
-    invariants = tuple(p for p in right.invariant_polynomials if p.degree() > 0)
-    whole = canonical(sympy.prod(invariants, start=Poly(1, s, domain=sympy.QQ)))
-    directions: list[ZeroDirection] = []
-    left_over: list[Expr] = []
-    first = right.rank - len(invariants)
-    offset = left.rank - right.rank
-    for factor in (f.monic() for f, _ in whole.factor_list()[1]):
-        for k, invariant in enumerate(invariants, first):
-            if not _rest(invariant, factor).is_zero:
-                continue
-            v = _column(right.V, k)
-            w = _column(left.U.T, k + offset)
-            for remainder in (right.matrix @ v, left.matrix.T @ w):
-                left_over += [_rest(row[0], factor).as_expr() for row in remainder.rows]
-            v = v if right_map is None else right_map @ v
-            w = w if left_map is None else left_map.T @ w
-            state, signal = _split(v, factor, right_sizes)
-            costate, output = _split(w, factor, left_sizes)
-            directions.append(ZeroDirection(canonical(factor), state, signal, costate, output))
-    residual = ImmutableMatrix(1, len(left_over), left_over)
-    exceptional = exceptional_factors([*right.exceptional, *left.exceptional])
-    certificate = Certificate(IDENTITY, residual)
-    return Zeros(invariants, whole, tuple(directions), exceptional, certificate)
-
-
-def _column(matrix: PolynomialMatrix, index: int) -> PolynomialMatrix:
-    return PolynomialMatrix(tuple((row[index],) for row in matrix.rows))
-
-
-def _rest(poly: Poly, factor: Poly) -> Poly:
-    """Return a polynomial modulo a factor; its value at the root, if the factor is linear."""
-    a, b = poly.unify(factor)
-    field = a.domain.get_field()
-    return canonical(a.set_domain(field).rem(b.set_domain(field)))
-
-
-def _split(
-    vector: PolynomialMatrix, factor: Poly, sizes: tuple[int, int]
-) -> tuple[ImmutableMatrix, ImmutableMatrix]:
-    """Reduce a vector modulo the factor, without common denominators and factors, and split it."""
-    n, m = sizes
-    entries = [_rest(row[0], factor).as_expr() for row in vector.rows[: n + m]]
-    if any(entry != 0 for entry in entries):
-        common = sympy.lcm_list([sympy.fraction(sympy.together(e))[1] for e in entries])
-        cleared = [sympy.cancel(e * common) for e in entries]
-        divisor = sympy.gcd_list([e for e in cleared if e != 0])
-        first = next(e for e in cleared if e != 0)
-        sign = -1 if (first / divisor).could_extract_minus_sign() else 1
-        entries = [sympy.expand(sympy.cancel(sign * e / divisor)) for e in cleared]
-    return ImmutableMatrix(n, 1, entries[:n]), ImmutableMatrix(m, 1, entries[n:])
+    return zeros_of(smith, smith, (0, 0), (0, 0))

@@ -9,9 +9,8 @@ from compensator_theory.polynomials.budget import long_integers, unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import polynomial
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
-from compensator_theory.polynomials.shared import is_list
+from compensator_theory.polynomials.reading import is_list, polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import is_foreign
@@ -49,12 +48,13 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     ('1/2 + 2*I', 's**2 + 3*s + 2', '(2*s + 1)/(s**2 + s)')
     """
     text, is_plain = _written(obj, variable)
+    is_text = is_plain or (isinstance(obj, str) and variable is None)
     for _ in range(5):  # SymPy has several forms for roots of rational numbers
         with unlimited():
             quotient = read_text(text)
-            again = "" if is_plain else _form(text, quotient, variable)[0]
-        if is_plain:  # q/q - s is no system, and -s is; within the budget, as the first look was
-            again, is_plain = _form(text, quotient, variable)
+            again = "" if is_text else _form(text, quotient, variable)[0]
+        if is_text:  # within the budget, as its reader will look at it: q/q - s is no system, -s is
+            again, _ = _form(text, quotient, variable)
         if again == text:
             return text
         text = again

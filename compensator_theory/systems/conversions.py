@@ -10,9 +10,9 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import PolynomialLike, polynomial, scaled, sides_in
+from compensator_theory.polynomials.poly import scaled, sides_in
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.polynomials.variables import as_symbol, evident_variable
 from compensator_theory.systems.foreign import (

@@ -3,16 +3,22 @@
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-import sympy
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
-from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, table
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
+from compensator_theory.systems.connections import (
+    Matrices,
+    in_feedback,
+    in_parallel,
+    in_series,
+)
 from compensator_theory.systems.controllability import is_controllable, uncontrollable_polynomial
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.transfer_functions.sample_times import (
@@ -120,6 +126,11 @@ class Realisation(ExactValue):
         return int(self.A.rows)
 
     @property
+    def matrices(self) -> Matrices:
+        """The four of them, (A, B, C, D)."""
+        return self.A, self.B, self.C, self.D
+
+    @property
     def is_siso(self) -> bool:
         """Whether there are one input and one output."""
         return bool(self.D.shape == (1, 1))
@@ -163,8 +174,7 @@ class Realisation(ExactValue):
 
     def transfer_matrix(self) -> TransferMatrix:
         """Return C (sI - A)^-1 B + D over the unreduced det(sI - A)."""
-        matrices = self.A, self.B, self.C, self.D
-        return transfer_matrix_of_realisation(*matrices, self.variable, self.sample_time)
+        return transfer_matrix_of_realisation(*self.matrices, self.variable, self.sample_time)
 
     def transfer_function(self) -> TransferFunction:
         """Return the only entry of the transfer matrix; InputError if there are several."""
@@ -200,34 +210,15 @@ class Realisation(ExactValue):
         if isinstance(feedback, bool) or feedback not in (1, -1):
             raise InputError(f"feedback = {shown(feedback)} must be +1 (u = v + K y) or -1")
         self._require(other, other.D.shape == self.D.T.shape, "feedback around it")
-        K_C, K_D = feedback * other.C, feedback * other.D
-        try:  # y = E (C x + D K_C x_k + D v)
-            E = solve(
-                ImmutableMatrix(sympy.eye(self.D.rows) - self.D * K_D), sympy.eye(self.D.rows)
-            )
-        except NoSolutionError as error:
-            raise ImproperError(
-                "the loop is not well posed: det(I - f D D_k) = 0 for the direct terms; use a "
-                "strictly proper one"
-            ) from error
-        C = E * self.C.row_join(self.D * K_C)
-        D = E * self.D
-        u = (K_D * C) + ImmutableMatrix.zeros(self.D.cols, self.n).row_join(K_C)
-        u_v = sympy.eye(self.D.cols) + K_D * D
-        below = ImmutableMatrix.zeros(other.n, self.n).row_join(other.A) + other.B * C
-        above = self.A.row_join(ImmutableMatrix.zeros(self.n, other.n)) + self.B * u
-        A, B = above.col_join(below), (self.B * u_v).col_join(other.B * D)
-        a, b, c, d = map(_simple, (A, B, C, D))
-        return self._like(a, b, c, d, other)
+        joined = in_feedback(self.matrices, other.matrices, feedback)
+        return self._like(*joined, other)
 
     def __add__(self, other: "Realisation") -> "Realisation":
         """Return both in parallel, y = y_1 + y_2, all states kept."""
         if not isinstance(other, Realisation):
             return NotImplemented
         self._require(other, other.D.shape == self.D.shape, "in parallel with it")
-        A = ImmutableMatrix(sympy.diag(self.A, other.A))
-        B, C = self.B.col_join(other.B), self.C.row_join(other.C)
-        return self._like(A, B, C, self.D + other.D, other)
+        return self._like(*in_parallel(self.matrices, other.matrices), other)
 
     def __neg__(self) -> "Realisation":
         return self._like(self.A, self.B, -self.C, -self.D)
@@ -240,11 +231,7 @@ class Realisation(ExactValue):
         if not isinstance(other, Realisation):
             return NotImplemented
         self._require(other, other.C.rows == self.B.cols, "in series before it")
-        above = self.A.row_join(self.B * other.C)
-        below = ImmutableMatrix.zeros(other.n, self.n).row_join(other.A)
-        B = (self.B * other.D).col_join(other.B)
-        C = self.C.row_join(self.D * other.C)
-        return self._like(above.col_join(below), B, C, self.D * other.D, other)
+        return self._like(*in_series(self.matrices, other.matrices), other)
 
     def _like(
         self, A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike,
@@ -284,16 +271,11 @@ class Realisation(ExactValue):
             If an entry is symbolic or overflows, or `dt` is needed and missing.
         """
         time = time_base(self.variable, self.sample_time, dt)
-        return control_state_space(self.A, self.B, self.C, self.D, time)
+        return control_state_space(*self.matrices, time)
 
     def __str__(self) -> str:
         names = ("A", "B", "C") if self.is_strictly_proper else ("A", "B", "C", "D")
         return "\n".join(f"{name} = {getattr(self, name).tolist()}" for name in names)
 
     def _repr_latex_(self) -> str:
-        blocks = sympy.BlockMatrix([[self.A, self.B], [self.C, self.D]])
-        return rf"$\displaystyle {sympy.latex(blocks)}$"
-
-
-def _simple(matrix: ImmutableMatrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
+        return displayed(table([[self.A, self.B], [self.C, self.D]]))

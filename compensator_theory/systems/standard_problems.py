@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
-import sympy
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import shown
@@ -234,5 +234,4 @@ class StandardProblem(ExactValue):
         return "\n".join(lines + [f"{name} = {getattr(self, name).tolist()}" for name in names])
 
     def _repr_latex_(self) -> str:
-        parts = [f"{name} = {sympy.latex(getattr(self, name))}" for name in _SHAPES]
-        return r"$\displaystyle " + r",\; ".join(parts) + "$"
+        return displayed(*(f"{name} = {latex(getattr(self, name))}" for name in _SHAPES))

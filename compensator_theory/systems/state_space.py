@@ -5,8 +5,7 @@ import sympy
 from sympy import ImmutableMatrix, Matrix, Rational, Symbol
 from sympy.polys.matrices import DomainMatrix
 
-from compensator_theory.errors import NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.flint_matrices import from_flint, is_rational_matrix, to_flint
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.poly import canonical, from_coefficients, scaled
@@ -79,9 +78,7 @@ def transfer_matrix_of_realisation(
         coefficients[power] += back(c * v)
         v = a * v + b * scalars[power]
     residual = ImmutableMatrix(back(v)) if A.rows else ImmutableMatrix.zeros(0, B.cols)
-    certificate = Certificate(IDENTITY.format(variable), residual)
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the conversion is wrong, please report it")
+    certificate = proven(Certificate(IDENTITY.format(variable), residual), "conversion")
     entries = tuple(
         tuple(
             from_coefficients([matrix[row, column] for matrix in coefficients], variable)

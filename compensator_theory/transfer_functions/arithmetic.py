@@ -12,12 +12,9 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import (
-    canonical,
-    polynomial,
-    sides_in,
-)
+from compensator_theory.polynomials.poly import canonical, sides_in
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
+from compensator_theory.polynomials.reading import polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.transfer_functions.sample_times import shared_sample_time

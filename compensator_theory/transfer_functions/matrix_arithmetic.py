@@ -13,7 +13,8 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike
-from compensator_theory.polynomials.poly import canonical, from_expression, polynomial
+from compensator_theory.polynomials.poly import canonical, from_expression
+from compensator_theory.polynomials.reading import polynomial
 from compensator_theory.transfer_functions.adjugates import adjugate_and_determinant
 from compensator_theory.transfer_functions.arithmetic import (
     QuotientArithmetic,

@@ -8,10 +8,12 @@ from sympy import Expr, Poly, Rational, Symbol
 from sympy.printing.pretty.stringpict import prettyForm
 
 from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.latex import displayed, fraction
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, monic, polynomial, scaled
+from compensator_theory.polynomials.poly import canonical, monic, scaled
+from compensator_theory.polynomials.reading import polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.transfer_functions.sample_times import time_base, to_float
@@ -191,8 +193,7 @@ class TransferFunction(Substitution, ExactValue):
 
     def _latex(self, printer: object = None) -> str:
         """Answer SymPy's printer, which takes our class for its own namesake."""
-        top, bottom = sympy.latex(self.numerator.as_expr()), sympy.latex(self.denominator.as_expr())
-        return rf"\frac{{{top}}}{{{bottom}}}"
+        return fraction(self.numerator, self.denominator)
 
     def _sympystr(self, printer: object = None) -> str:
         return str(self)
@@ -201,7 +202,7 @@ class TransferFunction(Substitution, ExactValue):
         return prettyForm(str(self))
 
     def _repr_latex_(self) -> str:
-        return rf"$\displaystyle {self._latex()}$"
+        return displayed(self._latex())
 
     def _degree_excess_at_most(self, bound: int) -> bool | None:
         if self.numerator.is_zero or self.numerator.degree() - self.order <= bound:

@@ -3,10 +3,10 @@
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-import sympy
 from sympy import ImmutableMatrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, fraction, table
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
@@ -132,5 +132,4 @@ class TransferMatrix(MatrixArithmetic, ExactValue):
         return f"TransferMatrix({self})"
 
     def _repr_latex_(self) -> str:
-        top, bottom = sympy.latex(self.numerator_matrix()), sympy.latex(self.denominator.as_expr())
-        return rf"$\displaystyle \frac{{1}}{{{bottom}}}\, {top}$"
+        return displayed(rf"{fraction(1, self.denominator)}\, {table(self.numerators)}")

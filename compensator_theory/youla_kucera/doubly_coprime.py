@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 
-from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.errors import InputError
+from compensator_theory.latex import displayed, latex, unless
+from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.values import ExactValue
@@ -15,7 +17,6 @@ from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.stability import decide_hurwitz, decide_schur
 from compensator_theory.state_feedback.gain_families import state_feedback_family
 from compensator_theory.state_feedback.observer_gain_families import observer_gain_family
-from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.structure.minimal_realisations import minimal_realisation
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike
@@ -66,6 +67,13 @@ class DoublyCoprimeFractions(ExactValue):
 
     def __str__(self) -> str:
         return f"G = ({self.N_r}) ({self.M_r})^-1 = ({self.M_l})^-1 ({self.N_l})"
+
+    def _repr_latex_(self) -> str:
+        right = rf"{latex(self.N_r)} \left({latex(self.M_r)}\right)^{{-1}}"
+        left = rf"\left({latex(self.M_l)}\right)^{{-1}} {latex(self.N_l)}"
+        return displayed(
+            rf"G = N_r M_r^{{-1}} = {right} = M_l^{{-1}} N_l = {left}", unless(self.exceptional)
+        )
 
 
 def doubly_coprime_fractions(
@@ -147,9 +155,9 @@ def doubly_coprime_fractions(
     residual = [
         entry.as_expr() for row in (second @ first - sympy.eye(m + p)).numerators for entry in row
     ]
-    certificate = Certificate(IDENTITY, ImmutableMatrix(1, len(residual), residual))
-    if not certificate.holds:
-        raise NoSolutionError(f"{certificate}; the fractions are wrong, please report it")
+    certificate = proven(
+        Certificate(IDENTITY, ImmutableMatrix(1, len(residual), residual)), "pair of fractions"
+    )
     return DoublyCoprimeFractions(
         given, K, F, M_r, N_r, U_r, V_r, M_l, -minus_N_l, -minus_U_l, V_l, exceptional, certificate
     )

@@ -6,6 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -44,6 +45,9 @@ class AffineMap(ExactValue):
     def __call__(self, Q: TransferMatrix) -> TransferMatrix:
         """Return the map for one parameter, without common factors."""
         return (self.H_0 + self.H_1 @ Q @ self.H_2).reduced()
+
+    def _repr_latex_(self) -> str:
+        return displayed(f"{latex(self.H_0)} + {latex(self.H_1)}\\, Q\\, {latex(self.H_2)}")
 
 
 @dataclass(frozen=True)
@@ -217,6 +221,15 @@ class StabilisingCompensators(ExactValue):
         return (
             f"{sign}C = (U_r + M_r Q)(V_r + N_r Q)^-1 with stable proper Q, poles of the loop "
             f"{poles} and those of Q"
+        )
+
+    def _repr_latex_(self) -> str:
+        f, sign = self.fractions, "" if self.feedback == 1 else "-"
+        top = rf"\left({latex(f.U_r)} + {latex(f.M_r)} Q\right)"
+        below = rf"\left({latex(f.V_r)} + {latex(f.N_r)} Q\right)^{{-1}}"
+        return displayed(
+            rf"{sign}C = (U_r + M_r Q)(V_r + N_r Q)^{{-1}} = {top} {below}",
+            unless(f.exceptional),
         )
 
 

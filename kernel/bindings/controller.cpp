@@ -63,6 +63,7 @@ std::unique_ptr<OwnedController> make_controller(
     plan.R_z = weight_of(R_z, plan.structure, l_z, "R_z");
     plan.R_u = weight_of(R_u, plan.structure, l_z, "R_u");
     plan.penalty.base = square_or_zero(penalty, l_u, "penalty");
+    plan.keeps_rows = update == "sliding window" || update == "joint";
     plan.normalization = normalization_of(std::get<0>(normalization), std::get<1>(normalization),
                                           std::get<2>(normalization));
     plan.fixed = fixed_of(fixed, l_u, l_y + l_r);
@@ -158,9 +159,9 @@ void set_weights(OwnedController& owned, nb::object R_z, nb::object R_u, nb::obj
         S.base = copied(read<Array>(penalty, "penalty", "a matrix"),
                         controller.l_u() * controller.l_u(), "penalty");
     const Hold hold(owned.use);
+    if (!penalty.is_none()) controller.rows().set_penalty(S);  // which may be refused
     if (!R_z.is_none()) controller.rows().set_R_z(z);
     if (!R_u.is_none()) controller.rows().set_R_u(u);
-    if (!penalty.is_none()) controller.rows().set_penalty(S);
 }
 
 void set_lambda(OwnedController& owned, double lambda) {

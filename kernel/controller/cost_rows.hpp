@@ -1,6 +1,8 @@
 // The rows of the retrospective cost (2.41) that one step gives the update.
 #pragma once
 
+#include <stdexcept>
+
 #include "controller/adaptation_rules.hpp"
 #include "controller/plan.hpp"
 #include "controller/regressor.hpp"
@@ -76,9 +78,16 @@ public:
 
     void set_R_z(const Weight& weight) { R_z_.set(weight); }
     void set_R_u(const Weight& weight) { R_u_.set(weight); }
+    // Refuses, before anything is changed, rows that the update has no room for.
     void set_penalty(const Weight& S) {
+        const CurrentWeight before = S_;
         S_.set(S);
-        find_penalty();
+        try {
+            find_penalty();
+        } catch (...) {
+            S_ = before;
+            throw;
+        }
     }
     bool penalises() const { return penalises_; }
     bool has_left_its_plan() const { return R_z_.is_own() || R_u_.is_own() || S_.is_own(); }
@@ -95,7 +104,11 @@ private:
     void find_penalty() {
         penalises_ = false;
         for (const double s : plan_->penalty.base) penalises_ = penalises_ || s != 0.0;
-        for (std::size_t i = 0; i < l_u_ * l_u_; ++i) penalises_ = penalises_ || S_.value()[i] != 0.0;
+        bool is_new = false;
+        for (std::size_t i = 0; i < l_u_ * l_u_; ++i) is_new = is_new || S_.value()[i] != 0.0;
+        if (is_new && !penalises_ && plan_->keeps_rows)
+            throw std::invalid_argument("this update has no room for the rows of a penalty");
+        penalises_ = penalises_ || is_new;
     }
 
     const ControllerPlan* plan_;

@@ -36,6 +36,7 @@ struct ControllerPlan {
     std::vector<TargetModel> targets;  // of one order; the first one is there from step 0
     Weight R_z, R_u;
     Weight penalty;  // S, l_u x l_u, with S' S = R_u_unfiltered
+    bool keeps_rows = false;  // the update has room for the rows of this plan alone
     Normalization normalization;
     BoundsPlan bounds;
     FixedPlan fixed;

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from sympy import Expr, I, Integer, Matrix, Symbol, expand
 
 from compensator_theory import check_proposition_3, polynomial
+from compensator_theory.bezout.sylvester import sylvester_m
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
-from compensator_theory.matrices.sylvester import sylvester_m
 
 Facts = Iterator[tuple[str, bool]]
 s = Symbol("s")

@@ -111,7 +111,11 @@ def _against_target(
 def channel_margins(
     loop: ClosedLoop, sample_time: float | None, unsaid: dict[str, str], *, disk: bool = True
 ) -> tuple[dict[str, Margins], DiskMargin | None]:
-    """The margins at each component of u, and of several components at once."""
+    """The margins at each component of u, and of several components at once.
+
+    Of time the plant's own sample time is taken where none is given.
+    """
+    sample_time = loop.plant.sample_time if sample_time is None else sample_time
     found = {}
     for i in range(loop.plant.l_u):
         name = "u" if loop.plant.l_u == 1 else f"u{i + 1}"

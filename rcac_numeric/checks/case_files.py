@@ -126,8 +126,9 @@ def read_structure(
         part = STRUCTURE.read(given, Place("the options", "controller"))
         return part.build(**sizes_of(sizes))
     except InputError as error:
-        hint = " Give --n-c." if "needs the key 'n_c'" in str(error) else ""
-        raise InputError(f"{error}{hint}") from None
+        if "needs the key 'n_c'" in str(error) and kind is not None:
+            raise InputError(f"--structure {kind} needs its order n_c: give --n-c.") from None
+        raise
 
 
 class _Sizes:

@@ -20,6 +20,7 @@ from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant
 from rcac_numeric.checks.logs import ControllerLog
+from rcac_numeric.checks.plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
 from rcac_numeric.checks.runs import check_arguments
 from rcac_numeric.controllers.compensator import Compensator
@@ -67,6 +68,9 @@ class ControllerCheck(Value):
         Opened at each component of u in turn.
     disk : DiskMargin or None
         For several inputs at once.
+    plant_residual : PlantResidual or None
+        How far the log's y is from what the plant makes of the logged u; None for a run of ours
+        with its own plant.
     unsaid : mapping
         From what could not be said to the reason.
     """
@@ -88,6 +92,7 @@ class ControllerCheck(Value):
     margins: dict[str, Margins] = field(default_factory=dict)
     disk: DiskMargin | None = None
     unsaid: dict[str, str] = field(default_factory=dict)
+    plant_residual: PlantResidual | None = None
 
     @property
     def poles(self) -> ComplexArray | None:
@@ -204,6 +209,7 @@ def check_controller(
     """
     if plant is not None:
         plant = linear_plant(plant)
+    is_own = isinstance(u, Run) and plant is None
     if isinstance(u, Run):
         own = check_arguments(u)
         signals: ArrayLike | ControllerLog = own["log"]
@@ -254,6 +260,8 @@ def check_controller(
     else:
         with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
             known |= with_plant(log, fixed, linear_plant(plant), target, unsaid)
+            if not is_own:  # a run of ours knows its plant, which may have changed on the way
+                known["plant_residual"] = plant_residual(log, linear_plant(plant))
         known["costs"] = loop_costs(known["loop"], noise)
         known["margins"], known["disk"] = channel_margins(known["loop"], sample_time, unsaid)
     return ControllerCheck(

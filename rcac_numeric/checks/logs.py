@@ -20,6 +20,8 @@ from rcac_numeric.signals.data_files import read_variables
 SIGNALS = ("u", "y", "z", "w", "r")
 # What a log may hold, under these names or those that the caller gives.
 ROLES = (*SIGNALS, "theta", "D_c", "N_c")
+# A column of this name counts steps or seconds, and is no signal.
+TIMES = ("k", "n", "i", "t", "step", "steps", "time", "index", "sample", "seconds", "timestamp")
 # So many names of a file are compared with one that it lacks: a hundred thousand take seconds.
 COMPARED = 1000
 
@@ -214,11 +216,23 @@ def read_log(
         if name in variables:
             found[role] = variables[name].T if transpose else variables[name]
         elif role in wanted or role in ("u", "y"):
-            close = difflib.get_close_matches(name, [*variables][:COMPARED], n=1, cutoff=0.5)
-            hint = f" Did you mean {close[0]!r}?" if close else ""
-            raise InputError(
-                f"{path} has no {name!r}, needed as {role}; it has "
-                f"{shortened(', '.join(variables))}.{hint} Say which is which, for instance "
-                f"--names {role}={shortened(next(iter(variables)), 40)}."
-            )
+            raise InputError(_missing(str(path), role, name, variables, wanted))
     return ControllerLog(**found, source=str(path))
+
+
+def _missing(
+    path: str, role: str, name: str, variables: Mapping[str, Array], wanted: Mapping[str, str]
+) -> str:
+    """What is said where a file lacks a signal: what it has, and what of it may be meant."""
+    has = shortened(", ".join(variables)) or "nothing"
+    free = [v for v in [*variables][:COMPARED] if v not in wanted.values()]
+    close = difflib.get_close_matches(name, free, n=1, cutoff=0.5)
+    signals = close or [v for v in free if v not in ROLES and v.lower() not in TIMES]
+    hint = f" Did you mean {close[0]!r}?" if close else ""
+    if not signals:
+        return f"{path} has no {name!r}, needed as {role}; it has {has}, none of which can be it."
+    proposal = f"--names {role}={shortened(signals[0], 40)}"
+    return (
+        f"{path} has no {name!r}, needed as {role}; it has {has}.{hint} Say which column is "
+        f"{role}, for instance {proposal}."
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -65,13 +66,35 @@ def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
         key, equals, value = text.partition("=")
         if not equals or not key.strip():
             raise InputError(f"--set {text}: write KEY=VALUE, such as controller.R_theta=1e-6.")
-        changed = with_value(changed, key.strip(), _typed(text, value.strip()))
+        typed = _typed(text, value.strip())
+        try:
+            changed = with_value(changed, key.strip(), typed)
+        except InputError as error:
+            hint = _full_key(key.strip(), value, changed)
+            raise InputError(f"--set {text}: {error}{hint}") from None
     if "claims" in changed and isinstance(changed["claims"], list):
         changed["claims"] = [
             {k: v for k, v in claim.items() if k != "verdict"} if isinstance(claim, dict) else claim
             for claim in changed["claims"]
         ]
     return changed
+
+
+def _full_key(key: str, value: str, table: Raw) -> str:
+    """A hint at the keys with dots that end as this one does, or nearly; first what is set."""
+    known = [name for name, _ in known_keys() if name.partition(".")[0] in table]
+    ends = {name.rpartition(".")[2] for name in known}
+    close = difflib.get_close_matches(key.rpartition(".")[2][:80], sorted(ends), n=1, cutoff=0.8)
+    found = [name for name in known if close and name.endswith(f".{close[0]}")]
+    in_use = [name for name in found if _is_set(table, name)]
+    proposals = [f"--set {name}={value.strip()[:80]}" for name in in_use or found[:3]]
+    return f" Did you mean {' or '.join(proposals)}?" if proposals else ""
+
+
+def _is_set(table: Raw, name: str) -> bool:
+    first, _, rest = name.partition(".")
+    around = table.get(first)
+    return isinstance(around, dict) and rest in around
 
 
 def _typed(text: str, value: str) -> Any:

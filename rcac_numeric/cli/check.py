@@ -10,10 +10,12 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.record_files import is_record
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.checks.case_files import k_w_of, read_structure, read_target
 from rcac_numeric.checks.check import check_controller
-from rcac_numeric.checks.logs import ControllerLog, read_log
+from rcac_numeric.checks.logs import ROLES, TIMES, ControllerLog, read_log
 from rcac_numeric.cli.check_inputs import (
+    is_transfer_function,
     parse_names,
     parse_noise,
     plant_in,
@@ -37,14 +39,19 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
     'file with A, B, C, ..., or a transfer function such as "1/(q - 2)". Default: A, B, C of LOG.',
 )
 @click.option(
-    "--problem", type=click.Choice(["standard", "servo"]), default="standard", show_default=True,
-    help="What a transfer function is the plant of.",
+    "--problem", type=click.Choice(["standard", "servo"], case_sensitive=False),
+    help="What a transfer function is the plant of: y = z = G (u + w) or, with a command, the "
+    "error y = z = r - G (u + d) - v. Default: standard, where LOG has no r.",
 )  # fmt: skip
 @click.option(
     "--names", default="", help="What LOG calls its columns: u=input,y=output,theta=gains."
 )
 @click.option("--transpose", is_flag=True, help="LOG has one column, not one row, for each step.")
-@click.option("--structure", type=click.Choice(KINDS), help="Of theta; default with --n-c: iir.")
+@click.option(
+    "--structure",
+    type=click.Choice(KINDS, case_sensitive=False),
+    help="Of theta; default with --n-c: iir.",
+)
 @click.option("--n-c", type=int, help="Order of the controller.")
 @click.option("--k-c", type=int, help="First lag of y: 1 by default, 0 for an exactly proper one.")
 @click.option("--k-w", type=int, help="First step at which u came from theta.")
@@ -65,7 +72,7 @@ def check(
     *,
     log: Path,
     plant: str | None,
-    problem: str,
+    problem: str | None,
     names: str,
     transpose: bool,
     structure: str | None,
@@ -89,7 +96,7 @@ def check(
     no error.
     """
     with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
-        model, table = read_case(plant, problem)
+        model, table = read_case(plant, problem or "standard")
         own = _own(log) if plant is None and not names and structure is None else None
         if own is not None:
             found = check_controller(
@@ -100,11 +107,14 @@ def check(
             show(check_sheet(found), as_json, picture, found.plot)
             return DONE if found.is_consistent else NO
         recorded = read_log(log, parse_names(names), transpose=transpose)
+        if problem is None and is_transfer_function(plant):
+            _require_problem(recorded)
         if model is None and log.suffix.lower() != ".csv":
             model = plant_in(read_variables(log), str(log))
         k_w = k_w_of(table) if k_w is None else k_w
         widths = (recorded.u.shape[1], recorded.y.shape[1])
         made = read_structure(table, model, kind=structure, n_c=n_c, k_c=k_c, widths=widths)
+        _require_coefficients(recorded, log, parse_names(names))
         if made is None:
             _require_structure(recorded, widths)
         found = check_controller(
@@ -138,7 +148,45 @@ def _require_structure(log: ControllerLog, widths: tuple[int, int]) -> None:
         return
     size = log.theta.shape[-1]
     raise InputError(
-        f"{log.source}: theta has {size} coefficients; say which structure they belong to. For "
-        f"--structure iir, {sum(widths)} coefficients go with each order: "
-        f"--n-c {max(size // (widths[0] * sum(widths)), 1)}?"
+        f"{log.source}: theta has {size} coefficient{'s' * (size != 1)}; say which structure they "
+        f"belong to: {_structures(size, *widths)}."
     )
+
+
+def _require_problem(log: ControllerLog) -> None:
+    """Refuse to guess where a log has a command, which the standard problem has not."""
+    if log.r is not None:
+        raise InputError(
+            f"{log.source} has a command r, so say what --plant is the plant of: --problem servo, "
+            "where y is the error r - G (u + d) - v, or --problem standard, where y = G (u + w)."
+        )
+
+
+def _require_coefficients(log: ControllerLog, file: Path, names: dict[str, str]) -> None:
+    """Refuse a log without theta and without polynomials; propose a column that is there."""
+    if log.theta is not None or (log.D_c is not None and log.N_c is not None):
+        return
+    known = {*ROLES, *names.values()}
+    left = [v for v in read_variables(file) if v not in known and v.lower() not in TIMES]
+    proposal = (
+        f"say which column it is and what it belongs to, --names theta={shortened(left[0], 40)} "
+        "with --structure and --n-c"
+        if left
+        else "log it, one column theta[i] for each coefficient"
+    )
+    raise InputError(
+        f"{log.source} has no theta, the coefficients of the controller: {proposal}; or log D_c "
+        "and N_c, or only what they ended with, in a .mat or .npz file."
+    )
+
+
+def _structures(size: int, l_u: int, l_y: int) -> str:
+    """The options that fit so many coefficients."""
+    fits = []
+    if size % (l_u * (l_u + l_y)) == 0:
+        fits.append(f"--structure iir --n-c {size // (l_u * (l_u + l_y))}")
+    if size % (l_u * l_y) == 0:
+        fits.append(f"--structure fir --n-c {size // (l_u * l_y)}")
+    if size == 3 * l_u * l_y:
+        fits.append("--structure pid")
+    return " or ".join(fits) or "a [controller] table in the file of --plant says any"

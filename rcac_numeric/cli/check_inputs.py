@@ -87,6 +87,18 @@ def read_case(plant: str | None, problem: str) -> tuple[Plant | None, Raw]:
     return (servo_plant(plant) if problem == "servo" else standard_plant(plant)), {}
 
 
+def is_transfer_function(plant: str | None) -> bool:
+    """Whether --plant is neither left out nor the name of a file.
+
+    Examples
+    --------
+    >>> from rcac_numeric.cli.check_inputs import is_transfer_function
+    >>> is_transfer_function("1/(q - 0.5)"), is_transfer_function("plant.toml")
+    (True, False)
+    """
+    return plant is not None and Path(plant).suffix.lower() not in (".toml", *FORMATS)
+
+
 def plant_in(variables: Mapping[str, Any], file: str) -> Plant | None:
     """The plant whose matrices are among a file's variables; D_1 = B where it is left out."""
     if not {"A", "B", "C"} <= variables.keys():

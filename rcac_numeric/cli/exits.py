@@ -29,8 +29,22 @@ Exit status: 0 done; 1 the answer is no (a verdict has changed, a log contradict
 input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; 130
 interrupted; 141 the output was closed.
 """
-# How errors of budgets say what to do in Python; `rcac` has an option for it.
-BUDGET = re.compile(r"with (?:compensator_theory\.budget|Budget)\((\w+)=([^()]*)\)")
+# What errors tell a reader of Python to do, and what does the same at the shell.
+AT_THE_SHELL = {
+    r"with (?:compensator_theory\.budget|Budget)\((\w+)=([^()]*)\)": r"with --budget \1=\2",
+    r"Sample it first: servo_plant\(.*?\)\), or write it in q": (
+        "Sample it first, by the c2d of MATLAB, Octave or python-control, and write it in q"
+    ),
+    r"name (it|the variable), for instance variable='(\w+)'": (
+        r"name \1 by --variable \2 (rcac place, rcac observer); a plant of RCAC is written in q"
+    ),
+    r" or reduce the plant with \.reduced\(\)": ", or cancel the factor in the plant",
+    r"; reduce it, or use realisation_is_observer_based": "; cancel the common factor",
+    r"From n_c = (\d+) and numerator_degree = \d+ on": r"From --order \1 on",
+    r"check_controller\(log, \*\*check_arguments\(file\)\)": "rcac check LOG --plant FILE",
+    r"Use Decentralized\(\.\.\., shared_u=True\)": "Write shared_u = true in [[controllers]]",
+    r"Use ClosedLoop\(\.\.\.\)\.poles\(\) instead": "The poles are in the report",
+}
 LONGEST = 2000  # characters of a message
 
 Result = TypeVar("Result")
@@ -76,7 +90,7 @@ def _after(error: BaseException) -> int:
         case click.ClickException():
             return _usage(error)
         case CompensatorError():
-            return _said(BUDGET.sub(r"with --budget \1=\2", str(error)), BAD_INPUT)
+            return _said(at_the_shell(str(error)), BAD_INPUT)
         case MemoryError():
             return _said("there is not enough memory for this; ask for less.", BAD_INPUT)
         case OSError() if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO):
@@ -85,6 +99,20 @@ def _after(error: BaseException) -> int:
     lines = "".join(traceback.format_exception(error))
     click.echo(shortened(printable(lines), 5 * LONGEST), err=True)
     return _said("this is a defect of rcac itself; please report it.", DEFECT)
+
+
+def at_the_shell(message: str) -> str:
+    """A message of the packages with the advice that a shell can follow.
+
+    Examples
+    --------
+    >>> from rcac_numeric.cli.exits import at_the_shell
+    >>> at_the_shell("raise it: with compensator_theory.budget(degree=300)")
+    'raise it: with --budget degree=300'
+    """
+    for of_python, of_shell in AT_THE_SHELL.items():
+        message = re.sub(of_python, of_shell, message)
+    return message
 
 
 def _usage(error: click.ClickException) -> int:

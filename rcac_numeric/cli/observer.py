@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import click
 
-from rcac_numeric.cli.output import as_json_option, budget_option, show
+import compensator_theory as exact
+from rcac_numeric.cli.output import as_json_option, budget_option, show, variable_option
 from rcac_numeric.reports.observer import observer_sheet
 
 
@@ -15,12 +16,20 @@ from rcac_numeric.reports.observer import observer_sheet
     "--feedback", type=click.Choice(["-1", "+1"]), default="-1", show_default=True,
     help="Sign f of the loop u = f G_c y.",
 )  # fmt: skip
+@variable_option
 @budget_option()
 @as_json_option
-def observer(plant: str, compensator: str, feedback: str, as_json: bool) -> None:
+def observer(
+    plant: str, compensator: str, feedback: str, variable: str | None, as_json: bool
+) -> None:
     """Tell whether a compensator is observer-based, and list its observer-based forms.
 
     The answers are exact. The question has three readings: the pair of polynomials as it is
     written, the transfer function that it stands for, and its controllable canonical realisation.
     """
-    show(observer_sheet(plant, compensator, int(feedback)), as_json)
+    if variable is None:
+        sheet = observer_sheet(plant, compensator, int(feedback))
+    else:
+        G, G_c = (exact.transfer_function(text, variable) for text in (plant, compensator))
+        sheet = observer_sheet(G, G_c, int(feedback))
+    show(sheet, as_json)

@@ -27,6 +27,11 @@ as_json_option = click.option(
     "--json", "as_json", is_flag=True, help="Print one JSON object instead of a report."
 )
 
+variable_option = click.option(
+    "--variable", type=click.Choice(["s", "z", "q"]),
+    help="Of the transfer functions, where they do not show it.",
+)  # fmt: skip
+
 
 def picture_option(what: str) -> Callable[[Command], Command]:
     """The option --plot, whose file is refused before anything long is run."""

@@ -85,6 +85,8 @@ class CoefficientBounds(Value):
         set_("sweeps", integer(sweeps, "sweeps", at_least=1, at_most=100_000))
         if self.low is None and self.high is None and not self.gains:
             raise InputError("nothing is bounded: give low, high or gains.")
+        if not self.gains:  # which take the place of some of them; then `box` says it
+            _require_order(self.low, self.high)
 
     def box(self, structure: Structure) -> tuple[Array, Array]:
         """(low, high) of every coefficient of a structure, infinite where there is no bound.
@@ -165,12 +167,32 @@ def _bound(value: ArrayLike | None, name: str, unbounded: float) -> float | Arra
     return array if array.ndim else float(array)
 
 
+def _require_order(low: float | Array | None, high: float | Array | None) -> None:
+    """Refuse a box without a point in it, before any structure is known."""
+    if low is None or high is None:
+        return
+    if 1 != np.size(low) != np.size(high) != 1:
+        raise InputError(
+            f"low has {np.size(low)} entries and high {np.size(high)}; one for each coefficient is "
+            "needed in both, or a single number."
+        )
+    least, most = np.broadcast_arrays(np.ravel(low), np.ravel(high))
+    wrong = np.flatnonzero(least > most)
+    if len(wrong):
+        i = int(wrong[0])
+        raise InputError(
+            f"the bounds of coefficient {i} are {least[i]:g} and {most[i]:g}: low exceeds high."
+        )
+
+
 def _range(name: object, pair: Range) -> Range:
     if not isinstance(name, str) or not isinstance(pair, tuple | list) or len(pair) != 2:
         raise InputError(f"gains: {name!r} has the bounds {pair!r}; (low, high) are needed.")
     low, high = (None if v is None else number(v, f"a bound of {name}") for v in pair)
     if low is None and high is None:
         raise InputError(f"gains: {name!r} has neither a low nor a high bound.")
+    if low is not None and high is not None and low > high:
+        raise InputError(f"gains: the bounds of {name} are {low:g} and {high:g}: low exceeds high.")
     return low, high
 
 

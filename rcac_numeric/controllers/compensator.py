@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
-from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.validation import number, real_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import polynomial_latex, sum_latex
 
@@ -27,6 +27,9 @@ class Compensator(Value):
         past_u[i-1] is P_i.
     past_y : array, shape (n_c + 1, l_u, l_y)
         past_y[i] is Q_i; past_y[0] is zero for a strictly proper compensator.
+    sample_time : float, optional
+        In seconds, where one is known: that of the plant for the compensator of a run. It goes out
+        to other packages, and is no part of what is compared.
 
     Examples
     --------
@@ -38,8 +41,11 @@ class Compensator(Value):
 
     past_u: Array
     past_y: Array
+    sample_time: float | None = field(default=None, compare=False, repr=False)
 
-    def __init__(self, past_u: ArrayLike, past_y: ArrayLike) -> None:
+    def __init__(
+        self, past_u: ArrayLike, past_y: ArrayLike, sample_time: float | None = None
+    ) -> None:
         P, Q = real_array(past_u, "past_u"), real_array(past_y, "past_y")
         fits = (
             P.ndim == 3
@@ -54,6 +60,10 @@ class Compensator(Value):
             )
         object.__setattr__(self, "past_u", P)
         object.__setattr__(self, "past_y", Q)
+        if sample_time is not None and not number(sample_time, "sample_time") > 0:
+            raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
+        period = None if sample_time is None else float(sample_time)
+        object.__setattr__(self, "sample_time", period)
 
     @property
     def n_c(self) -> int:
@@ -117,9 +127,11 @@ class Compensator(Value):
     def to_control(self, sample_time: float | None = None) -> StateSpace:
         """The compensator as a discrete-time python-control system.
 
-        Without a sample time, in seconds, its period is unspecified, dt = True.
+        The sample time, in seconds, is its own where none is given; where it has none either,
+        the period is unspecified, dt = True.
         """
-        return control_state_space(*self.state_space(), sample_time)
+        period = self.sample_time if sample_time is None else sample_time
+        return control_state_space(*self.state_space(), period)
 
     def _repr_latex_(self) -> str:
         if self.l_u == self.l_y == 1:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -139,13 +139,13 @@ class Run(Value):
     @property
     def compensator(self) -> Compensator:
         """The controller after the last completed step."""
-        return self.settings.compensator_of(self.theta_final)
+        return self._timed(self.settings.compensator_of(self.theta_final))
 
     @property
     def sample_time(self) -> float | None:
         """That of the plant, of a schedule its first, in seconds; None where it is not known.
 
-        ``run.compensator.to_control(run.sample_time)`` goes back to python-control with it.
+        ``run.compensator.to_control()`` goes back to python-control with it.
         """
         plant = self.plant.first if isinstance(self.plant, PlantSchedule) else self.plant
         return plant.sample_time if isinstance(plant, Plant) else None
@@ -158,7 +158,10 @@ class Run(Value):
                 f"theta({k}) was not kept; it is kept at multiples of {self.stride} below "
                 f"{self.steps}."
             )
-        return self.settings.compensator_of(self.theta[row])
+        return self._timed(self.settings.compensator_of(self.theta[row]))
+
+    def _timed(self, compensator: Compensator) -> Compensator:
+        return replace(compensator, sample_time=self.sample_time)
 
     @property
     def k(self) -> Array:

@@ -13,7 +13,7 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.pairing import pairing
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.noise import NoiseInputs
-from rcac_numeric.h2.stabilising_solution import StabilisingSolution
+from rcac_numeric.h2.riccati.solutions import StabilisingSolution
 from rcac_numeric.plants.linear import Plant
 
 

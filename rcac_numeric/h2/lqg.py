@@ -7,20 +7,26 @@ from functools import cached_property
 
 import numpy as np
 
-from compensator_theory.errors import IllConditionedError, ImproperError, InputError
+from compensator_theory.errors import IllConditionedError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays import figures, frames
-from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.agreement import ExactAgreement, exact_agreement
 from rcac_numeric.h2.conversion import ConversionCertificate, converted
 from rcac_numeric.h2.costs import H2Cost, h2_cost
-from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
-from rcac_numeric.h2.riccati import stabilising_solution
-from rcac_numeric.h2.riccati_obstacles import ESTIMATOR, REGULATOR
-from rcac_numeric.h2.stabilising_solution import StabilisingSolution
+from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
+from rcac_numeric.h2.optimal_controllers import (
+    controller_matrices,
+    cost_of_solutions,
+    filter_gain,
+    weights,
+)
+from rcac_numeric.h2.riccati.equations import stabilising_solution
+from rcac_numeric.h2.riccati.obstacles import ESTIMATOR, REGULATOR
+from rcac_numeric.h2.riccati.solutions import StabilisingSolution
 from rcac_numeric.h2.state_space import StateSpace, state_space_latex
 from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
@@ -207,19 +213,19 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
     one_of(form, "form", FORMS)
     inputs = noise_inputs(plant, noise)
     regulator = stabilising_solution(
-        plant.A, plant.B, _weights(plant.E_1, plant.E_2), (plant.E_1, plant.E_2), REGULATOR
+        plant.A, plant.B, weights(plant.E_1, plant.E_2), (plant.E_1, plant.E_2), REGULATOR
     )
     estimator = stabilising_solution(
         plant.A.T,
         plant.C.T,
-        _weights(inputs.D_1.T, inputs.D_2.T),
+        weights(inputs.D_1.T, inputs.D_2.T),
         (inputs.D_1.T, inputs.D_2.T),
         ESTIMATOR,
     )
     D_f = np.zeros((plant.l_u, plant.l_y))
     if form == "filter":
-        D_f = _filter_gain(plant, inputs, regulator, estimator)
-    parts = _state_space(plant, regulator.gain, -estimator.gain.T, D_f)
+        D_f = filter_gain(plant, inputs, regulator, estimator)
+    parts = controller_matrices(plant, regulator.gain, -estimator.gain.T, D_f)
     return _verified(
         LQG(
             plant=plant,
@@ -229,7 +235,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
             estimator=estimator,
             state_space=parts,
             cost=h2_cost(plant, parts, noise=noise),
-            cost_from_riccati=_cost(inputs, regulator, estimator, D_f),
+            cost_from_riccati=cost_of_solutions(inputs, regulator, estimator, D_f),
         )
     )
 
@@ -244,55 +250,3 @@ def _verified(design: LQG) -> LQG:
             " Scale states and signals to like size."
         )
     return design
-
-
-def _weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
-    with np.errstate(over="ignore", invalid="ignore"):
-        weights = E_1.T @ E_1, E_1.T @ E_2, E_2.T @ E_2
-    if not all(np.isfinite(weight).all() for weight in weights):
-        largest = max(np.abs(E).max(initial=0.0) for E in (E_1, E_2))
-        raise InputError(
-            f"the squares of the entries of E_1, E_2, D_1 or D_2 are beyond float64 (the largest "
-            f"entry is {largest:.3g}); scale z and w to like size."
-        )
-    return weights
-
-
-def _filter_gain(
-    plant: Plant, inputs: NoiseInputs, regulator: StabilisingSolution,
-    estimator: StabilisingSolution,
-) -> Array:  # fmt: skip
-    """D_f: the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w from the innovation."""
-    from_w = -np.linalg.solve(
-        regulator.innovation, plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1
-    )
-    correlation = regulator.gain @ estimator.P @ plant.C.T + from_w @ inputs.D_2.T
-    return np.asarray(np.linalg.solve(estimator.innovation, correlation.T).T)
-
-
-def _state_space(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> StateSpace:
-    """(A.4) with the direct term; D_0 makes e depend on u, which is solved for u."""
-    loop = np.eye(plant.l_u) + D_f @ plant.D_0
-    if np.linalg.matrix_rank(loop) < plant.l_u:
-        raise ImproperError(
-            "I + D_f D_0 is singular, so that the filter form is no proper controller of y; use "
-            'form = "predictor".'
-        )
-    C = np.asarray(np.linalg.solve(loop, C_c - D_f @ plant.C), dtype=np.float64)
-    D = np.asarray(np.linalg.solve(loop, D_f), dtype=np.float64)
-    through = plant.B - B_c @ plant.D_0
-    return plant.A - B_c @ plant.C + through @ C, B_c + through @ D, C, D
-
-
-def _cost(
-    inputs: NoiseInputs, regulator: StabilisingSolution, estimator: StabilisingSolution, D_f: Array
-) -> float:
-    """tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
-    S, V = regulator.innovation, estimator.innovation
-    K, Q = regulator.gain, estimator.P
-    return float(
-        np.trace(inputs.D_1.T @ regulator.P @ inputs.D_1)
-        + np.trace(S @ K @ Q @ K.T)
-        + np.sum(inputs.E_0**2)
-        - np.trace(S @ D_f @ V @ D_f.T)
-    )

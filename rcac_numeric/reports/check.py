@@ -7,6 +7,7 @@ from typing import Any
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.reports.comparison import missed_poles
 from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import joined, match_section, split_section, zeros_facts
 from rcac_numeric.reports.margins import disk_record, margins_section
@@ -36,17 +37,29 @@ def check_sheet(check: ControllerCheck) -> Sheet:
     return Sheet(
         title=check.log.source,
         remark=f": {check.log.steps} steps",
-        health=health_lines(health),
+        health=(*_doubt(check), *missed_poles(check.comparison), *health_lines(health)),
         sections=(*sections, _unsaid(check)),
     )
 
 
+def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
+    """That the log is not of the plant told, before anything is said with that plant."""
+    found = check.plant_residual
+    return (Text(str(found), "bad"),) if found is not None and found.is_doubtful else ()
+
+
 def _log(check: ControllerCheck) -> Section:
-    replay, drift = check.replay, check.drift
+    replay, drift, residual = check.replay, check.drift, check.plant_residual
     blocks: list[Block] = []
     record: dict[str, Any] = {
         "source": check.log.source, "steps": check.log.steps, "replay": None, "drift": None,
+        "plant_residual": residual and {
+            name: getattr(residual, name)
+            for name in ("rms", "change", "best", "relative", "is_doubtful")
+        },
     }  # fmt: skip
+    if residual is not None and not residual.is_doubtful:
+        blocks.append(Text(str(residual)))
     if replay is not None:
         blocks.append(Text(str(replay), "plain" if replay.agrees else "bad"))
         record["replay"] = {

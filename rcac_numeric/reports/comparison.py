@@ -8,6 +8,28 @@ from rcac_numeric.reports.loop import zeros_facts
 from rcac_numeric.reports.sheets.numbers import complex_list, complex_text, exact_text, rounded
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Table, Text, cells
 
+MISSED = 0.01  # a pole that is farther from the one asked for is not that pole
+
+
+def missed_poles(c: ExactComparison | None) -> tuple[Text, ...]:
+    """The line that a report begins with where poles asked for are not reached.
+
+    A target model with all its poles at 0 asks for a finite response and not for poles.
+    """
+    if c is None or not c.target_poles.any():
+        return ()
+    missed = [(a, b) for a, b in c.assigned if not abs(a - b) <= MISSED]
+    if not missed:
+        return ()
+    missed.sort(key=lambda pair: -abs(pair[0] - pair[1]))
+    words = ", ".join(
+        f"{complex_list([a])} by {abs(a - b):.2g} (the loop has {complex_list([b])})"
+        for a, b in missed[:4]
+    )
+    more = f" and {len(missed) - 4} more" if len(missed) > 4 else ""
+    count = f"{len(missed)} of {len(c.assigned)} poles asked for"
+    return (Text(f"NOT reached: {count} are missed, {words}{more}.", "bad"),)
+
 
 def comparison_section(c: ExactComparison) -> Section:
     """Coefficients, poles and zeros, reached and asked for."""
@@ -41,6 +63,7 @@ def comparison_section(c: ExactComparison) -> Section:
             "obstacle": c.obstacle or None,
         },
         "worst_pole_distance": c.worst_distance,
+        "is_reached": not missed_poles(c),
         "controller_distance": c.controller_distance,
     }
     return Section(blocks=tuple(blocks), record=record)

@@ -17,7 +17,9 @@ FEW = 12
 Decisions = dict[str, exact.ObserverDecision]
 
 
-def observer_sheet(plant: str, compensator: str, feedback: int) -> Sheet:
+def observer_sheet(
+    plant: str | exact.TransferFunction, compensator: str | exact.TransferFunction, feedback: int
+) -> Sheet:
     """The answers to the three readings of the question, and the observer-based forms.
 
     Examples

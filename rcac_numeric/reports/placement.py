@@ -28,6 +28,8 @@ def placement_sheet(placement: exact.PolePlacement) -> Sheet:
     """
     found = _conditioning(placement)
     lines = [Text(line) for line in str(placement).splitlines()]
+    if placement.numerator.is_zero:
+        lines.insert(0, Text(_of_zero(placement), "warning"))
     if found is not None:
         is_worse = found.target_is_stable and not found.float64_is_stable
         lines.append(Text(f"in float64: {found}", "bad" if is_worse else "plain"))
@@ -53,6 +55,15 @@ def placement_sheet(placement: exact.PolePlacement) -> Sheet:
         },
     }  # fmt: skip
     return Sheet(f"G = {placement.plant}", sections=(Section("", tuple(lines), record),))
+
+
+def _of_zero(placement: exact.PolePlacement) -> str:
+    """What G_c = 0 means: nobody who asks for a compensator expects none."""
+    n, n_c = placement.plant.denominator.degree(), placement.denominator.degree()
+    parts = [f"the plant alone has {n} of the poles asked for"] * (n > 0)
+    parts += [f"D_c has {'the others' if n else 'them'}"] * (n_c > 0)
+    several = "" if placement.is_unique else " is one of several answers and"
+    return f"G_c = 0{several} places them: {', '.join(parts)}. Nothing is fed back."
 
 
 def _conditioning(placement: exact.PolePlacement) -> PlacementConditioning | None:

@@ -11,7 +11,7 @@ from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.reports.comparison import comparison_section, poles_section
+from rcac_numeric.reports.comparison import comparison_section, missed_poles, poles_section
 from rcac_numeric.reports.estimation import estimation_health, estimation_section
 from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import fitted_section, joined, match_section, split_section
@@ -62,6 +62,8 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
                 "bad",
             )
         )
+    elif main.first.is_scalar:
+        said += missed_poles(main.first.comparison)
     first, *rest = health_lines(health)
     said.append(first)
     if changed := sum(verdict.has_changed for verdict in verification.verdicts):

@@ -2,6 +2,7 @@
 
 import ast
 import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -38,6 +39,22 @@ def test_a_row_names_what_is_there(number, row):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
     }
     assert called & {name for name, _ in functions}
+
+
+def test_the_drawn_tests_of_each_row_are_there():
+    """What benchmarks/construction_oracles.py draws 10 000 cases for."""
+    named = tomllib.loads((ROOT / "benchmarks" / "construction_tests.toml").read_text())
+    assert set(named) == {number for number, _ in ROWS}
+    for number, row in ROWS:
+        (path,) = re.findall(r"`(tests/[\w/]+\.py)`", row)
+        drawn = {
+            node.name
+            for node in ast.parse((ROOT / path).read_text()).body
+            if isinstance(node, ast.FunctionDef)
+            and any("given" in ast.unparse(decorator) for decorator in node.decorator_list)
+        }
+        assert named[number]
+        assert {name.partition("[")[0] for name in named[number]} <= drawn, path
 
 
 def example_of(number):

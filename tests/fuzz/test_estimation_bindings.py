@@ -12,15 +12,7 @@ from rcac_numeric import RCMR, FIRSubsystem
 from rcac_numeric.engine import _kernel
 from rcac_numeric.estimation.refinement.refinement import compiled_refinement
 from tests.support.kernel_arguments import damaged_state, perhaps_damaged
-
-REFUSALS = (ValueError, TypeError, IndexError, _kernel.EstimationError)
-
-
-def attempt(function, *arguments, **options):
-    try:
-        return function(*arguments, **options)
-    except REFUSALS:
-        return None
+from tests.support.kernel_calls import attempt
 
 
 def tape(n, l_u, size):

@@ -100,6 +100,13 @@ def warmed():
 @example("+q/q-s-b - 007+2")
 @example("(sqrt((S)+(²S)))**2")
 @example("*".join(["((3.+0.45082763499547807 - I^.5)**(1/3))"] * 10))
+@example("(s/3/j)/sqrt(724701*b)")
+@example("pi/(0.003^0.5 + z - 1E3)*(0.003^0.5 + z - 1E3)*(0.003^0.5 + z - 1E3)")
+@example("s**2 + s/(j*sqrt(2*b))")
+@example("s*j*sqrt(-b)")
+@example("s/((sqrt(b) + j)*(sqrt(b) - j))")
+@example("7/3/(sqrt(-2) - sqrt(1 + j))")
+@example("(sqrt(-b) - sqrt(a*b) - sqrt(sqrt(b)))/(sqrt(a*b)*s + sqrt(b)/(7/3))")
 def test_a_text_is_refused_or_echoed(text):
     check_text(text)
 

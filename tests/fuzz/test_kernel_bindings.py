@@ -22,16 +22,7 @@ from tests.support.kernel_arguments import (
     python_plant_arguments,
     seeds,
 )
-
-REFUSALS = (ValueError, TypeError, IndexError)
-
-
-def attempt(function, *arguments, **options):
-    """What the kernel answers, or None where it refuses in one of the three ways."""
-    try:
-        return function(*arguments, **options)
-    except REFUSALS:
-        return None
+from tests.support.kernel_calls import attempt
 
 
 def use_controller(draw, controller, l_u, l_y, l_z, l_r):
@@ -188,3 +179,35 @@ def test_replays(in_lanes, l_theta, l_z, data):
     replay = _kernel.replay_ud_lanes if in_lanes else _kernel.replay_updates
     replay(**arguments)
     attempt(replay, **perhaps_damaged(data.draw, arguments))
+
+
+@pytest.mark.parametrize("update", ["sliding window", "joint"])
+def test_rows_that_an_update_has_no_room_for(update):
+    """Found by .ci/sanitize: the rows of a penalty that came later were written beyond a window."""
+
+    def made():
+        one = np.eye(1)
+        return _kernel.controller(
+            l_u=1, l_y=1, l_r=0, l_z=1, derived=[], regressor=[(0, 1), (1, 1)],
+            channels=[(0, 0), (0, 1), (1, 1)], filtered=[(1, 0), (2, 0)],
+            targets=[(np.ones((2, 1, 1)), np.array([[[1.0]], [[0.0]]]))], R_z=one, R_u=0 * one,
+            forgetting_factor=1.0, k_w=0, k_update=0, k_filter=0, filter_form=False,
+            reflect_poles=False, events=[], forgetting=(0, 0, 0.0, 1.0),
+            reset=(0, 0.0, 0.0, 1, 2), noise=np.zeros(0), update=update, P_0=np.eye(2),
+            theta_0=np.zeros(2), window=3, step_size=1.0,
+        )  # fmt: skip
+
+    controller = made()
+    with pytest.raises(ValueError, match="no room"):
+        controller.set_weights(2 * np.eye(1), None, np.eye(1))
+    for k in range(6):
+        controller.step(np.ones(1), np.full(1, float(k)), np.zeros(0), None)
+    unchanged = made()
+    for k in range(6):
+        unchanged.step(np.ones(1), np.full(1, float(k)), np.zeros(0), None)
+    np.testing.assert_array_equal(controller.theta, unchanged.theta)
+    for place in range(len(state := controller.save())):
+        other = state.copy()
+        other[place] = 0.75
+        attempt(controller.restore, other)
+        controller.step(np.ones(1), np.ones(1), np.zeros(0), None)

@@ -381,5 +381,6 @@ SAMPLES = {
     rcac.Verification: lambda seed: rcac.verify(experiment(seed)),
     rcac.ControllerLog: log,
     rcac.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
+    rcac.PlantResidual: lambda seed: rcac.PlantResidual(1.0 + seed, 2.0, 0.5),
     rcac.ControllerCheck: check,
 }

@@ -48,6 +48,7 @@ std::unique_ptr<OwnedRefinement> make_refinement(
     refuse_unless(eta_bar >= 0.0, "eta_bar is negative");
     const std::size_t longest = *std::max_element(delays.begin(), delays.end());
     length_of({longest + 1, l_u, l_theta}, "the history of the regressor");
+    length_of({*std::max_element(stack.begin(), stack.end()) + 1, l_y}, "the history of z");
     const std::size_t rows = length_of({stack.size(), l_y}, "Z"),
                       columns = length_of({delays.size(), l_u}, "U~"), m = lambda.size();
     RefinementPlan plan{n, l_w, l_u, l_y,

@@ -82,6 +82,21 @@ FIXED: dict[str, Kind[Any]] = {
     "lqg": Kind(Variant(Table(_lqg, given=["whole_plant"], forms={"noise": NOISE})), is_whole=True)
 }
 STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
+
+
+def _fixed(past_u: Any, past_y: Any) -> Compensator:
+    """A fixed compensator (2.28).
+
+    Parameters
+    ----------
+    past_u : array, shape (n_c, l_u, l_u)
+        past_u[i-1] is P_i.
+    past_y : array, shape (n_c + 1, l_u, l_y)
+        past_y[i] is Q_i; past_y[0] is zero for a strictly proper compensator.
+    """
+    return Compensator(past_u, past_y)
+
+
 WEIGHT = Either(Table(SignalWeight), Numbers())
 FORMS: Mapping[str, Form] = {
     "structure": STRUCTURES_AND_FIXED,
@@ -177,6 +192,12 @@ class ControllerSpecification(Value):
         return controller, target if isinstance(controller, FixedController) else None
 
 
+NO_TARGET = (
+    "there is no table [target]: what RCAC is to make of the loop. Add for instance\n\n"
+    '[target]\nmodel = "pole placement"\npoles = ["0.5"]'
+)
+
+
 def read_controllers(
     common: Raw, target: Raw, several: list[Raw], note: tuple[str, ...], file: str
 ) -> ControllerSpecification:
@@ -186,6 +207,8 @@ def read_controllers(
     """
     here = Place(file, "controller", notes=note)
     if not several:
+        if not target:
+            raise InputError(NO_TARGET)
         of_target = TARGET.table.read(target, Place(file, "target", notes=note))
         return ControllerSpecification((CONTROLLER.table.read(common, here),), of_target)
     shared = {key.name for key in SEVERAL.keys}

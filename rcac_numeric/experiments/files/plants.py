@@ -165,7 +165,9 @@ CHANGE = Table(
 )
 
 
-def _plant(problem: Plant | PlantSchedule, changes: Any = None) -> Plant | PlantSchedule:
+def _plant(
+    problem: Plant | PlantSchedule, changes: Any = None, sample_time: Any = None
+) -> Plant | PlantSchedule:
     """A plant.
 
     Parameters
@@ -174,12 +176,31 @@ def _plant(problem: Plant | PlantSchedule, changes: Any = None) -> Plant | Plant
         Which problem the transfer function or the matrices are of, or a plant by its name.
     changes : tables
         How the plant changes while it runs.
+    sample_time : number
+        One step in seconds: reports give times too, and controllers go out with it.
     """
-    return problem
+    if sample_time is None:
+        return problem
+    if isinstance(problem, PlantSchedule):
+        changed = [replace(c, plant=_timed(c.plant, sample_time)) for c in problem.changes]
+        return PlantSchedule(changed)
+    return _timed(problem, sample_time)
+
+
+def _timed(plant: Plant, sample_time: Any) -> Plant:
+    """The plant with a sample time, of its exact data too."""
+    if isinstance(sample_time, list):
+        raise InputError(f"[plant] sample_time = {sample_time} must be one number, in seconds.")
+    period = exact.exact_number(sample_time)
+    if not (period.is_Rational and 0 < float(period) < float("inf")):
+        raise InputError(f"[plant] sample_time = {sample_time!r} must be positive, in seconds.")
+    known = None if plant.exact is None else replace(plant.exact, sample_time=period)
+    return replace(plant, exact=known, sample_time=float(period))
 
 
 PLANT = Deferred(
-    Table(_plant, forms={"problem": PROBLEMS, "changes": ListOf(CHANGE)}), is_replaced=True
+    Table(_plant, forms={"problem": PROBLEMS, "changes": ListOf(CHANGE), "sample_time": Exact()}),
+    is_replaced=True,
 )
 
 
@@ -250,7 +271,8 @@ def _amplified(plant: Plant, gain: Any) -> Plant:
         raise InputError(f"gain = {gain!r} is not a real number.")
     problem = plant.problem
     scaled = {name: factor * getattr(problem, name) for name in ("B", "D_0", "E_2")}
-    return from_problem(replace(problem, **scaled), plant.blocks)
+    made = from_problem(replace(problem, **scaled), plant.blocks)
+    return replace(made, sample_time=plant.sample_time)
 
 
 def _require_coprime(G: Any) -> None:

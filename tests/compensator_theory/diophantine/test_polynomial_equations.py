@@ -62,6 +62,27 @@ def test_symbols_say_where_they_hold():
     assert a in double.exceptional
 
 
+def irreducible(expressions):
+    """The irreducible factors with symbols, up to their sign."""
+    factors = {f for e in expressions for f, _ in sympy.factor_list(e)[1] if f.free_symbols}
+    return {max(f, sympy.expand(-f), key=str) for f in factors}
+
+
+@given(
+    polynomials(min_degree=1, max_degree=3, is_monic=True),
+    polynomials(max_degree=2),
+    st.tuples(st.integers(0, 2), st.integers(0, 2)),
+)
+def test_the_exceptional_set_is_the_resultants(first, second, powers):
+    """With a monic first polynomial the roots of the resultant are where no solution of 1 is."""
+    i, j = min(powers[0], first.degree() - 1), powers[1]
+    p = sympy.expand(first.as_expr() + a * s**i)
+    q = sympy.expand(second.as_expr() + b * s**j)
+    found = solve_diophantine(p, q, "1", "s")
+    assert irreducible(found.exceptional) == irreducible([sympy.resultant(p, q, s)])
+    assert sympy.expand(p * found.x.as_expr() + q * found.y.as_expr() - 1).equals(0)
+
+
 def test_no_gap_between_the_two_orders_of_solution():
     least_y = solve_diophantine("s**2 - 1", "s - 2", "(s + 1)**3")
     least_x = solve_diophantine("s**2 - 1", "s - 2", "(s + 1)**3", least="x")

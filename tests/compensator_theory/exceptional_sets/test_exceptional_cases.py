@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory import InputError, exceptional_cases
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
-from compensator_theory.structure.echelon import echelon
 
 s = sympy.Symbol("s")
 SYMBOLS = a, b, c = sympy.symbols("a b c")

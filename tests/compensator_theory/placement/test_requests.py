@@ -20,8 +20,8 @@ from compensator_theory import (
     sensitivity_function,
     transfer_function,
 )
+from compensator_theory.bezout.sylvester import sylvester_m
 from compensator_theory.matrices.linear_algebra import determinant
-from compensator_theory.matrices.sylvester import sylvester_m
 from compensator_theory.placement.rounding_effects import rounded_polynomial, rounding_effect
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 

@@ -4,16 +4,19 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from sympy import Matrix, Symbol, eye
 
 from compensator_theory import (
     InputError,
+    Realisation,
     certified_roots,
     decide_hurwitz,
     decide_strong_stabilisability,
     place_poles,
     polynomial,
+    stabilising_compensators,
     transfer_function,
 )
 from compensator_theory.strategies import hurwitz_spectra, rationals
@@ -106,3 +109,82 @@ def test_what_is_refused():
             decide_strong_stabilisability(text)
     hidden = decide_strong_stabilisability("(s - 1)/((s - 1)*(s + 1))")
     assert not hidden.is_strongly_stabilisable and "hidden mode" in str(hidden)
+
+
+UNSTABLE = "(s - 1)/(s*(s - 2))"  # one pole between its zeros 1 and infinity
+
+
+@pytest.mark.parametrize(
+    ("plant", "answer"),
+    [
+        ([[UNSTABLE, 0], [0, UNSTABLE]], True),  # two poles between
+        ([[UNSTABLE, 0, 0], [0, UNSTABLE, 0], [0, 0, UNSTABLE]], False),
+        ([[UNSTABLE, "1/(s + 1)"]], True),  # 1 is no blocking zero
+        ([[UNSTABLE, "(s - 1)/(s + 1)**2"]], False),
+        ([[UNSTABLE], ["(s - 1)/(s - 2)"]], True),  # infinity is no blocking zero
+        ([[UNSTABLE], ["(s - 1)/((s - 2)*(s + 1))"]], False),  # the pole 2 counts once
+        ([["(z - 6/5)/(z - 3/2)**2", 0], [0, "(z - 6/5)/((z - 3/2)*z)"]], False),
+    ],
+)
+def test_known_plants_with_several_signals(plant, answer):
+    assert decide_strong_stabilisability(plant).is_strongly_stabilisable is answer
+
+
+def test_two_of_a_plant_that_needs_an_unstable_compensator_need_none():
+    """The stable compensator n/d with d = s + 1 + 10j, n = (2 - 15j)s + 1 + 2j, written real."""
+    s = Symbol("s")
+    d = Matrix([[s + 1, -10], [10, s + 1]])
+    n = Matrix([[2 * s + 1, 15 * s - 2], [-15 * s + 2, 2 * s + 1]])
+    assert n * d == (d * n).expand() or (n * d - d * n).expand().is_zero_matrix
+    assert decide_hurwitz(polynomial(d.det())).is_stable
+    loop = s * (s - 2) * d + (s - 1) * n  # D I and N I commute with everything
+    assert decide_hurwitz(polynomial(loop.det().expand())).is_stable
+    assert not decide_strong_stabilisability(UNSTABLE).is_strongly_stabilisable
+
+
+@st.composite
+def invertible(draw, size):
+    """A product of triangles with ones, and its inverse."""
+    entries = st.integers(-2, 2)
+    lower = Matrix(size, size, lambda i, j: draw(entries) if i > j else int(i == j))
+    upper = Matrix(size, size, lambda i, j: draw(entries) if i < j else int(i == j))
+    return lower * upper
+
+
+@given(st.data(), st.integers(1, 3), st.booleans())
+def test_copies_of_a_plant_in_disguise(data, copies, discrete):
+    """Of an even number the poles between are even; of an odd one they are as of the plant."""
+    z = "z" if discrete else "s"
+    reals = rationals()
+    roots, poles = (data.draw(st.lists(reals, min_size=k, max_size=k + 1)) for k in (0, 1))
+    assume(len(roots) < len(poles) and not set(roots) & set(poles))
+    G = transfer_function(zeros=roots, poles=poles, variable=z)
+    left, right = (data.draw(invertible(copies)) for _ in range(2))
+    rows = left * (G.as_expr() * eye(copies)) * right
+    found = decide_strong_stabilisability(rows)
+    alone = decide_strong_stabilisability(G)
+    assert found.is_strongly_stabilisable == (copies % 2 == 0 or alone.is_strongly_stabilisable)
+
+
+@settings(max_examples=10)
+@given(st.data())
+def test_every_stabiliser_of_several_signals_has_the_poles_that_are_told(data):
+    """Three copies, coupled by the regulator and observer that are drawn."""
+    G = data.draw(with_a_pole_between_zeros())
+    rows = [[str(G) if i == j else 0 for j in range(3)] for i in range(3)]
+    (low, high), *_ = decide_strong_stabilisability(rows).pole_intervals
+    spectra = [data.draw(hurwitz_spectra(3 * G.order)) for _ in range(2)]
+    compensator = stabilising_compensators(rows, *spectra, feedback=-1).compensator()
+    modes = certified_roots(compensator.characteristic_polynomial)  # a stable loop hides none
+    poles = [r.value.real for r in modes if r.is_real]
+    end = np.inf if high.place is None else float(high.place)
+    assert any(float(low.place) < pole < end for pole in poles)
+
+
+def test_hidden_modes_of_several_signals():
+    realisation = Realisation([[1, 0], [0, 1]], [[1, 0], [0, 0]], [[1, 0], [0, 0]], variable="s")
+    assert not decide_strong_stabilisability(realisation).is_stabilisable
+    rows = [["(s - 1)/((s - 1)*(s + 1))", 0], [0, "1/(s + 2)"]]
+    assert not decide_strong_stabilisability(rows).is_stabilisable
+    twice = Realisation(eye(2), eye(2), eye(2), variable="s")
+    assert decide_strong_stabilisability(twice).is_stabilisable

@@ -18,7 +18,7 @@ from compensator_theory import strategies as ours
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 
 
-def share(strategy, *conditions, count=150):
+def share(strategy, *conditions, count=600):
     """Return how often each condition holds over draws that are the same in every run."""
     found = [0] * len(conditions)
     drawn = []

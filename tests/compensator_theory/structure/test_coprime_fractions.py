@@ -17,6 +17,7 @@ from compensator_theory import (
     polynomial_matrix,
     row_reduced_form,
 )
+from compensator_theory.strategies import coprime_pairs
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     divisors,
@@ -170,6 +171,17 @@ def test_scalars_agree_with_the_scalar_identity():
     scalar = exact.bezout_identity("s**2 + 3*s + 2", "s + 5")
     assert found.X_r[0, 0] == scalar.x and found.Y_r[0, 0] == scalar.y
     assert coprime_fractions([[2, "s"]], "s").order == 0
+
+
+@given(coprime_pairs())
+def test_the_scalar_identity_is_that_of_the_matrix(pair):
+    """And SymPy's: what is of least degree is unique."""
+    D, N = pair
+    scalar = exact.bezout_identity(D, N)
+    x, y, gcd = sympy.gcdex(D, N)
+    assert gcd == 1 and scalar.gcd == gcd and (scalar.x, scalar.y) == (x, y)
+    found = coprime_fractions([[(N, D)]], "s")
+    assert (found.X_r[0, 0], found.Y_r[0, 0]) == (x, y)
 
 
 @pytest.mark.parametrize(

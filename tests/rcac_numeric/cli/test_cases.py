@@ -83,3 +83,24 @@ def test_every_key_that_is_completed_is_one_that_files_know():
         if table in ("controller", "run", "target"):
             result = rcac("verify", "4.7", "--set", f"{key}=[[['x']]]")
             assert f"unknown key '{name}'" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("key", "proposal"),
+    [
+        ("R_theta", "--set controller.R_theta=1?"),
+        ("R_thetaa", "--set controller.R_theta=1?"),
+        ("steps", "--set run.steps=1?"),
+    ],
+)
+def test_the_full_key_is_proposed(key, proposal):
+    result = CliRunner().invoke(main, ["verify", "4.7", "--set", f"{key}=1"])
+    assert result.exit_code == 2 and proposal in result.stderr
+
+
+def test_poles_that_are_missed_are_said_first(tmp_path):
+    """With 60 steps and a large R_theta RCAC cannot have placed anything."""
+    changed = ["--set", "controller.R_theta=1e3"]
+    missed = CliRunner().invoke(main, ["verify", "4.7", *changed])
+    assert "NOT reached: 4 of 4 poles" in missed.output.splitlines()[1]
+    assert "NOT reached" not in CliRunner().invoke(main, ["verify", "4.7"]).output

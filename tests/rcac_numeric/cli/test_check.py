@@ -307,3 +307,57 @@ def test_a_damaged_file_never_ends_in_a_foreign_error(tmp_path_factory, data):
         read_log(path)
     except CompensatorError as error:
         assert str(path) in str(error)
+
+
+@pytest.fixture(scope="module")
+def wanted(tmp_path_factory):
+    """The log of a static gain -1.9 on 1/(q - 2), in columns of other names."""
+    folder, rng = tmp_path_factory.mktemp("logs"), np.random.default_rng(1)
+    y, rows = 0.3, []
+    for k in range(80):
+        u = -1.9 * y + 0.05 * rng.standard_normal()
+        rows.append((k, u, y, -1.9))
+        y = 2 * y + u
+    for name, head in (("log", "k,u,y,gain"), ("other", "time,force,y,gain"), ("servo", "k,u,y,r")):
+        lines = [",".join(map(repr, row)) for row in rows]
+        (folder / f"{name}.csv").write_text("\n".join([head, *lines]))
+    return folder
+
+
+GIVEN = ("--names", "theta=gain", "--structure", "FIR", "--n-c", 1)
+
+
+@pytest.mark.parametrize(
+    ("log", "options", "words"),
+    [
+        ("log", (), r"--names theta=gain with --structure and --n-c"),
+        ("other", (), r"--names u=force"),
+        ("other", ("--names", "u=speed"), r"no 'speed'.*--names u=force"),
+        ("log", ("--names", "theta=gain"), r"1 coefficient;.*--structure fir --n-c 1"),
+        ("log", ("--structure", "IIR"), r"--structure iir needs its order n_c: give --n-c"),
+        ("log", ("--structure", "irr"), r"Did you mean|is not one of 'iir'"),
+        ("servo", ("--plant", "1/(q - 2)"), r"command r.*--problem servo"),
+        ("log", (*GIVEN, "--plant", "1/(s - 2)"), r"c2d of MATLAB"),
+        ("log", (*GIVEN, "--plant", "2"), r"written in q"),
+    ],
+)
+def test_a_stranger_is_told_what_to_type(wanted, log, options, words):
+    """What is proposed is there, and nothing that only Python has is told."""
+    import re
+
+    result = run(wanted / f"{log}.csv", *options)
+    assert result.exit_code == 2 and re.search(words, result.output, re.S), result.output
+    assert not re.search(r"\w\(\w+=|variable='|servo_plant|iir\(", result.output)
+    for proposed in re.findall(r"--names \w+=(\w+)", result.output):
+        assert proposed in (wanted / f"{log}.csv").read_text().splitlines()[0].split(",")
+
+
+def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
+    right = run(wanted / "log.csv", *GIVEN, "--plant", "1/(q - 2)")
+    assert "The plant fits the log" in right.output and "The log is NOT" not in right.output
+    for told, words in (("1/(q + 0.5)", "another"), ("-1/(q - 2)", "sign")):
+        result = run(wanted / "log.csv", *GIVEN, "--plant", told)
+        first = " ".join(result.output.partition("The closed loop")[0].split())
+        assert "NOT" in first and words in first
+        asked = run(wanted / "log.csv", *GIVEN, "--plant", told, "--json")
+        assert strict(asked.output)["plant_residual"]["is_doubtful"]

@@ -46,7 +46,7 @@ def test_order_and_symbols(rcac):
     assert rcac(*plant, "-1+j, -1-j, -2", "--order", "1").exit_code == 0
     result = rcac(*plant, "-1+j, -1-j, -2", "--order", "2")
     assert result.exit_code == 2
-    assert "degree 3" in result.stderr
+    assert "names 3 poles" in result.stderr and "--order 1" in result.stderr
     symbolic = rcac("place", "--plant", "b/(s + a)", "--poles", "-p, -r", "--json")
     assert symbolic.exit_code == 0 and json.loads(symbolic.output)["float64"] is None
 
@@ -125,3 +125,44 @@ def test_keeping_the_plants_own_poles_needs_no_compensator():
     result = CliRunner().invoke(main, ["place", "--plant", "1/(s+1)", "--poles=-1,-4"])
     assert result.exit_code == 0, result.output
     assert "G_c = (0)/(s + 4)" in result.output
+
+
+@pytest.mark.parametrize(
+    ("poles", "words"),
+    [
+        ("(z + 1)**3", "written in z, and the plant in s"),
+        ("s + 1, s + 2", "an entry of it contains the variable s"),
+        ("s - s + 2", "without a root"),
+        ("-1", "the plant alone has 2"),
+        ("-1, -2, -3, -4", "--order 2"),
+    ],
+)
+def test_what_is_wrong_with_the_poles(rcac, poles, words):
+    result = rcac("place", "--plant", "1/(s**2 + 3*s + 3)", "--poles", poles, "--order", "1")
+    if poles == "-1":
+        result = rcac("place", "--plant", "1/(s**2 + 3*s + 3)", "--poles", poles)
+    assert result.exit_code == 2 and words in result.stderr
+    assert "(" not in result.stderr.replace(poles, "").replace("(s + 1)**3", "")
+
+
+def test_poles_are_given_by_their_polynomial_too(rcac):
+    plant = ("place", "--plant", "4/((s + 1)*(s + 3))", "--json", "--poles")
+    by_roots, written = (rcac(*plant, p).stdout for p in ("-2, -2, -5", "(s + 2)**2*(s + 5)"))
+    assert by_roots == written
+    irrational = json.loads(rcac(*plant, "s**3 + 2").stdout)
+    assert irrational["closed_loop"] == ["1", "0", "0", "2"] and irrational["residual_is_zero"]
+
+
+def test_no_feedback_is_said_in_words(rcac):
+    plant = ("place", "--plant", "4/((s + 1)*(s + 3))", "--poles")
+    assert "Nothing is fed back" in rcac(*plant, "-1, -3").output
+    assert "D_c has the others" in rcac(*plant, "-1, -3, -7").output
+    assert "Nothing is fed back" not in rcac(*plant, "-1, -3.5").output
+
+
+def test_a_constant_is_given_its_variable(rcac):
+    asked = ("place", "--plant", "3", "--poles", "-1")
+    refused = rcac(*asked)
+    assert refused.exit_code == 2 and "--variable s" in refused.stderr
+    assert "=" not in refused.stderr
+    assert rcac(*asked, "--variable", "s").exit_code == 0

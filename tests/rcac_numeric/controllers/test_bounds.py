@@ -135,7 +135,14 @@ def test_bounds_by_name():
         (lambda: CoefficientBounds(gains={"K_P": (None, None)}), "neither a low nor a high"),
         (lambda: settings_of(bounds=3), "bounds"),
         (lambda: settings_of(bounds=CoefficientBounds([0, 1])), "low has 2 bounds; l_theta = 4"),
-        (lambda: settings_of(bounds=CoefficientBounds(1, 0)), "bounds of P_1 .* low exceeds high"),
+        (lambda: CoefficientBounds(1, 0), "coefficient 0 are 1 and 0: low exceeds high"),
+        (lambda: CoefficientBounds([0, 2], 1), "coefficient 1 are 2 and 1"),
+        (lambda: CoefficientBounds([0, 2], [1, 3, 4]), "low has 2 entries and high 3"),
+        (lambda: CoefficientBounds(gains={"P": (2, 1)}), "bounds of P are 2 and 1: low exceeds"),
+        (
+            lambda: settings_of(bounds=CoefficientBounds(1, 0, gains={"P_2": (-1, 1)})),
+            "bounds of P_1 .* low exceeds high",
+        ),
         (
             lambda: settings_of(bounds=CoefficientBounds(gains={"K_P": (0, 1)})),
             "no coefficient is called 'K_P'; those of this IIR structure are P_1, P_2, Q_1, Q_2",

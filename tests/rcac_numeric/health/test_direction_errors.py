@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from benchmarks.yardsticks.directed_plants import plant_of_fractions
 from rcac_numeric import (
     UD,
     ControllerSettings,
@@ -19,7 +20,6 @@ from rcac_numeric import (
 )
 from rcac_numeric.cli.main import main
 from rcac_numeric.health.direction_errors import direction_errors
-from tests.support.directed_plants import plant_of_fractions
 
 H = np.array([[1.0, 0.5], [-0.3, 1.2]])
 V = np.array([[1.0, 0.4], [0.7, 1.0]])

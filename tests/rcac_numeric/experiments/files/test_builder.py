@@ -1,6 +1,7 @@
 """From tables to experiments: what each key becomes, and which ones are refused."""
 
 import copy
+import tomllib
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ from rcac_numeric import (
     fir,
     fir_integrator,
     iir,
+    load_run,
     pid,
     quasi_fir,
     simulate,
@@ -356,3 +358,43 @@ def test_a_command_needs_a_plant_that_has_one():
     table["plant"]["problem"], table["signals"] = "standard", {"w": 1}
     with pytest.raises(InputError, match="this plant's exogenous input has w"):
         build(table, "case")
+
+
+WITH_SAMPLE_TIME = {
+    "plant": {"problem": "standard", "G": "1/(q - 1/2)", "sample_time": 0.1},
+    "signals": {"w": {"white_noise": 1}},
+    "target": {"model": "fir"},
+    "controller": {"structure": "iir", "n_c": 1, "R_theta": 1},
+    "run": {"steps": 30},
+}
+
+
+@pytest.mark.parametrize("changes", [None, [{"start": 9, "gain": 2, "delay": 1}]])
+def test_a_sample_time_goes_with_the_run_and_changes_no_number(changes, tmp_path):
+    plant = WITH_SAMPLE_TIME["plant"] | ({} if changes is None else {"changes": changes})
+    table = {**WITH_SAMPLE_TIME, "plant": plant}
+    run = build(table, "case.toml").main_run.execute().first.run
+    run.save(tmp_path / "run.npz")
+    for one in (run, load_run(tmp_path / "run.npz")):
+        assert one.sample_time == one.compensator.to_control().dt == 0.1
+        assert one.compensator_at(20).to_control().dt == 0.1
+    without = {key: value for key, value in plant.items() if key != "sample_time"}
+    other = build({**table, "plant": without}, "case.toml").main_run.execute().first.run
+    assert other.sample_time is None and other.compensator.to_control().dt is True
+    np.testing.assert_array_equal(other.theta, run.theta)
+
+
+@pytest.mark.parametrize("wrong", [0, -1, "a", "1e400", [1.0]])
+def test_a_sample_time_is_a_positive_number(wrong):
+    plant = {**WITH_SAMPLE_TIME["plant"], "sample_time": wrong}
+    with pytest.raises(InputError, match=r"\[plant\] sample_time"):
+        build({**WITH_SAMPLE_TIME, "plant": plant}, "case.toml")
+
+
+def test_a_file_without_target_is_given_the_lines_that_work():
+    table = {key: value for key, value in WITH_SAMPLE_TIME.items() if key != "target"}
+    with pytest.raises(InputError, match=r"no table \[target\]") as caught:
+        build(table, "case.toml")
+    lines = str(caught.value).partition("\n\n")[2]
+    assert len(lines.splitlines()) == 3
+    assert build({**table, **tomllib.loads(lines)}, "case.toml").main_run.steps == 30

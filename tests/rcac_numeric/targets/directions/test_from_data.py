@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from benchmarks.yardsticks.directed_plants import cost_ratio, plant_of_fractions
 from compensator_theory.errors import InputError
 from rcac_numeric import directions_from_data, zero_direction_target
-from tests.support.directed_plants import cost_ratio, directions, plant_of_fractions
+from tests.support.directed_plants import directions
 
 H = np.array([[1.0, 0.5], [-0.3, 1.2]])
 V = np.array([[1.0, 0.4], [0.7, 1.0]])

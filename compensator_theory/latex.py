@@ -1,0 +1,151 @@
+r"""Formulas of results for notebooks: LaTeX that MathJax reads, out of polynomials and matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import sympy
+from sympy import Basic, Expr, MatrixBase, Poly
+
+BEFORE, AFTER = r"$\displaystyle ", "$"
+ESCAPED = {"\\": r"\backslash ", "_": r"\_", "^": r"\^{}", "{": r"\{", "}": r"\}"}
+ESCAPED |= {sign: rf"\{sign}" for sign in "#$%&"} | {"~": r"\~{}", "\n": " "}
+
+
+def latex(value: object) -> str:
+    r"""Write one value as a formula, without the signs around it.
+
+    Parameters
+    ----------
+    value : sympy object, result of ours, number, tuple, str or anything else
+        A str is taken as the formula that it is; a matrix without rows or columns shows its shape,
+        anything else is words.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.latex import latex
+    >>> latex(polynomial("s**2 - a", "s")), latex((1, 2))
+    ('s^{2} - a', '\\left(1, 2\\right)')
+    """
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Poly):
+        return _polynomial(value)
+    if isinstance(value, tuple):
+        return rf"\left({', '.join(map(latex, value))}\right)"
+    if isinstance(value, MatrixBase) and 0 in value.shape:
+        return rf"0_{{{value.rows} \times {value.cols}}}"
+    if isinstance(value, Basic | MatrixBase | int) and not isinstance(value, bool):
+        return str(sympy.latex(value))
+    show = getattr(value, "_repr_latex_", None)  # every result of ours has it
+    if show is None:
+        return words(str(value))
+    return str(show()).removeprefix(BEFORE).removesuffix(AFTER)
+
+
+def displayed(*formulas: str) -> str:
+    r"""Return what a notebook shows: the formulas that are not empty, in one line.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import displayed
+    >>> print(displayed("K = 1", "", r"a \neq 0"))
+    $\displaystyle K = 1, \quad a \neq 0$
+    """
+    return BEFORE + r", \quad ".join(filter(None, formulas)) + AFTER
+
+
+def unless(exceptional: Iterable[Expr]) -> str:
+    r"""Say where a symbolic result holds.
+
+    Examples
+    --------
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.latex import unless
+    >>> print(unless((a, a - b)))
+    a \neq 0, \; a - b \neq 0
+    """
+    return r", \; ".join(rf"{latex(factor)} \neq 0" for factor in exceptional)
+
+
+def words(text: str) -> str:
+    r"""Return words that may stand in a formula.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import words
+    >>> print(words("R_2 is 0"))
+    \text{R\_2 is 0}
+    """
+    return rf"\text{{{''.join(ESCAPED.get(sign, sign) for sign in text)}}}"
+
+
+def diagonal(entries: Iterable[object]) -> str:
+    r"""Write a diagonal matrix by its entries.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import diagonal
+    >>> print(diagonal((1, "L_2")))
+    \operatorname{diag}\left(1, L_2\right)
+    """
+    return r"\operatorname{diag}" + latex(tuple(entries))
+
+
+def fraction(top: object, bottom: object) -> str:
+    r"""Write a quotient.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import fraction
+    >>> print(fraction(1, "D_c"))
+    \frac{1}{D_c}
+    """
+    return rf"\frac{{{latex(top)}}}{{{latex(bottom)}}}"
+
+
+def total(terms: Iterable[str]) -> str:
+    r"""Write a sum; the sign of a term takes the place of the plus.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import total
+    >>> print(total(["a", r"- \frac{1}{2} b"]))
+    a - \frac{1}{2} b
+    """
+    return " + ".join(terms).replace("+ - ", "- ").replace("+ -", "- ")
+
+
+def lines(formulas: Iterable[str]) -> str:
+    r"""Write formulas one below the other.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import lines
+    >>> print(lines(["a = 1", "b = 2"]))
+    \begin{array}{l} a = 1 \\ b = 2 \end{array}
+    """
+    return r"\begin{array}{l} " + r" \\ ".join(formulas) + r" \end{array}"
+
+
+def table(rows: Iterable[Iterable[object]]) -> str:
+    r"""Write a matrix by its entries.
+
+    Examples
+    --------
+    >>> from compensator_theory.latex import table
+    >>> print(table([[1, "a"], [0, 1]]))
+    \left[\begin{matrix}1 & a\\0 & 1\end{matrix}\right]
+    """
+    cells = r"\\".join(" & ".join(map(latex, row)) for row in rows)
+    return rf"\left[\begin{{matrix}}{cells}\end{{matrix}}\right]"
+
+
+def _polynomial(poly: Poly) -> str:
+    """Write descending powers of the variable, whatever symbols the coefficients have."""
+    terms = [
+        coefficient * poly.gen**power
+        for (power,), coefficient in sorted(poly.as_dict().items(), reverse=True)
+    ]
+    return str(sympy.latex(sympy.Add(*terms, evaluate=False), order="none")) if terms else "0"

@@ -1,0 +1,1 @@
+"""LQG in continuous time: controllers, poles, Riccati equations, limits of high authority."""

@@ -1,0 +1,144 @@
+"""The polynomial whose stable roots are a regulator's poles: one determinant of a pencil."""
+
+import flint
+import sympy
+from sympy import Matrix, Poly, Symbol
+
+from compensator_theory.errors import InputError
+from compensator_theory.lqg.regulator_data import regulator_data
+from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.matrices.flint_matrices import rational, to_flint
+from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
+
+
+def regulator_spectrum(
+    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol
+) -> Poly:
+    r"""Return the palindromic polynomial whose stable roots are the regulator's poles.
+
+    .. math:: p(z) = \pm\det\begin{bmatrix} A - zI & 0 & B \\ -R_1 & I - zA^T & -R_{12} \\
+              R_{12}^T & zB^T & R_2 \end{bmatrix}
+              = z^{n}\, \det\!\left(G^T(1/z)\,G(z)\right) D(z) D(1/z)
+
+    with :math:`G = E_1(zI - A)^{-1}B + E_2` and :math:`D = \det(zI - A)`.
+
+    Parameters
+    ----------
+    A, B, E_1, E_2 : matrix
+        n x n, n x l_u, l_z x n, l_z x l_u, rational; :math:`R_1 = E_1^TE_1`,
+        :math:`R_{12} = E_1^TE_2`, :math:`R_2 = E_2^TE_2`.
+    variable : str or Symbol
+        z or q: the equation is for discrete time.
+
+    Returns
+    -------
+    sympy.Poly
+        Of degree 2n or less, computed from its values at 2n + 1 integers. For the estimator give
+        the transposes :math:`A^T, C^T, D_1^T, D_2^T`.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit or an entry is symbolic.
+
+    Examples
+    --------
+    >>> from sympy.abc import z
+    >>> from compensator_theory import regulator_spectrum
+    >>> regulator_spectrum([[3]], [[1]], [[2]], [[0]], z).as_expr()
+    4*z
+    """
+    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
+    symbol = as_symbol(variable)
+    require_discrete(symbol, "the spectrum of an LQG regulator")
+    n, l_u = b.shape
+    constant = sympy.BlockMatrix(
+        [[a, sympy.zeros(n, n), b],
+         [-e_1.T * e_1, sympy.eye(n), -e_1.T * e_2],
+         [e_2.T * e_1, sympy.zeros(l_u, n), e_2.T * e_2]]
+    ).as_explicit()  # fmt: skip
+    slope = sympy.BlockMatrix(
+        [[-sympy.eye(n), sympy.zeros(n, n), sympy.zeros(n, l_u)],
+         [sympy.zeros(n, n), -a.T, sympy.zeros(n, l_u)],
+         [sympy.zeros(l_u, n), b.T, sympy.zeros(l_u, l_u)]]
+    ).as_explicit()  # fmt: skip
+    return _determinant(constant, slope, n, symbol)
+
+
+def continuous_regulator_spectrum(
+    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol = "s"
+) -> Poly:
+    r"""Return the even polynomial whose stable roots are the regulator's poles.
+
+    .. math:: p(s) = (-1)^n \det\begin{bmatrix} A - sI & 0 & B \\ -R_1 & -A^T - sI & -R_{12} \\
+              R_{12}^T & B^T & R_2 \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
+
+    with :math:`G = E_1(sI - A)^{-1}B + E_2` and :math:`D = \det(sI - A)`.
+
+    Parameters
+    ----------
+    A, B, E_1, E_2 : matrix
+        n x n, n x l_u, l_z x n, l_z x l_u, rational.
+    variable : str or Symbol
+        s: for discrete time see :func:`regulator_spectrum`.
+
+    Returns
+    -------
+    sympy.Poly
+        Of degree 2n or less; the leading coefficient is that of det R_2 up to its sign.
+
+    Raises
+    ------
+    InputError
+        If a shape does not fit, an entry is symbolic, or the variable means discrete time.
+
+    Examples
+    --------
+    >>> from compensator_theory import continuous_regulator_spectrum
+    >>> continuous_regulator_spectrum([[0]], [[1]], [[2], [0]], [[0], [1]]).as_expr()
+    4 - s**2
+    """
+    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
+    s = as_symbol(variable)
+    if is_discrete(s, "the spectrum of an LQG regulator"):
+        raise InputError(f"{s} means discrete time; use regulator_spectrum")
+    n, l_u = b.shape
+    zero, eye = sympy.zeros, sympy.eye
+    constant = sympy.BlockMatrix(
+        [[a, zero(n, n), b],
+         [-e_1.T * e_1, -a.T, -e_1.T * e_2],
+         [e_2.T * e_1, b.T, e_2.T * e_2]]
+    ).as_explicit()  # fmt: skip
+    slope = sympy.diag(-eye(2 * n), zero(l_u, l_u))
+    return _determinant(constant, slope, n, s)
+
+
+def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:
+    """Return ascending coefficients through the points, by Newton's divided differences.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.lqg.regulator_spectra import interpolated
+    >>> interpolated([flint.fmpq(0), flint.fmpq(1)], [flint.fmpq(2), flint.fmpq(5)])
+    [2, 3]
+    """
+    table = list(values)
+    for order in range(1, len(points)):
+        for i in range(len(points) - 1, order - 1, -1):
+            table[i] = (table[i] - table[i - 1]) / (points[i] - points[i - order])
+    result = flint.fmpq_poly([table[-1]])
+    for i in range(len(points) - 2, -1, -1):
+        result = result * flint.fmpq_poly([-points[i], 1]) + table[i]
+    return list(result.coeffs())
+
+
+def _determinant(constant: Matrix, slope: Matrix, n: int, variable: Symbol) -> Poly:
+    """Return (-1)^n times that of a pencil, from its values at 2n + 1 integers."""
+    pencil = [to_flint(matrix) for matrix in (constant, slope)]
+    points = [flint.fmpq(k) for k in range(-n, n + 1)]
+    values = [(pencil[0] + point * pencil[1]).det() for point in points]
+    sign = -1 if n % 2 else 1
+    descending = [sign * rational(c) for c in reversed(interpolated(points, values))]
+    return canonical(Poly(descending or [0], variable))

@@ -1,0 +1,116 @@
+"""Ranks, kernels and bases, with the polynomials in the symbols that they were divided by."""
+
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Matrix
+from sympy.polys.matrices import DomainMatrix
+
+from compensator_theory.matrices.flint_matrices import (
+    from_flint,
+    is_rational_matrix,
+    to_flint,
+)
+
+
+@dataclass(frozen=True)
+class Echelon:
+    """The reduced row echelon form of a matrix.
+
+    Attributes
+    ----------
+    matrix : sympy.ImmutableMatrix
+        Its nonzero rows.
+    pivots : tuple of int
+        Columns of the leading ones; as many as the rank, with symbols the generic one.
+    divided_by : sympy.Expr
+        The minor that was divided by; where it is zero, the rank may be smaller.
+    """
+
+    matrix: ImmutableMatrix
+    pivots: tuple[int, ...]
+    divided_by: Expr
+
+    def kernel(self) -> ImmutableMatrix:
+        """Return a basis of the null space, as columns; there may be none."""
+        columns = self.matrix.cols
+        free = [column for column in range(columns) if column not in self.pivots]
+        basis = Matrix.zeros(columns, len(free))
+        for index, column in enumerate(free):
+            basis[column, index] = 1
+            for row, pivot in enumerate(self.pivots):
+                basis[pivot, index] = -self.matrix[row, column]
+        return ImmutableMatrix(basis)
+
+
+def echelon(matrix: Matrix) -> Echelon:
+    """Return the reduced row echelon form, by python-flint or without fractions.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a
+    >>> from compensator_theory.matrices.echelon import echelon
+    >>> found = echelon(Matrix([[a, 1, 2], [0, a - 1, 0]]))
+    >>> found.pivots, found.divided_by
+    ((0, 1), a**2 - a)
+    """
+    rows, columns = matrix.shape
+    if 0 in (rows, columns):
+        return Echelon(ImmutableMatrix.zeros(0, columns), (), sympy.Integer(1))
+    if is_rational_matrix(matrix):
+        reduced, found = to_flint(matrix).rref()
+        form = from_flint(reduced)[: int(found), :]
+        pivots = tuple(next(c for c in range(columns) if row[c] != 0) for row in form.tolist())
+        return Echelon(ImmutableMatrix(form), pivots, sympy.Integer(1))
+    # Dense, for SymPy keeps a zero that is not simplified as an entry of a sparse matrix.
+    over_ring = DomainMatrix.from_Matrix(matrix).to_dense().clear_denoms_rowwise(convert=True)[1]
+    numerator, minor, pivots = over_ring.rref_den(method="FF")
+    field = numerator.domain.get_field()
+    inverse = 1 / field.convert_from(minor, numerator.domain)
+    form = (numerator.convert_to(field) * inverse).to_Matrix()[: len(pivots), :]
+    return Echelon(ImmutableMatrix(form), tuple(pivots), numerator.domain.to_sympy(minor))
+
+
+def independent_columns(matrix: Matrix) -> tuple[ImmutableMatrix, Expr]:
+    """Return the first columns that span the column space, and the minor that proves it.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.echelon import independent_columns
+    >>> independent_columns(Matrix([[0, 2, 4], [0, 1, 2]]))[0]
+    Matrix([
+    [2],
+    [1]])
+    """
+    found = echelon(matrix)
+    chosen = [matrix[:, pivot] for pivot in found.pivots]
+    basis = ImmutableMatrix.hstack(ImmutableMatrix.zeros(matrix.rows, 0), *chosen)
+    return basis, found.divided_by
+
+
+def contradictions(matrix: Matrix, right_side: Matrix) -> list[Expr]:
+    r"""Return y b for a basis of the relations y A = 0 of a linear system A x = b.
+
+    The system is contradictory wherever one of them is not zero, for they hold no denominators.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from sympy.abc import a, b
+    >>> from compensator_theory.matrices.echelon import contradictions
+    >>> contradictions(Matrix([[a], [1]]), Matrix([b, 1]))
+    [a - b]
+    """
+    if not (matrix.free_symbols or right_side.free_symbols):
+        return [sympy.Integer(1)]
+    relations = echelon(ImmutableMatrix(matrix.T)).kernel()
+    found = []
+    for k in range(relations.cols):
+        bottoms = [sympy.fraction(sympy.cancel(entry))[1] for entry in relations[:, k]]
+        common = sympy.lcm_list(bottoms)
+        total = sum(common * y * b for y, b in zip(relations[:, k], right_side, strict=True))
+        if (value := sympy.cancel(total)) != 0:
+            found.append(value)
+    return found

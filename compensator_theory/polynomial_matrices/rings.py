@@ -1,0 +1,226 @@
+"""Polynomials in one variable over the field of their coefficients: python-flint, or SymPy's."""
+
+from collections.abc import Iterable, Sequence
+from functools import reduce
+from typing import Any, TypeAlias
+
+import flint
+from sympy import QQ, Poly, Symbol
+from sympy.polys.domains.domain import Domain
+from sympy.polys.rings import PolyRing
+
+from compensator_theory.bezout.fraction_free import FractionFree
+from compensator_theory.errors import InputError
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.poly import canonical
+
+Element: TypeAlias = Any
+"""A polynomial of python-flint (rational coefficients) or of a ring of SymPy; both compute."""
+Grid: TypeAlias = list[list[Element]]
+"""A matrix of elements by rows."""
+
+
+class RationalRing:
+    """Polynomials with rational coefficients, by python-flint.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomial_matrices.rings import ring_of
+    >>> ring = ring_of([polynomial("s + 1")])
+    >>> ring.write(ring.divide(ring.read(polynomial("s**2")), ring.read(polynomial("s + 1")))[0])
+    Poly(s - 1, s, domain='QQ')
+    """
+
+    def __init__(self, variable: Symbol) -> None:
+        self.variable = variable
+        self.zero, self.one = flint.fmpq_poly(), flint.fmpq_poly([1])
+
+    def read(self, poly: Poly) -> Element:
+        """Return an element."""
+        ascending = reversed(poly.rep.to_list())
+        return flint.fmpq_poly(
+            [flint.fmpq(int(c.numerator), int(c.denominator)) for c in ascending]
+        )
+
+    def write(self, element: Element) -> Poly:
+        """Return a polynomial of SymPy."""
+        descending = [QQ(int(c.p), int(c.q)) for c in reversed(element.coeffs())]
+        return Poly.from_list(descending or [QQ(0)], self.variable, domain=QQ)
+
+    def degree(self, element: Element) -> int:
+        """Return the degree, -1 for zero."""
+        return int(element.degree())
+
+    def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
+        """Return quotient and remainder."""
+        quotient, remainder = divmod(a, b)
+        return quotient, remainder
+
+    def reciprocal_of_leading(self, element: Element) -> Element:
+        """Return 1 over the leading coefficient, as a constant polynomial."""
+        return flint.fmpq_poly([1 / element.coeffs()[-1]])
+
+    def coefficient(self, element: Element, power: int) -> Element:
+        """Return one coefficient, as a constant polynomial."""
+        return flint.fmpq_poly([element[power]])
+
+    def power(self, exponent: int) -> Element:
+        """Return a power of the variable."""
+        return flint.fmpq_poly([0] * exponent + [1])
+
+
+class SymbolicRing:
+    """Polynomials over a field that contains symbols or irrational numbers, by SymPy.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomial_matrices.rings import ring_of
+    >>> ring = ring_of([polynomial("a*s + 1", "s")])
+    >>> rest = ring.divide(ring.read(polynomial("s")), ring.read(polynomial("a*s + 1", "s")))[1]
+    >>> ring.write(rest)
+    Poly(-1/a, s, domain='QQ(a)')
+    """
+
+    def __init__(self, variable: Symbol, field: Domain) -> None:
+        self.variable, self.field = variable, field
+        self.ring = PolyRing([variable], field, "lex")
+        self.zero, self.one = self.ring.zero, self.ring.one
+        self.has_fractions = bool(field.is_FractionField)
+        self.cleared = PolyRing(
+            [variable], field.get_ring() if self.has_fractions else field, "lex"
+        )
+
+    def read(self, poly: Poly) -> Element:
+        """Return an element."""
+        return self.ring.from_dict(poly.set_domain(self.field).rep.to_dict())
+
+    def write(self, element: Element) -> Poly:
+        """Return a polynomial of SymPy."""
+        return canonical(Poly.from_dict(dict(element), self.variable, domain=self.field))
+
+    def degree(self, element: Element) -> int:
+        """Return the degree, -1 for zero."""
+        return int(element.degree()) if element else -1
+
+    def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
+        """Return quotient and remainder."""
+        ask("terms", self._terms(a) + self._terms(b), "a division between polynomial matrices")
+        quotient, remainder = a.div(b)
+        return quotient, remainder
+
+    def _terms(self, element: Element) -> int:
+        """Return how many terms the coefficients have: what grows, and nobody can foresee it."""
+        if not self.has_fractions:
+            return len(element)
+        return sum(len(c.numer) + len(c.denom) for c in element.values())
+
+    def product(
+        self, left: Sequence[Sequence[Element]], columns: Sequence[Sequence[Element]]
+    ) -> Grid:
+        """Multiply matrices with one common denominator for each row and for each column.
+
+        Adding fractions in several symbols needs a gcd for each term, a hundred times the work.
+        """
+        if FractionFree.serves(self.field):
+            return FractionFree(self.ring).product(left, columns)
+        rows = [self._cleared(row) for row in left]
+        others = [self._cleared(column) for column in columns]
+        new = self.field.field.new
+        result: Grid = []
+        for row, below in rows:
+            result.append([])
+            for column, under in others:
+                bottom = below * under
+                total = sum((x * y for x, y in zip(row, column, strict=True)), self.cleared.zero)
+                fractions = {power: new(c, bottom) for power, c in total.items()}
+                result[-1].append(self.ring.from_dict(fractions))
+        return result
+
+    def _cleared(self, elements: Sequence[Element]) -> tuple[list[Element], Element]:
+        common = self.cleared.domain.one
+        for element in elements:
+            ask("terms", self._terms(element), "a product of polynomial matrices")
+            for c in element.values():
+                common = common.lcm(c.denom)
+        return [
+            self.cleared.from_dict({p: c.numer * common.exquo(c.denom) for p, c in e.items()})
+            for e in elements
+        ], common
+
+    def reciprocal_of_leading(self, element: Element) -> Element:
+        """Return 1 over the leading coefficient, as a constant polynomial."""
+        return self.ring.ground_new(self.field.quo(self.field.one, element.LC))
+
+    def coefficient(self, element: Element, power: int) -> Element:
+        """Return one coefficient, as a constant polynomial."""
+        return self.ring.ground_new(element.get((power,), self.field.zero))
+
+    def power(self, exponent: int) -> Element:
+        """Return a power of the variable."""
+        return self.ring.gens[0] ** exponent
+
+
+Ring: TypeAlias = RationalRing | SymbolicRing
+
+
+def ring_of(polynomials: Iterable[Poly]) -> Ring:
+    """Return the ring over the smallest field that has all coefficients.
+
+    Raises
+    ------
+    InputError
+        If they have no common field that is known here.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomial_matrices.rings import ring_of
+    >>> type(ring_of([polynomial("s"), polynomial("s + a")])).__name__
+    'SymbolicRing'
+    """
+    listed = list(polynomials)
+    field = reduce(lambda a, b: a.unify(b), (p.domain for p in listed)).get_field()
+    if field.is_QQ:
+        return RationalRing(listed[0].gen)
+    if field.is_EX or not field.is_Exact:
+        raise InputError(
+            "the coefficients span no field that is known here; write symbols in place of "
+            "irrational numbers"
+        )
+    return SymbolicRing(listed[0].gen, field)
+
+
+def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid:
+    """Multiply two matrices of elements.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomial_matrices.rings import multiply, ring_of
+    >>> ring = ring_of([polynomial("s")])
+    >>> s = ring.read(polynomial("s"))
+    >>> ring.write(multiply(ring, [[s, ring.one]], [[s], [s]])[0][0])
+    Poly(s**2 + s, s, domain='QQ')
+    """
+    columns = list(zip(*right, strict=True))
+    if isinstance(ring, SymbolicRing) and ring.has_fractions:
+        return ring.product(left, columns)
+    return [
+        [sum((x * y for x, y in zip(row, column, strict=True)), ring.zero) for column in columns]
+        for row in left
+    ]
+
+
+def identity(ring: Ring, size: int) -> Grid:
+    """Return the identity matrix.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomial_matrices.rings import identity, ring_of
+    >>> len(identity(ring_of([polynomial("s")]), 2))
+    2
+    """
+    return [[ring.one if i == j else ring.zero for j in range(size)] for i in range(size)]

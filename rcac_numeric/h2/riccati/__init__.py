@@ -1,0 +1,1 @@
+"""Discrete-time Riccati equations: solved, checked, or refused with the reason."""

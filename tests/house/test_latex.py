@@ -1,0 +1,103 @@
+"""Every exact result is a formula in a notebook, and the formula is one that a parser reads."""
+
+import inspect
+import re
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from matplotlib.mathtext import MathTextParser
+
+import compensator_theory as exact
+from compensator_theory.latex import displayed, latex, words
+from compensator_theory.polynomials.values import ExactValue
+from tests.compensator_theory.samples import SAMPLES
+
+RESULTS = [
+    cls
+    for cls in (getattr(exact, name) for name in exact.__all__)
+    if inspect.isclass(cls) and issubclass(cls, ExactValue)
+]
+PARSER = MathTextParser("path")
+MATRIX = re.compile(
+    r"\\begin\{(b?matrix|array|cases)\}(?:\{l\})?((?:(?!\\begin).)*?)\\end\{\1\}", re.DOTALL
+)
+# MathJax has these and Matplotlib has not: what stands for them there.
+ELSEWHERE = {r"\textstyle": "", r"\iff": r"\Leftrightarrow", r"\not\succeq": r"\succeq"}
+
+
+def without_matrices(formula):
+    """The cells of each matrix side by side: Matplotlib knows no array of cells."""
+
+    def side_by_side(found):
+        cells = re.split(r"\\\\|&", found.group(2))
+        return r"{" + r" \; ".join(f"{{{cell}}}" for cell in cells) + "}"
+
+    while (flat := MATRIX.sub(side_by_side, formula)) != formula:
+        formula = flat
+    return flat
+
+
+def require_formula(text):
+    """Refuse what MathJax or Matplotlib would not read."""
+    assert text.startswith(r"$\displaystyle ") and text.endswith("$")
+    formula = text.removeprefix(r"$\displaystyle ").removesuffix("$")
+    assert formula.strip() and not re.search(r"(?<!\\)\$", formula)
+    bare = re.sub(r"\\[{}\\]", "", formula)
+    assert bare.count("{") == bare.count("}")
+    assert formula.count(r"\left") == formula.count(r"\right")
+    symbols = re.sub(r"\\text\{.*?\}", "", formula)
+    assert not re.search(r"\b(None|True|False|Poly|Matrix|Enclosure)\b", symbols)
+    flat = without_matrices(formula)
+    assert "matrix" not in flat and "array" not in flat and "cases" not in flat
+    for name, stand_in in ELSEWHERE.items():
+        flat = flat.replace(name, stand_in)
+    PARSER.parse(f"${flat}$")
+
+
+@pytest.mark.parametrize("cls", RESULTS, ids=lambda cls: cls.__name__)
+def test_every_exact_result_has_a_formula(cls):
+    assert "_repr_latex_" in vars(cls), "see compensator_theory.latex"
+
+
+@pytest.mark.parametrize("cls", RESULTS, ids=lambda cls: cls.__name__)
+@settings(suppress_health_check=[HealthCheck.too_slow], max_examples=2)
+@given(data=st.data())
+def test_the_formula_is_read(cls, data):
+    require_formula(data.draw(SAMPLES[cls])._repr_latex_())
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        "x = 1",
+        r"$\displaystyle x_{1$",
+        r"$\displaystyle \left(x$",
+        r"$\displaystyle \frac{1}$",
+        r"$\displaystyle \nosuchcommand$",
+        r"$\displaystyle \begin{matrix} 1 \end{bmatrix}$",
+        r"$\displaystyle F = None$",
+        r"$\displaystyle a $ b$",
+        r"$\displaystyle $",
+    ],
+)
+def test_a_broken_formula_is_seen(broken):
+    with pytest.raises((AssertionError, ValueError)):
+        require_formula(broken)
+
+
+@given(st.text(st.characters(codec="ascii"), min_size=1).filter(str.strip))
+def test_any_words_may_stand_in_a_formula(text):
+    formula = displayed(words(text))
+    bare = re.sub(r"\\[{}\\_#$%&^~]", "", formula)
+    assert bare.count("{") == bare.count("}") and not set(bare[1:-1]) & set("$#%&")
+
+
+def test_a_result_inside_another_loses_its_signs():
+    lag = exact.transfer_function("1/(s + a)", "s")
+    assert latex(lag) == r"\frac{1}{s + a}"
+    assert latex((lag, 2)) == r"\left(\frac{1}{s + a}, 2\right)"
+
+
+def test_a_polynomial_descends_whatever_its_symbols_are():
+    assert latex(exact.polynomial("a*s + b - s**2", "s")) == "- s^{2} + a s + b"

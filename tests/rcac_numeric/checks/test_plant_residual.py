@@ -1,0 +1,91 @@
+"""How far a log is from a plant: an identity for the right one, doubt about any other."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rcac_numeric import ControllerLog, Plant, plant_residual, servo_plant, standard_plant
+
+
+def response(plant, u, w, x_0):
+    """y(k) of the plant, step by step."""
+    x, y = x_0, []
+    for now, outside in zip(u, w, strict=True):
+        y.append(plant.C @ x + plant.D_0 @ now + plant.D_2 @ outside)
+        x = plant.A @ x + plant.B @ now + plant.D_1 @ outside
+    return np.array(y)
+
+
+@given(
+    st.integers(1, 4), st.integers(1, 2), st.integers(1, 2), st.integers(0, 2),
+    st.integers(0, 2**32 - 1),
+)  # fmt: skip
+def test_nothing_is_left_where_all_of_w_is_known(n, l_u, l_y, l_w, seed):
+    """Unstable plants, initial states and direct terms included: Cayley and Hamilton."""
+    rng = np.random.default_rng(seed)
+    A = rng.standard_normal((n, n))
+    plant = Plant(
+        A=A * rng.uniform(0.3, 1.1) / max(abs(np.linalg.eigvals(A))),
+        B=rng.standard_normal((n, l_u)), D_1=rng.standard_normal((n, l_w)),
+        C=rng.standard_normal((l_y, n)), D_0=rng.standard_normal((l_y, l_u)),
+        D_2=rng.standard_normal((l_y, l_w)),
+    )  # fmt: skip
+    u, w = rng.standard_normal((60, l_u)), rng.standard_normal((60, l_w))
+    y = response(plant, u, w, rng.standard_normal(n))
+    found = plant_residual(ControllerLog(u, y, w=w if l_w else None), plant)
+    assert found.rms <= 1e-6 * np.abs(y).max() and not found.is_doubtful
+    assert "fits" in str(found)
+
+
+@pytest.mark.parametrize(
+    "told", ["1/(q + 0.5)", "0.2/(q - 0.5)", "1/(q - 0.9)", "q/((q - 0.5)*(q + 0.9))"]
+)
+def test_another_plant_is_doubted(told):
+    rng = np.random.default_rng(7)
+    u, w = rng.standard_normal((400, 1)), 0.05 * rng.standard_normal((400, 1))
+    y = response(standard_plant("1/(q - 0.5)"), u, w, np.zeros(1))
+    assert not plant_residual(ControllerLog(u, y), standard_plant("1/(q - 0.5)")).is_doubtful
+    found = plant_residual(ControllerLog(u, y), standard_plant(told))
+    assert found.is_doubtful and "another plant" in str(found)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_white_noise_raises_no_doubt(seed):
+    """Through the plant, or at the sensor, as large as what u makes."""
+    rng = np.random.default_rng(seed)
+    plant = servo_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
+    u, w = rng.standard_normal((400, 1)), rng.standard_normal((400, 3))
+    for block in (1, 2):
+        one = w * (np.arange(3) == block)
+        y = response(plant, u, one, np.zeros(plant.n))
+        assert not plant_residual(ControllerLog(u, y), plant).is_doubtful
+
+
+@pytest.mark.parametrize(("words", "change"), [
+    ("sign", lambda u: -u),
+    ("one step later", lambda u: np.vstack([u[1:], u[-1:]])),
+    ("one step earlier", lambda u: np.vstack([u[:1], u[:-1]])),
+])  # fmt: skip
+def test_a_simple_mistake_is_named(words, change):
+    rng = np.random.default_rng(3)
+    u = rng.standard_normal((300, 1))
+    plant = standard_plant("(q - 0.2)/(q*(q - 0.8))")
+    y = response(plant, u, 0.01 * rng.standard_normal((300, 1)), np.zeros(2))
+    found = plant_residual(ControllerLog(change(u), y), plant)
+    assert found.is_doubtful and words in found.mend and words in str(found)
+
+
+def test_the_command_is_known_where_it_was_logged():
+    rng = np.random.default_rng(5)
+    plant = servo_plant("1/(q - 0.5)")
+    u, r = rng.standard_normal((200, 1)), rng.standard_normal((200, 1))
+    w = np.hstack([r, np.zeros((200, 2))])
+    y = response(plant, u, w, np.zeros(plant.n))
+    assert plant_residual(ControllerLog(u, y, r=r), plant).rms <= 1e-12
+    assert plant_residual(ControllerLog(u, y), plant).rms > 0.5
+
+
+def test_a_short_log_says_nothing():
+    plant = standard_plant("1/(q - 0.5)")
+    assert plant_residual(ControllerLog(np.ones(5), np.ones(5)), plant) is None
