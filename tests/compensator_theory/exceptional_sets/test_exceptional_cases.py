@@ -6,12 +6,12 @@ from fractions import Fraction
 
 import pytest
 import sympy
-from compensator_theory.matrices.echelon import echelon
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import compensator_theory as exact
 from compensator_theory import InputError, exceptional_cases
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
 
 s = sympy.Symbol("s")
