@@ -12,8 +12,8 @@ from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.plants.any_plant import block_start
 from rcac_numeric.plants.linear import Plant
 
-LONGEST = 20_000  # steps that are compared: more say no more
-FEWEST = 10
+LONGEST, MOST_NUMBERS = 5_000, 1_000_000  # steps that are compared; entries of their windows
+FEWEST, LARGEST_ORDER, MOST_COEFFICIENTS = 10, 100, 400  # the last: of the plant that is fitted
 # What raises doubt: the plant leaves more than a tenth of how y changes from step to step, and a
 # plant fitted to the log leaves so many times less. White noise alone makes the second 1, sensor
 # noise 2 or 3; what is not white and was not logged, a tone for instance, may raise doubt, too.
@@ -62,7 +62,9 @@ class PlantResidual(Value):
         size = f"its one-step error of y is {self.rms:.3g} rms{fitted}, and y changes by "
         size += f"{self.change:.3g} rms a step"
         if not self.is_doubtful:
-            return f"The plant fits the log: {size}."
+            fits = self.relative <= UNEXPLAINED
+            words = "fits the log" if fits else "is not contradicted by the log, noise apart"
+            return f"The plant {words}: {size}."
         if self.mend:
             return f"The log is NOT of this plant: {size}. Look at {self.mend}."
         return (
@@ -73,7 +75,7 @@ class PlantResidual(Value):
 
 
 def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
-    """The residual of u -> y through the plant; None where the log is too short to say it.
+    """The residual of u -> y through the plant; None where the log is too short or n above 100.
 
     Of w, what was logged is used; the command r is a part of it.
 
@@ -92,14 +94,18 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     """
     B, D, known = _inputs(log, plant)
     window = max(plant.n, 1)
-    u, y = log.u[:LONGEST], log.y[:LONGEST]
-    if len(y) < window + FEWEST:
+    width = (window + 1) * (plant.l_y + B.shape[1])
+    steps = min(log.steps, LONGEST, MOST_NUMBERS // width)
+    if steps < window + FEWEST or window > LARGEST_ORDER:
         return None
-    e = _errors(plant, B, D, np.hstack([u, known]), y)
-    change = float(np.sqrt(np.mean(np.diff(y, axis=0) ** 2)))
-    found = PlantResidual(_rms(e), change, _best(u, known, y, window))
-    if not np.isfinite(found.rms):
-        return None
+    size = max(np.abs(log.u).max(), np.abs(log.y).max(), np.abs(known).max(initial=0.0)) or 1.0
+    u, y, known = log.u[:steps] / size, log.y[:steps] / size, known[:steps] / size
+    rms = _rms(_errors(plant, B, D, np.hstack([u, known]), y)) * size
+    change = _rms(np.diff(y, axis=0)) * size
+    best = _best(u, known, y, window)
+    found = PlantResidual(float(rms), float(change), None if best is None else best * size)
+    if not np.isfinite(found.rms) or found.change == 0:
+        return None  # the plant's powers leave float64, or the log shows no movement
     if found.relative <= UNEXPLAINED:
         return found
     others = {
@@ -108,7 +114,10 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
         "the rows of u: one step earlier this plant fits": np.vstack([u[1:], u[-1:]]),
     }
     for words, other in others.items():
-        if TIMES_WORSE * _rms(_errors(plant, B, D, np.hstack([other, known]), y)) < found.rms:
+        if (
+            TIMES_WORSE * _rms(_errors(plant, B, D, np.hstack([other, known]), y)) * size
+            < found.rms
+        ):
             return replace(found, mend=words)
     return found
 
@@ -124,7 +133,7 @@ def _inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:
         columns, known = np.arange(0), np.zeros((log.steps, 0))
     B = np.hstack([plant.B, plant.D_1[:, columns]])
     D = np.hstack([plant.D_0, plant.D_2[:, columns]])
-    return B, D, known[:LONGEST]
+    return B, D, known
 
 
 def _windows(signal: Array, steps: int, count: int) -> Array:
@@ -143,6 +152,8 @@ def _errors(plant: Plant, B: Array, D: Array, v: Array, y: Array) -> Array:
         for j in range(i + 1):
             block = D if i == j else powers[i - j - 1] @ B
             T[i * l_y : (i + 1) * l_y, j * l_v : (j + 1) * l_v] = block
+    if not (np.isfinite(T).all() and np.isfinite(powers[n]).all()):
+        return np.full((1, l_y), np.nan)  # a plant whose powers leave float64
     free = _windows(y, n, n + 1) - _windows(v, n, n + 1) @ T.T
     past, now = free[:, : n * l_y], free[:, n * l_y :]
     M = np.linalg.lstsq(np.vstack(powers[:n]).T, powers[n].T, rcond=None)[0]
@@ -156,7 +167,7 @@ def _best(u: Array, known: Array, y: Array, n: int) -> float | None:
     """
     data = np.hstack([_windows(y, n, n), _windows(u, n, n), _windows(known, n, n + 1)])
     freedom = len(data) - data.shape[1]
-    if freedom < 2 * data.shape[1]:
+    if freedom < 2 * data.shape[1] or data.shape[1] > MOST_COEFFICIENTS:
         return None
     now = y[n:]
     e = now - data @ np.linalg.lstsq(data, now, rcond=None)[0]

@@ -37,17 +37,15 @@ def check_sheet(check: ControllerCheck) -> Sheet:
     return Sheet(
         title=check.log.source,
         remark=f": {check.log.steps} steps",
-        health=(*_plant(check), *missed_poles(check.comparison), *health_lines(health)),
+        health=(*_doubt(check), *missed_poles(check.comparison), *health_lines(health)),
         sections=(*sections, _unsaid(check)),
     )
 
 
-def _plant(check: ControllerCheck) -> tuple[Text, ...]:
-    """Whether the log is of the plant told, before anything is said with that plant."""
+def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
+    """That the log is not of the plant told, before anything is said with that plant."""
     found = check.plant_residual
-    if found is None:
-        return ()
-    return (Text(str(found), "bad" if found.is_doubtful else "plain"),)
+    return (Text(str(found), "bad"),) if found is not None and found.is_doubtful else ()
 
 
 def _log(check: ControllerCheck) -> Section:
@@ -60,6 +58,8 @@ def _log(check: ControllerCheck) -> Section:
             for name in ("rms", "change", "best", "relative", "is_doubtful")
         },
     }  # fmt: skip
+    if residual is not None and not residual.is_doubtful:
+        blocks.append(Text(str(residual)))
     if replay is not None:
         blocks.append(Text(str(replay), "plain" if replay.agrees else "bad"))
         record["replay"] = {

@@ -354,7 +354,7 @@ def test_a_stranger_is_told_what_to_type(wanted, log, options, words):
 
 def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
     right = run(wanted / "log.csv", *GIVEN, "--plant", "1/(q - 2)")
-    assert "The plant fits the log" in right.output.splitlines()[1]
+    assert "The plant fits the log" in right.output and "The log is NOT" not in right.output
     for told, words in (("1/(q + 0.5)", "another"), ("-1/(q - 2)", "sign")):
         result = run(wanted / "log.csv", *GIVEN, "--plant", told)
         first = " ".join(result.output.partition("The closed loop")[0].split())
