@@ -321,7 +321,7 @@ def test_latex():
     found = exceptional_cases(exact.place_poles, "b/(s + a)", [-1], feedback=-1)
     text = found._repr_latex_()
     assert text.startswith(r"$\displaystyle \begin{cases} ") and text.count("$") == 2
-    assert r"\text{NotCoprimeError}" in text and r"b \ne 0" in text
+    assert r"\text{NotCoprimeError}" in text and r"b \neq 0" in text
 
 
 def test_a_zero_that_is_not_simplified_is_a_zero():
