@@ -162,7 +162,8 @@ def certificate_of(identity: str, residuals: Iterable[Matrix]) -> Certificate:
     >>> certificate_of("0 = 0", [Matrix([[0]])]).holds
     True
     """
-    left = [sympy.cancel(entry) for matrix in residuals for entry in matrix]
+    entries = (entry for matrix in residuals for entry in matrix)
+    left = [entry if entry.is_Rational else sympy.cancel(entry) for entry in entries]
     certificate = Certificate(identity, ImmutableMatrix(1, len(left), left))
     if not certificate.holds:
         raise NoSolutionError(f"{certificate}; the result is wrong, please report it")
