@@ -112,7 +112,8 @@ def _by_inverse(matrix: flint.fmpz_mat, right: flint.fmpz_mat) -> tuple[flint.fm
     if found * matrix == right * denominator:
         return found, denominator
     solution = turned.solve(flint.fmpq_mat(right.transpose()), algorithm="dixon").transpose()
-    return solution.numer_denom()
+    top, bottom = solution.numer_denom()
+    return top, bottom
 
 
 def _lifted(
