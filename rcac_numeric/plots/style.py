@@ -59,18 +59,22 @@ class SpacedDecades(SymmetricalLogLocator):
     It is asked when the picture is drawn, so that it fits whatever size the picture then has.
     """
 
-    def __call__(self) -> Array:
-        """The ticks: 0, then from the largest decade inwards what has room."""
+    def __init__(self, axes: Axes, threshold: float) -> None:
+        super().__init__(base=10, linthresh=threshold)
         self.set_params(numticks=7)
-        ticks = np.asarray(super().__call__(), dtype=float)
-        axes = self.axis.axes
-        heights = axes.transData.transform(np.column_stack([np.zeros(len(ticks)), ticks]))[:, 1]
-        room = TICK_ROOM * axes.figure.dpi / 72
+        self._axes = axes
+
+    def __call__(self) -> list[float]:
+        """The ticks: 0, then from the largest decade inwards what has room."""
+        ticks = [float(tick) for tick in super().__call__()]
+        places = np.column_stack([np.zeros(len(ticks)), ticks])
+        heights = self._axes.transData.transform(places)[:, 1]
+        room = TICK_ROOM * self._axes.figure.dpi / 72
         kept: list[int] = []
         for i in sorted(range(len(ticks)), key=lambda i: (ticks[i] != 0, -abs(ticks[i]))):
             if all(abs(heights[i] - heights[j]) >= room for j in kept):
                 kept.append(i)
-        return np.sort(ticks[kept])
+        return sorted(ticks[i] for i in kept)
 
 
 def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
@@ -84,7 +88,7 @@ def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
         return
     threshold = max(usual, peak * DEEPEST)
     axis.set_yscale("symlog", linthresh=threshold, linscale=2)
-    axis.yaxis.set_major_locator(SpacedDecades(base=10, linthresh=threshold))
+    axis.yaxis.set_major_locator(SpacedDecades(axis, threshold))
 
 
 def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:
