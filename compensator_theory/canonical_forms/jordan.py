@@ -6,7 +6,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import is_rational_matrix
 from compensator_theory.matrices.invariant_subspaces import (
@@ -16,7 +16,6 @@ from compensator_theory.matrices.invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
-from compensator_theory.matrix_equations.solutions import certificate_of
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
