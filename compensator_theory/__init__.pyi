@@ -15,6 +15,8 @@ from .bezout.sylvester import sylvester_m1 as sylvester_m1
 from .bezout.sylvester import sylvester_m2 as sylvester_m2
 from .canonical_forms.frobenius import FrobeniusForm as FrobeniusForm
 from .canonical_forms.frobenius import frobenius_form as frobenius_form
+from .canonical_forms.jordan import JordanForm as JordanForm
+from .canonical_forms.jordan import jordan_form as jordan_form
 from .canonical_forms.kronecker import KroneckerForm as KroneckerForm
 from .canonical_forms.kronecker import kronecker_form as kronecker_form
 from .canonical_forms.minimal_bases import MinimalBasis as MinimalBasis

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterator, Sequence
 
-from sympy import ImmutableMatrix, Poly, Symbol, symbols
+from sympy import ImmutableMatrix, Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
@@ -15,12 +15,14 @@ from compensator_theory.matrices.invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
-from compensator_theory.matrices.subspace_families import sample_subspaces, subspace_family
 from compensator_theory.observers.counting import number_of_selections
 from compensator_theory.observers.form import ObserverForm, form_of_subspace
 from compensator_theory.observers.form_lists import ObserverForms
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.subspaces.cyclic_families import sample_subspaces
+from compensator_theory.subspaces.open_cells import families as parametrised
+from compensator_theory.subspaces.strata import continuum_size, is_irreducible
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 
@@ -71,7 +73,9 @@ def observer_forms(
     For a minimal SISO plant and a minimal compensator every real invariant subspace of dimension n
     gives a form, so that there are :func:`count_observer_forms` of them. With hidden modes or
     several signals there is no such theorem and each subspace is tested. Where the closed loop
-    is derogatory the subspaces of one regulator polynomial form a continuum.
+    is derogatory the subspaces of one regulator polynomial form a continuum: cyclic ones, ones with
+    a cyclic quotient, and Grassmannians between two kernels are parametrised, others are sampled,
+    and `continua` names the dimension of all of them together.
 
     Source: (7.11)-(7.18), Theorem 1 in the strength that is true of realisations.
 
@@ -112,13 +116,16 @@ def observer_forms(
     families: list[ObserverForm] = []
     rejections: list[tuple[Poly, str]] = []
     undecided: list[Poly] = []
+    continua: list[tuple[Poly, int, int]] = []
     for exponents, p_R in divisors(components, system.n):
         p_O = canonical(whole.exquo(p_R))
         chosen = list(zip(components, exponents, strict=True))
         is_continuum = any(c.has_continuum(e) for c, e in chosen)
         found: ObserverForm | str | None
         if is_continuum:
-            found = _of_continuum(system, controller, loop, chosen, (p_R, p_O))
+            size = continuum_size(chosen)
+            continua.append((p_R, *size))
+            found = _of_continuum(system, controller, loop, chosen, (p_R, p_O), size[0])
         else:
             subspace = _stacked(loop.rows, chosen)
             found = form_of_subspace(system, controller, subspace, (p_R, p_O))
@@ -130,7 +137,7 @@ def observer_forms(
             (families if is_continuum else forms).append(found)
     return ObserverForms(
         system, controller, whole, tuple(forms), tuple(families), tuple(rejections),
-        tuple(undecided),
+        tuple(undecided), tuple(continua),
     )  # fmt: skip
 
 
@@ -147,6 +154,7 @@ def _of_continuum(
     loop: ImmutableMatrix,
     chosen: _Chosen,
     polynomials: tuple[Poly, Poly],
+    dimension: int,
 ) -> ObserverForm | str | None:
     """Return a family of forms, or one form of it, or why there is none, or None if undecided."""
     largest = _stacked(loop.rows, chosen)
@@ -157,37 +165,18 @@ def _of_continuum(
         )
     if rank(largest[plant.n :, :]) < min(plant.n, compensator.n):
         return "in every subspace with this polynomial T lacks full rank"
-    cyclic = _cyclic_family(loop, chosen)
-    if cyclic is not None:
-        subspace, parameters = cyclic
+    all_fail = is_irreducible(chosen)
+    for subspace, parameters in parametrised(loop, chosen):
         found = form_of_subspace(plant, compensator, subspace, polynomials, parameters)
         if isinstance(found, ObserverForm):
             return found
-        if all(exponent <= 1 for part, exponent in chosen if part.has_continuum(exponent)):
-            return found  # a projective space of subspaces: what fails generically always fails
+        if all_fail and len(parameters) == dimension:
+            return found  # the family is dense, and what fails generically always fails
     for subspace in _samples(loop, chosen):
         found = form_of_subspace(plant, compensator, subspace, polynomials)
         if isinstance(found, ObserverForm):
             return found
     return None
-
-
-def _cyclic_family(
-    loop: ImmutableMatrix, chosen: _Chosen
-) -> tuple[ImmutableMatrix, tuple[Symbol, ...]] | None:
-    names = iter(symbols(f"alpha_1:{loop.rows**2 + 1}"))
-    blocks: list[ImmutableMatrix] = []
-    parameters: list[Symbol] = []
-    for component, exponent in chosen:
-        if not component.has_continuum(exponent):
-            blocks.append(component.kernels[exponent])
-            continue
-        family = subspace_family(loop, component, exponent, names)
-        if family is None:
-            return None
-        blocks.append(family[0])
-        parameters += family[1]
-    return joined(loop.rows, blocks), tuple(parameters)
 
 
 def _samples(loop: ImmutableMatrix, chosen: _Chosen) -> Iterator[ImmutableMatrix]:

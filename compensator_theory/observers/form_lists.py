@@ -33,13 +33,16 @@ class ObserverForms(ExactValue):
         One for each regulator polynomial that determines its subspace.
     families : tuple of ObserverForm
         With free parameters, where the closed loop has several Jordan blocks for one root: all
-        forms but a thin set of them. One without parameters represents a continuum of subspaces
-        that are not cyclic and have no parametrisation here.
+        forms of one component of the continuum but a thin set of them. One without parameters
+        represents a continuum whose parametrised families give no form.
     rejections : tuple of (sympy.Poly, str)
         Regulator polynomials that give no form, each with the reason.
     undecided : tuple of sympy.Poly
         Regulator polynomials with a continuum of subspaces of which none that was tried gives a
         form.
+    continua : tuple of (sympy.Poly, int, int)
+        Regulator polynomials with a continuum of invariant subspaces, its dimension, and how many
+        irreducible components of that dimension it has.
 
     Notes
     -----
@@ -53,6 +56,7 @@ class ObserverForms(ExactValue):
     families: tuple[ObserverForm, ...] = ()
     rejections: tuple[tuple[Poly, str], ...] = ()
     undecided: tuple[Poly, ...] = ()
+    continua: tuple[tuple[Poly, int, int], ...] = ()
 
     @property
     def has_continuum(self) -> bool:
@@ -77,6 +81,14 @@ class ObserverForms(ExactValue):
         seen |= {polynomial for polynomial, _ in self.rejections} | set(self.undecided)
         candidates = self.number_of_candidates
         return None if candidates is None else len(seen) == candidates
+
+    def continuum(self, regulator: Poly) -> str:
+        """Say in words how large the continuum of subspaces of a regulator polynomial is."""
+        for polynomial, dimension, components in self.continua:
+            if polynomial == regulator:
+                parts = f" in {components} components" if components > 1 else ""
+                return f"a continuum of subspaces of dimension {dimension}{parts}"
+        return "a single subspace"
 
     def fastest_observer(self) -> ObserverForm:
         """Return the form whose slowest observer root is fastest.
@@ -154,10 +166,15 @@ class ObserverForms(ExactValue):
     def __str__(self) -> str:
         lines = [f"closed loop {format_polynomial(self.characteristic_polynomial)}"]
         lines += [f"{i}. {form}" for i, form in enumerate((*self.forms, *self.families), start=1)]
+        lines += [
+            f"   one of {self.continuum(form.regulator)}"
+            for form in self.families
+            if not form.parameters
+        ]
         lines += [f"none for regulator {format_polynomial(p)}: {why}" for p, why in self.rejections]
         lines += [
-            f"undecided for regulator {format_polynomial(p)}: a continuum of subspaces, and none "
-            "that was tried gives a form"
+            f"undecided for regulator {format_polynomial(p)}: {self.continuum(p)}, and none that "
+            "was tried gives a form"
             for p in self.undecided
         ]
         if self.is_complete is False:

@@ -16,6 +16,7 @@ from compensator_theory.observers.counting import (
 )
 from compensator_theory.observers.decisions import NumberOfForms, ObserverDecision
 from compensator_theory.observers.enumeration import observer_forms
+from compensator_theory.observers.form_lists import ObserverForms
 from compensator_theory.observers.questions import decide_by_parity
 from compensator_theory.observers.youla import youla_forms
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -172,9 +173,14 @@ def _by_enumeration(plant: Realisation, compensator: Realisation, Dtilde: Poly) 
         answer = None
         reason = (
             f"the {len(forms.rejections)} rational regulator polynomials fail, but others are "
-            f"irrational, symbolic or have a continuum of subspaces{proof}"
+            f"irrational, symbolic or have a continuum of subspaces{_continua(forms)}{proof}"
         )
     return ObserverDecision(QUESTION, answer, reason, number, Dtilde, forms)
+
+
+def _continua(forms: ObserverForms) -> str:
+    sizes = [f"{forms.continuum(p)} for {format_polynomial(p)}" for p in forms.undecided]
+    return f" ({'; '.join(sizes)})" if sizes else ""
 
 
 def _by_youla_forms(plant: Realisation, compensator: Realisation, Dtilde: Poly) -> ObserverDecision:

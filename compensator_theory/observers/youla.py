@@ -21,6 +21,7 @@ from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.subspaces.strata import continuum_size
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 
@@ -168,8 +169,10 @@ def youla_forms(
     for component in components:
         if component.is_derogatory:
             raise InputError(
-                f"the closed loop has several Jordan blocks for {quoted(component.factor)}: its "
-                "Youla forms make up a continuum. Remove the hidden mode of the compensator"
+                f"the closed loop has several Jordan blocks for {quoted(component.factor)}, of "
+                f"lengths {', '.join(map(str, component.block_lengths))}: its Youla forms make up "
+                f"a continuum, for its invariant subspaces do, of dimension {_sizes(component)}. "
+                "Remove the hidden mode of the compensator"
             )
     found = []
     for (inner, p_R), (outer, both) in itertools.product(
@@ -181,6 +184,12 @@ def youla_forms(
                 p_Q, p_O = canonical(both.exquo(p_R)), canonical(whole.exquo(both))
                 found.append(YoulaForm(system, controller, T, p_R, p_O, p_Q))
     return tuple(found)
+
+
+def _sizes(component: PrimaryComponent) -> str:
+    """Name the dimension for every power of the factor that has a continuum."""
+    powers = [e for e in range(component.multiplicity) if component.has_continuum(e)]
+    return ", ".join(f"{continuum_size([(component, e)])[0]} for its power {e}" for e in powers)
 
 
 def _stacked(

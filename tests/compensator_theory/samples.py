@@ -159,6 +159,9 @@ SAMPLES = {
     exact.RealnessDecision: st.sampled_from(["1/(s + 1)", "s", "-s", "2/(s + 1)"]).map(
         exact.decide_positive_real
     ),
+    exact.JordanForm: st.sampled_from(["rational", "real", "complex"]).map(
+        lambda over: exact.jordan_form([[0, 1, 0], [-5, -2, 1], [0, 0, 3]], over=over)
+    ),
     exact.FrobeniusForm: st.sampled_from([[[1, 0], [0, 1]], [["a", 1], [0, 0]]]).map(
         exact.frobenius_form
     ),

@@ -6,6 +6,7 @@ LAYERS = {
     "compensator_theory": [
         "polynomials",
         "matrices",
+        "subspaces",
         "bezout",
         "roots",
         "transfer_functions",

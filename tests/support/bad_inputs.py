@@ -175,6 +175,7 @@ GOOD = {
     "decentralised_fixed_modes": ([_R, [([0], [0])]], {}),
     "interactor": ([_MATRIX], {}),
     "frobenius_form": ([_A], {}),
+    "jordan_form": ([_A], {}),
     "kronecker_form": ([_A, [[1, 0], [0, 0]]], {}),
     "popov_form": ([[["s**2", "s**2 + 1"], ["s", "s"]]], {}),
     "h_infinity_norm": ([_MATRIX], {}),

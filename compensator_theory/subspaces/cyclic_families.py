@@ -47,7 +47,7 @@ def subspace_family(
     >>> from sympy import Matrix, symbols
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.matrices.invariant_subspaces import primary_components
-    >>> from compensator_theory.matrices.subspace_families import subspace_family
+    >>> from compensator_theory.subspaces.cyclic_families import subspace_family
     >>> one = Matrix([[1, 0], [0, 1]])
     >>> part, = primary_components(one, polynomial("(s - 1)**2"))
     >>> subspace_family(one, part, 1, iter(symbols("alpha_1:9")))
@@ -81,7 +81,7 @@ def sample_subspaces(
     >>> from sympy import Matrix
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.matrices.invariant_subspaces import primary_components
-    >>> from compensator_theory.matrices.subspace_families import sample_subspaces
+    >>> from compensator_theory.subspaces.cyclic_families import sample_subspaces
     >>> null = Matrix.zeros(3, 3)
     >>> part, = primary_components(null, polynomial("s**3"))
     >>> next(sample_subspaces(null, part, 2)).shape
@@ -110,7 +110,7 @@ def krylov(matrix: Matrix, vector: Matrix, size: int) -> ImmutableMatrix:
     Examples
     --------
     >>> from sympy import Matrix
-    >>> from compensator_theory.matrices.subspace_families import krylov
+    >>> from compensator_theory.subspaces.cyclic_families import krylov
     >>> krylov(Matrix([[0, 1], [0, 0]]), Matrix([0, 1]), 2)
     Matrix([
     [0, 1],

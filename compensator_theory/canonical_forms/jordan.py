@@ -1,0 +1,188 @@
+"""The Jordan form of a matrix, over the rationals, the reals or the complex numbers."""
+
+from dataclasses import dataclass
+
+import sympy
+from sympy import Expr, ImmutableMatrix, Matrix, Poly
+
+from compensator_theory.errors import InputError
+from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import is_rational_matrix
+from compensator_theory.matrices.invariant_subspaces import (
+    PrimaryComponent,
+    evaluate,
+    joined,
+    primary_components,
+)
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
+from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.subspaces.cyclic_families import krylov
+
+IDENTITY = "A T = T J, det T not 0"
+
+
+@dataclass(frozen=True)
+class JordanForm(ExactValue):
+    r"""A matrix as a direct sum of blocks with one eigenvalue, pair or irreducible factor each.
+
+    .. math:: A T = T J, \qquad J = \mathrm{diag}(J_1, J_2, \ldots)
+
+    Attributes
+    ----------
+    form, T : sympy.ImmutableMatrix
+        J and the basis, n x n.
+    blocks : tuple of pairs of sympy.Poly and int
+        For each block over the rationals its irreducible factor and its length; over the reals and
+        the complex numbers it has one block of that length for each root or pair of roots.
+    over : str
+        "rational", "real" or "complex".
+    certificate : Certificate
+        A T - T J, computed anew; T is nonsingular.
+    """
+
+    form: ImmutableMatrix
+    T: ImmutableMatrix
+    blocks: tuple[tuple[Poly, int], ...]
+    over: str
+    certificate: Certificate
+
+    def __str__(self) -> str:
+        parts = [
+            f"({format_polynomial(f)})" + (f"**{length}" if length > 1 else "")
+            for f, length in self.blocks
+        ]
+        return f"{self.over} Jordan blocks of " + ", ".join(parts)
+
+
+def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
+    r"""Bring a matrix to its Jordan form, generalised to factors that have no rational root.
+
+    .. math:: J_i = \begin{bmatrix} C_f & N \\ & C_f & N \\ & & \ddots \end{bmatrix}, \qquad
+              T_i = \begin{bmatrix} f^{k-1} v & A f^{k-1} v & \cdots & v & A v & \cdots
+              \end{bmatrix}, \quad f = f(A)
+
+    with the companion matrix of an irreducible factor f of degree d, and N with a single one, in
+    its upper right corner; for d = 1 this is the usual Jordan block.
+
+    Parameters
+    ----------
+    A : matrix
+        n x n, n >= 1, rational.
+    over : {"rational", "real", "complex"}
+        "complex" splits every factor into its roots, "real" gives a pair :math:`p \pm jq` the modal
+        form with blocks [[p, q], [-q, p]]. Both are for factors of degree 1 and 2.
+
+    Raises
+    ------
+    InputError
+        If the matrix is not square and rational, `over` is another word, or a factor of higher
+        degree has no roots to split into.
+
+    Notes
+    -----
+    Chains begin with vectors v of :math:`\ker f^k` that are independent modulo :math:`\ker
+    f^{k-1} + f \ker f^{k+1}`; a root r has the chain of :math:`(f/(s - r))^k(A) v`. Source: F. R.
+    Gantmacher, The Theory of Matrices (1959), VII.5; B. D. H. Perlis, Theory of Matrices (1952).
+
+    Examples
+    --------
+    >>> from compensator_theory import jordan_form
+    >>> found = jordan_form([[0, 1, 0], [0, 0, 1], [2, -5, 4]])
+    >>> print(found, found.form)
+    rational Jordan blocks of (s - 2), (s - 1)**2 Matrix([[2, 0, 0], [0, 1, 1], [0, 0, 1]])
+    >>> jordan_form([[0, 1], [-5, -2]], over="real").form
+    Matrix([
+    [-1,  2],
+    [-2, -1]])
+    """
+    if over not in ("rational", "real", "complex"):
+        raise InputError(f"over = {shown(over)} must be 'rational', 'real' or 'complex'")
+    a = exact_matrix(A, "A")
+    if a.rows != a.cols or not a.rows or not is_rational_matrix(a):
+        raise InputError(f"A is {a.rows} x {a.cols}; a square matrix of rationals is needed")
+    ask("entries", 4 * a.rows**3, "the Jordan form")
+    columns: list[Matrix] = []
+    forms: list[Matrix] = []
+    blocks: list[tuple[Poly, int]] = []
+    for part in primary_components(a, characteristic_polynomial(a, sympy.Symbol("s"))):
+        if over != "rational" and part.degree > 2:
+            raise InputError(
+                f"the factor {format_polynomial(part.factor)} has degree {part.degree}, and its "
+                "roots are no square roots; over = 'rational' gives it blocks of its own"
+            )
+        for vector, length in _generators(a, part):
+            blocks.append((part.factor, length))
+            for basis, form in _blocks(a, part.factor, vector, length, over):
+                columns.append(basis)
+                forms.append(form)
+    T, J = joined(a.rows, columns), ImmutableMatrix(sympy.diag(*forms))
+    left = (a * T - T * J).applyfunc(sympy.expand)
+    assert over != "rational" or rank(T) == a.rows
+    return JordanForm(J, T, tuple(blocks), over, certificate_of(IDENTITY, [left]))
+
+
+def _generators(a: ImmutableMatrix, part: PrimaryComponent) -> list[tuple[Matrix, int]]:
+    """Return one generator for each block and its length, longest first."""
+    value, found = evaluate(part.factor, a), []
+    for k in range(part.multiplicity, 0, -1):
+        above = part.kernels[min(k + 1, part.multiplicity)]
+        span = joined(a.rows, [part.kernels[k - 1], value * above])
+        size = rank(span)
+        for column in range(part.kernels[k].cols):
+            vector = part.kernels[k][:, column]
+            longer = joined(a.rows, [span, krylov(a, vector, part.degree)])
+            if rank(longer) == size + part.degree:
+                span, size = longer, size + part.degree
+                found.append((vector, k))
+    return found
+
+
+def _blocks(
+    a: ImmutableMatrix, f: Poly, vector: Matrix, length: int, over: str
+) -> list[tuple[Matrix, Matrix]]:
+    d, s = int(f.degree()), f.gen
+    if over == "rational":
+        value, chain = evaluate(f, a), [vector]
+        for _ in range(length - 1):
+            chain.append(value * chain[-1])
+        basis = joined(a.rows, [krylov(a, v, d) for v in reversed(chain)])
+        form = Matrix.zeros(d * length, d * length)
+        for j in range(length):
+            for i in range(d):
+                if i + 1 < d:
+                    form[d * j + i + 1, d * j + i] = 1
+                form[d * j + i, d * j + d - 1] = -f.coeff_monomial(s**i)
+            if j:
+                form[d * (j - 1), d * j + d - 1] = 1
+        return [(basis, form)]
+    found = []
+    roots = sympy.roots(f)
+    if over == "real" and not all(root.is_real for root in roots):
+        roots = [root for root in roots if sympy.im(root) > 0]
+    for root in sorted(roots, key=sympy.default_sort_key):
+        chain = _chain(a, f, vector, length, root)
+        p, q = root.as_real_imag()
+        if over == "complex" or q == 0:
+            form = Matrix(length, length, lambda i, j, r=root: r if i == j else int(j == i + 1))
+            found.append((joined(a.rows, chain), form))
+        else:
+            pairs = [part for v in chain for part in v.as_real_imag()]
+            block, one = Matrix([[p, q], [-q, p]]), sympy.eye(2)
+            shift = Matrix(length, length, lambda i, j: int(j == i + 1))
+            form = sympy.kronecker_product(sympy.eye(length), block)
+            found.append((joined(a.rows, pairs), form + sympy.kronecker_product(shift, one)))
+    return found
+
+
+def _chain(a: ImmutableMatrix, f: Poly, vector: Matrix, length: int, root: Expr) -> list[Matrix]:
+    """Return the chain of one root of the block, the eigenvector first."""
+    (linear,) = [-sum(sympy.roots(f)) + root] if f.degree() == 2 else [None]
+    for _ in range(length if linear is not None else 0):  # f/(s - r) = s - other root
+        vector = (a * vector + linear * vector).applyfunc(sympy.expand)
+    chain = [vector]
+    for _ in range(length - 1):
+        chain.append((a * chain[-1] - root * chain[-1]).applyfunc(sympy.expand))
+    return chain[::-1]

@@ -1,0 +1,1 @@
+"""Continua of invariant subspaces: their strata, dimensions and parametrisations."""

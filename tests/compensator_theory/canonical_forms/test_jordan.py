@@ -1,0 +1,105 @@
+"""Jordan forms against what was disguised, ranks of powers, and SymPy's jordan_form."""
+
+from collections import Counter
+
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sympy import Matrix, Poly, eye
+
+from compensator_theory import InputError, jordan_form
+from compensator_theory.strategies.plants import unimodular_matrices
+
+s = sympy.Symbol("s")
+FACTORS = {"1": s - 1, "-2": s + 2, "pair": s**2 + 2 * s + 5, "surd": s**2 - 2}
+
+
+def companion(f, length):
+    poly = Poly(f, s)
+    C = Matrix([[-poly.eval(0)]]) if poly.degree() == 1 else Matrix(
+        [[0, -poly.eval(0)], [1, -poly.coeff_monomial(s)]]
+    )  # fmt: skip
+    shift = Matrix(length, length, lambda i, j: int(j == i + 1))
+    return sympy.kronecker_product(eye(length), C) + sympy.kronecker_product(
+        shift, eye(poly.degree())
+    )
+
+
+@st.composite
+def disguised(draw):
+    """Blocks, and the matrix of them in another basis."""
+    chosen = st.tuples(st.sampled_from(sorted(FACTORS)), st.integers(1, 2))
+    parts = draw(st.lists(chosen, min_size=1, max_size=3))
+    J = sympy.diag(*(companion(FACTORS[name], length) for name, length in parts))
+    T = draw(unimodular_matrices(J.rows))
+    return Counter((Poly(FACTORS[name], s), length) for name, length in parts), T * J * T.inv()
+
+
+def zero(matrix):
+    return matrix.applyfunc(lambda e: sympy.simplify(sympy.expand(e))).is_zero_matrix
+
+
+@settings(max_examples=15)
+@given(disguised())
+def test_blocks_that_were_disguised_are_found(case):
+    blocks, A = case
+    found = jordan_form(A)
+    assert Counter((Poly(f.as_expr(), s), k) for f, k in found.blocks) == blocks
+    assert found.T.det() != 0 and found.T * found.form * found.T.inv() == A
+    for factor, _ in found.blocks:  # ranks of powers, by SymPy
+        value = sum((c * A**i for i, c in enumerate(reversed(factor.all_coeffs()))), A * 0)
+        for k in range(1, 4):
+            lost = sum(min(k, length) for f, length in found.blocks if f == factor)
+            assert A.rows - (value**k).rank() == lost * factor.degree()
+
+
+@settings(max_examples=8)
+@given(disguised(), st.sampled_from(["real", "complex"]))
+def test_every_root_has_its_chain(case, over):
+    blocks, A = case
+    found = jordan_form(A, over=over)
+    assert zero(A * found.T - found.T * found.form)
+    assert abs(found.T.evalf(40).det()) > 1e-25
+    if over == "real":
+        assert not found.form.has(sympy.I) and not found.T.has(sympy.I)
+    else:
+        lengths = Counter()
+        start = 0
+        for i in range(A.rows):
+            if i + 1 == A.rows or found.form[i, i + 1] == 0:
+                lengths[sympy.expand(found.form[i, i]), i + 1 - start] += 1
+                start = i + 1
+        expected = Counter()
+        for (f, k), times in blocks.items():
+            for root in sympy.roots(f):
+                expected[root, k] += times
+        assert lengths == expected
+
+
+def test_the_same_blocks_as_sympy():
+    A = Matrix([[5, 4, 2, 1], [0, 1, -1, -1], [-1, -1, 3, 0], [1, 1, -1, 2]])
+    _, J = A.jordan_form()
+    ours = jordan_form(A, over="complex")
+    sizes = [sorted((block[0, 0], block.rows) for block in M.get_diag_blocks())
+             for M in (J, Matrix(ours.form))]  # fmt: skip
+    assert sizes[0] == sizes[1]
+
+
+def test_a_factor_of_degree_three_has_a_block_of_its_own():
+    A = companion(s - 1, 1).row_join(sympy.zeros(1, 3)).col_join(
+        sympy.zeros(3, 1).row_join(Matrix([[0, 0, 2], [1, 0, 0], [0, 1, 0]]))
+    )  # fmt: skip
+    assert str(jordan_form(A)) == "rational Jordan blocks of (s - 1), (s**3 - 2)"
+    with pytest.raises(InputError, match="degree 3"):
+        jordan_form(A, over="complex")
+
+
+@pytest.mark.parametrize(
+    ("matrix", "over", "words"),
+    [([[1, 2]], "rational", "square"), ([["a"]], "rational", "rationals"), ([[1]], "p", "over"),
+     ([["sqrt(2)"]], "real", "irrational"), ([[1]], None, "over")],
+)  # fmt: skip
+def test_refusals(matrix, over, words):
+    with pytest.raises(InputError, match=words):
+        jordan_form(matrix, over=over)
