@@ -2,6 +2,7 @@ import os
 import sys
 import tempfile
 import warnings
+from importlib.util import find_spec
 from pathlib import Path
 
 # Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
@@ -55,6 +56,12 @@ os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
 html_theme = "furo"
 html_title = "compensator-theory"
 html_static_path = ["_static"]
+# Formulas are set without the network where the extra `docs` is installed as it stands now.
+if mathjax := find_spec("sphinx-mathjax-offline"):
+    html_static_path += [
+        str(Path(place) / "static") for place in mathjax.submodule_search_locations
+    ]
+    mathjax_path = "mathjax/tex-chtml.js"
 html_css_files = ["pictures.css"]
 html_search_scorer = str(Path(__file__).resolve().parent / "search_scorer.js")
 copybutton_prompt_text = r">>> |\.\.\. |\$ "

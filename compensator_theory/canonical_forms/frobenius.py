@@ -1,5 +1,6 @@
 """The Frobenius form of a matrix, with the basis that leads to it."""
 
+import math
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -138,17 +139,27 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol = "s") -> FrobeniusForm
 
 def _cyclic(a: ImmutableMatrix) -> tuple[ImmutableMatrix, Expr] | None:
     """Return the Krylov matrix of a simple cyclic vector, and its determinant."""
-    n = a.rows
+    n, symbols = a.rows, sorted(a.free_symbols, key=str)
     starts = [Matrix(n, 1, lambda i, _, k=k: int(i == k)) for k in range(n)]
     for start in [*starts, Matrix([1] * n), Matrix(range(1, n + 1))]:
-        columns = [start]
+        columns, degree, written = [start], 0, 0
         for _ in range(n - 1):
             columns.append(_simple(a * columns[-1]))
+            degree += _degree(columns[-1], symbols)
+            written += sum(bool(entry.free_symbols) for entry in columns[-1])
+            terms = written * math.comb(degree + len(symbols), degree) // 2
+            ask("terms", terms, "the Frobenius form with symbols")
         T = ImmutableMatrix.hstack(*columns)
         minor = sympy.cancel(determinant(T))
         if minor != 0:
             return ImmutableMatrix(T), minor
     return None
+
+
+def _degree(column: Matrix, symbols: list[Symbol]) -> int:
+    """Return the highest total degree of a numerator or denominator of rational functions."""
+    sides = (side for entry in column for side in entry.as_numer_denom())
+    return max(Poly(side, *symbols).total_degree() if symbols else 0 for side in sides)
 
 
 def _by_smith_form(

@@ -16,8 +16,7 @@ from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
 
-Answer = TypeVar("Answer")
-"""What the construction returns."""
+Answer = TypeVar("Answer")  # what the construction returns; documented, it stops the pages
 
 
 @dataclass(frozen=True)

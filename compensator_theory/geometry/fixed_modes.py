@@ -5,15 +5,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import flint
 import sympy
-from sympy import QQ, Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import QQ, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
+from compensator_theory.matrices.flint_matrices import to_flint
+from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, from_expression, monic
+from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import Root, certified_roots
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
@@ -150,7 +153,7 @@ def _signals(indices: Sequence[int], name: str) -> tuple[int, ...]:
 def _common(A: Matrix, B: Matrix, C: Matrix, channels: Channels, variable: Symbol) -> Poly:
     count = math.prod(math.comb(len(i) + len(o), len(i)) for i, o in channels)
     ask("terms", count, "the number of minors of the decentralised plant")
-    pencil = variable * sympy.eye(A.rows) - A
+    ask("entries", len(channels) * A.rows**3, "the minors of the decentralised plant")
     found = Poly(0, variable, domain=QQ)
     choices = [
         [
@@ -164,16 +167,29 @@ def _common(A: Matrix, B: Matrix, C: Matrix, channels: Channels, variable: Symbo
     for choice in itertools.product(*choices):
         columns = [index for i, _ in choice for index in i]
         rows = [index for _, o in choice for index in o]
-        upper = pencil.row_join(B.extract(list(range(A.rows)), columns))
+        upper = (-A).row_join(B.extract(list(range(A.rows)), columns))
         lower = C.extract(rows, list(range(A.rows))).row_join(sympy.zeros(len(rows)))
-        found = found.gcd(from_expression(_determinant(upper.col_join(lower)), variable))
+        minor = _interpolated(to_flint(upper.col_join(lower)), A.rows)
+        found = found.gcd(from_flint_polynomial(minor, variable))
         if found.degree() == 0:
             break
     return monic(canonical(found))
 
 
-def _determinant(matrix: Matrix) -> Expr:
-    return determinant(matrix) if matrix.rows else sympy.Integer(1)
+def _interpolated(matrix: flint.fmpq_mat, size: int) -> flint.fmpq_poly:
+    """Return the determinant with s added to the first entries of the diagonal, by its values."""
+    newton: list[flint.fmpq] = []
+    for point in range(size + 1):
+        value = matrix.det()
+        for k, coefficient in enumerate(newton):  # divided differences at 0, 1, 2, ...
+            value = (value - coefficient) / (point - k)
+        newton.append(value)
+        for k in range(size):
+            matrix[k, k] += 1
+    found = flint.fmpq_poly([0])
+    for k in range(size, -1, -1):
+        found = found * flint.fmpq_poly([-k, 1]) + newton[k]
+    return found
 
 
 def _witness(A: Matrix, B: Matrix, C: Matrix, channels: Channels, fixed: Poly) -> ImmutableMatrix:

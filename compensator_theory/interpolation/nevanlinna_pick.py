@@ -119,7 +119,7 @@ def nevanlinna_pick(
         raise InputError(f"there are {n} points and {len(w)} values; give as many")
     if len(set(where)) < n:
         raise InputError("a point is there twice; values of derivatives are not read here")
-    ask("entries", n**3, "Pick's matrix")
+    ask("entries", n**4 // 20, "the polynomial of Pick's matrix")  # n coefficients of n^2 digits
     for point in where:
         size = sympy.expand(point * sympy.conjugate(point)) - 1 if discrete else sympy.re(point)
         if size <= 0:

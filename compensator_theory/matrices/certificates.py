@@ -83,5 +83,6 @@ def certificate_of(
     >>> certificate_of("0 = 0", [Matrix([[0]])]).holds
     True
     """
-    left = [sympy.cancel(entry) for matrix in residuals for entry in matrix]
+    entries = (entry for matrix in residuals for entry in matrix)
+    left = [entry if entry.is_Rational else sympy.cancel(entry) for entry in entries]
     return proven(Certificate(identity, ImmutableMatrix(1, len(left), left)), what)

@@ -10,8 +10,9 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.flint_matrices import from_flint, is_rational_matrix, to_flint
+from compensator_theory.matrices.flint_matrices import is_rational_matrix
 from compensator_theory.matrices.linear_algebra import determinant, solve
+from compensator_theory.matrix_equations.rational_equations import solve_rational, sum_of_products
 from compensator_theory.matrix_equations.solutions import (
     MatrixSolution,
     certified,
@@ -63,7 +64,7 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
     found = _by_characteristic_polynomial(a, b, c)
     if found is not None:
         X, divisors = found
-        residual = [a * X + X * b - c]
+        residual = [sum_of_products((a, X), (X, b), (-c,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of(sources)])
     X, more, divisors = solve_by_columns(
         lambda unit: list(a * unit + unit * b),
@@ -123,7 +124,7 @@ def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
     found = _by_characteristic_polynomial(a, a.T, -q)
     if found is not None:
         X, divisors = found
-        residual = [a * X + X * a.T + q]
+        residual = [sum_of_products((a, X), (X, a.T), (q,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of((a, q))])
     X, more, divisors = solve_by_columns(
         lambda unit: list(a * unit + unit * a.T),
@@ -179,7 +180,7 @@ def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> Ma
     found = _by_characteristic_polynomial(a, b, q, stein=True)
     if found is not None:
         X, divisors = found
-        residual = [a * X * b + q - X]
+        residual = [sum_of_products((-a, X, b), (X,), (-q,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of((a, b, q))])
     X, more, divisors = solve_by_columns(
         lambda unit: list(unit - a * unit * b),
@@ -216,8 +217,10 @@ def _by_characteristic_polynomial(
     The right side is summed with the powers of one matrix, so that no system of n m unknowns
     appears: O(n) products.
     """
-    rational = all(map(is_rational_matrix, (a, b, c)))
-    work = _Rational(a, b, c) if rational else _Symbolic(a, b, c)
+    if all(map(is_rational_matrix, (a, b, c))):
+        X = solve_rational(a, b, c, stein=stein)
+        return None if X is None else (X, [])
+    work = _Symbolic(a, b, c)
     p = work.characteristic_polynomial()
     size, one = a.rows, work.identity(b.rows)
     A, B, C = work.matrices
@@ -243,24 +246,7 @@ def _by_characteristic_polynomial(
         X = solve(inverted.T, right.T).T
     except NoSolutionError:
         return None
-    divisor = sympy.Integer(1) if rational else determinant(inverted)
-    return ImmutableMatrix(X if rational else X.applyfunc(sympy.cancel)), [divisor]
-
-
-class _Rational:
-    """The three matrices in python-flint."""
-
-    def __init__(self, *matrices: ImmutableMatrix) -> None:
-        self.matrices: Sequence[Any] = [to_flint(matrix) for matrix in matrices]
-
-    def characteristic_polynomial(self) -> list[Any]:
-        return list(self.matrices[0].charpoly().coeffs())
-
-    def identity(self, size: int) -> Any:
-        return to_flint(sympy.eye(size))
-
-    def back(self, matrix: Any) -> ImmutableMatrix:
-        return from_flint(matrix)
+    return ImmutableMatrix(X.applyfunc(sympy.cancel)), [determinant(inverted)]
 
 
 class _Symbolic:

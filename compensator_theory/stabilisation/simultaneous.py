@@ -12,7 +12,7 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
-from compensator_theory.stabilisation.stable_compensators import stable_compensator
+from compensator_theory.stabilisation.stable_compensators import search_by_order
 from compensator_theory.stabilisation.strong_stabilisability import (
     StrongStabilisability,
     decide_strong_stabilisability,
@@ -129,7 +129,7 @@ def decide_simultaneous_stabilisability(
     if not possible:
         return SimultaneousStabilisability(False, auxiliary, decision, None, ())
     size = max(0, auxiliary.reduced().order - 1)
-    found = stable_compensator(auxiliary, size, feedback=-1).compensator
+    found = search_by_order(auxiliary, size, feedback=-1, between=False).compensator
     if found is None:
         return SimultaneousStabilisability(True, auxiliary, decision, None, ())
     # C = (U + M_1 Q)/(V - N_1 Q) with U = u/h^size, V = v/h^size, M_1 = d_1/h^size

@@ -17,6 +17,7 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.stabilisation.low_order_search import low_order_candidates
 from compensator_theory.stabilisation.stabilising_gains import stabilising_gains
 from compensator_theory.stabilisation.strong_stabilisability import (
     StrongStabilisability,
@@ -74,9 +75,12 @@ def stable_compensator(
 
     .. math:: D D_c - f\,N N_c = \tilde D, \qquad N_c = -f\,\tilde D\,N^{-1} \bmod D
 
-    Order 0 is decided by :func:`stabilising_gains`. From order n - 1 on, closed-loop polynomials
-    with up to two different real roots on a grid are placed, and the first whose :math:`D_c` is
-    stable is taken. In between nothing is searched.
+    Order 0 is decided by :func:`stabilising_gains`. At the orders 1 to n - 2 the largest real part
+    (or modulus) of the roots is made small in floats, over stable :math:`D_c` and from several
+    starts; what is found is rounded and then decided exactly. From order n - 1 on, closed-loop
+    polynomials with up to two different real roots on a grid are placed, and the first whose
+    :math:`D_c` is stable is taken. That none was found at an order above 0 is no proof that none is
+    there.
 
     Parameters
     ----------
@@ -113,6 +117,20 @@ def stable_compensator(
     >>> stable_compensator("(s - 1)/(s*(s - 2))", feedback=-1).compensator is None
     True
     """
+    return search_by_order(plant, max_order, feedback=feedback, between=True)
+
+
+def search_by_order(
+    plant: TransferFunctionLike, max_order: int | None, *, feedback: int, between: bool
+) -> StableCompensator:
+    """Search as :func:`stable_compensator` does, at the orders 1 to n - 2 where that is wanted.
+
+    Examples
+    --------
+    >>> from compensator_theory.stabilisation.stable_compensators import search_by_order
+    >>> search_by_order("1/(s**3*(s + 1))", 3, feedback=-1, between=False).compensator.order
+    3
+    """
     require_sign(feedback)
     G = transfer_function(plant)
     discrete = is_discrete(G.variable, "strong stabilisability")
@@ -133,9 +151,15 @@ def stable_compensator(
     reduced = G.reduced()
     N, D = reduced.numerator, reduced.denominator
     ring = RationalRing(G.variable)
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    for order in range(1, min(reduced.order - 2, highest) + 1 if between else 1):
+        for numbers in low_order_candidates(N, D, order, discrete):
+            top, bottom = (canonical(Poly(side, G.variable, domain=QQ)) for side in numbers)
+            loop = canonical(D * bottom + N * top)
+            if all(c.stable == c.total for c in map(count, (loop, bottom))):
+                return _found(G, top * -feedback, bottom, feedback, decision, order)
     n, d = ring.read(N), ring.read(D)
     inverse = ring.read(N.invert(D)) if D.degree() else n
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
     grid = DISCRETE_GRID if discrete else tuple(-x for x in CONTINUOUS_GRID)
     for order in range(max(1, reduced.order - 1), highest + 1):
         for target in _targets(ring, reduced.order + order, grid):
@@ -153,8 +177,8 @@ def stable_compensator(
         None,
         decision,
         highest,
-        f"{G} is strongly stabilisable, and up to order {highest} the grid of closed-loop poles "
-        "gave no stable compensator; raise max_order",
+        f"{G} is strongly stabilisable, not by a gain, and the search up to order {highest} found "
+        "no stable compensator, which is no proof that there is none; raise max_order",
     )
 
 

@@ -14,6 +14,7 @@ from rcac_numeric.plots.library import Axes
 from rcac_numeric.plots.style import line_style
 
 NAMED = 12  # lines that a legend can name; more are told apart by the signal that they weigh
+SHORT, COLUMN = 16, 1.1  # characters of a label that stands in a column of so many inches
 GAINS = ("P", "I", "D", "PI", "PD", "ID", "PID")
 
 
@@ -63,14 +64,38 @@ def structure_names(structure: Structure) -> list[str]:
 
 
 def draw_theta(
-    axis: Axes, run: Run, title: str = "", shown: np.ndarray | None = None, *, legend: bool = True
-) -> None:
-    """Theta over the step, or at those of its rows that are shown, named by `coefficient_names`."""
+    axis: Axes, run: Run, title: str = "", shown: np.ndarray | None = None, *,
+    legend: bool = True, above: float = 0.0,
+) -> None:  # fmt: skip
+    """Theta over the step, or at those of its rows that are shown, named by `coefficient_names`.
+
+    The legend stands beside the axes or, in a picture that is `above` inches wide, above them.
+    """
     k = run.first_step + np.arange(len(run.theta)) * run.stride
     rows = slice(None) if shown is None else shown
-    draw_coefficients(axis, k[rows], run.theta[rows], coefficient_names(run), legend=legend)
-    if title:
+    draw_coefficients(
+        axis, k[rows], run.theta[rows], coefficient_names(run), legend=legend and not above
+    )
+    if above:
+        legend_above(axis, above, title)
+    elif title:
         axis.set_title(title, fontsize=10, parse_math=False)
+
+
+def legend_above(axis: Axes, width: float, title: str = "") -> None:
+    """The legend in rows above the axes, where a narrow picture has room, under their title.
+
+    `width` is that of the picture in inches.
+    """
+    handles, labels = axis.get_legend_handles_labels()
+    if not handles:
+        axis.set_title(title, fontsize=8, parse_math=False)
+        return
+    columns = min(len(handles), max(int(width / COLUMN), 1) if max(map(len, labels)) < SHORT else 1)
+    legend = axis.legend(fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,
+                         frameon=False, handlelength=1.8, columnspacing=1.2,
+                         title=title or None, title_fontsize=8)  # fmt: skip
+    legend.get_title().set_parse_math(False)
 
 
 def draw_coefficients(

@@ -20,6 +20,7 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
 LEAST_FACTOR, LEAST_PHASE = 2.0, 0.5
 VANISHING = 1e-3  # of the median size of both responses together: below, a phase says nothing
 DEEPEST = 1e-4  # of the peak: below, an axis of decades is linear
+TICK_ROOM = 13.0  # points from the middle of a label of an axis to that of the next
 DECADES = 1e3  # a peak so many times the median is drawn over decades
 
 
@@ -52,6 +53,30 @@ def draw_history(axis: Axes, values: Array, label: str, symbol: str) -> None:
     draw_over_decades(axis, [values])
 
 
+class SpacedDecades(SymmetricalLogLocator):
+    """Zero and decades on both sides of it, none so near another that their labels overlap.
+
+    It is asked when the picture is drawn, so that it fits whatever size the picture then has.
+    """
+
+    def __init__(self, axes: Axes, threshold: float) -> None:
+        super().__init__(base=10, linthresh=threshold)
+        self.set_params(numticks=7)
+        self._axes = axes
+
+    def __call__(self) -> list[float]:
+        """The ticks: 0, then from the largest decade inwards what has room."""
+        ticks = [float(tick) for tick in super().__call__()]
+        places = np.column_stack([np.zeros(len(ticks)), ticks])
+        heights = self._axes.transData.transform(places)[:, 1]
+        room = TICK_ROOM * self._axes.figure.dpi / 72
+        kept: list[int] = []
+        for i in sorted(range(len(ticks)), key=lambda i: (ticks[i] != 0, -abs(ticks[i]))):
+            if all(abs(heights[i] - heights[j]) >= room for j in kept):
+                kept.append(i)
+        return sorted(ticks[i] for i in kept)
+
+
 def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
     """Decades above what is usual, a straight axis below, where a peak is a thousand times that."""
     sizes = np.abs(np.concatenate([part.ravel() for part in parts]))
@@ -63,9 +88,7 @@ def draw_over_decades(axis: Axes, parts: Sequence[Array]) -> None:
         return
     threshold = max(usual, peak * DEEPEST)
     axis.set_yscale("symlog", linthresh=threshold, linscale=2)
-    ticks = SymmetricalLogLocator(base=10, linthresh=threshold)
-    ticks.set_params(numticks=7)
-    axis.yaxis.set_major_locator(ticks)
+    axis.yaxis.set_major_locator(SpacedDecades(axis, threshold))
 
 
 def draw_magnitude(axis: Axes, match: IntercalatedMatch) -> None:

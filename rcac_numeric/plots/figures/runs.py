@@ -7,15 +7,21 @@ from collections.abc import Sequence
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.arrays.validation import instance_of, number
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.plots.coefficients import draw_theta
+from rcac_numeric.plots.coefficients import draw_theta, legend_above
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, draw_over_decades, line_style
 
+NARROW = 6.0  # inches: below, legends stand above their axes and letters are smaller
+NARROWEST = 3.0
+LETTER, MOST_LEGEND = 0.07, 0.3  # inches of a letter; the share of the width that names may take
 
-def plot_runs(runs: Sequence[Run], labels: Sequence[str] | None = None) -> Figure:
+
+def plot_runs(
+    runs: Sequence[Run], labels: Sequence[str] | None = None, *, width: float = 9.0
+) -> Figure:
     """Several runs in one figure: their z and u in common axes, their theta one below the other.
 
     A signal whose peak is a thousand times its usual size is drawn over decades (linear near
@@ -26,6 +32,8 @@ def plot_runs(runs: Sequence[Run], labels: Sequence[str] | None = None) -> Figur
     runs : sequence of Run
     labels : sequence of str, optional
         A name for each; "run 1", "run 2", ... by default.
+    width : float
+        Of the figure in inches; 3.5 fits the column of a journal, 7 its page.
 
     Returns
     -------
@@ -35,7 +43,7 @@ def plot_runs(runs: Sequence[Run], labels: Sequence[str] | None = None) -> Figur
     Raises
     ------
     InputError
-        Where there is no run, or not a label for each.
+        Where there is no run, or not a label for each, or the figure is narrower than 3 inches.
 
     Examples
     --------
@@ -53,23 +61,40 @@ def plot_runs(runs: Sequence[Run], labels: Sequence[str] | None = None) -> Figur
         raise InputError(f"{len(runs)} runs have {len(names)} labels; give one for each.")
     names = [shortened(printable(str(name)), 60) for name in names]
     adapting = [(run, name) for run, name in zip(runs, names, strict=True) if run.theta.shape[1]]
+    if not number(width, "width") >= NARROWEST:
+        raise InputError(f"width = {width} inches is too narrow; {NARROWEST} are needed.")
+    narrow = width < NARROW
+    longest = max(map(len, names)) if len(runs) > 1 else 0
+    above = width if narrow or LETTER * longest > MOST_LEGEND * width else 0.0
     rows = 2 + len(adapting)
-    figure = Figure(figsize=(9, 2.3 + 1.9 * rows), layout="constrained")
+    height = 0.6 + 1.75 * rows if narrow else 2.3 + 1.9 * rows
+    figure = Figure(figsize=(width, height), layout="constrained")
     axes = np.ravel(figure.subplots(rows, 1, sharex=True, squeeze=False))
     for i, (signal, label) in enumerate((("z", "performance $z$"), ("u", "control $u$"))):
         _draw_signals(axes[i], runs, names, signal)
         axes[i].set_ylabel(label)
+        if above:
+            legend_above(axes[i], width)
+        elif axes[i].get_legend_handles_labels()[0]:
+            axes[i].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     for axis, (run, name) in zip(axes[2:], adapting, strict=True):
-        draw_theta(axis, run, name if len(runs) > 1 else "")
+        draw_theta(axis, run, name if len(runs) > 1 else "", above=above)
     axes[-1].set_xlabel("step $k$")
     for axis in axes:
         axis.grid(alpha=0.25)
         axis.spines[["top", "right"]].set_visible(False)
+        if narrow:
+            axis.tick_params(labelsize=8)
+            axis.yaxis.label.set_size(8)
+    if narrow:
+        axes[-1].xaxis.label.set_size(8)
+        axes[-1].locator_params(axis="x", nbins=4)  # steps may have six digits
+        figure.align_ylabels(axes)
     return figure
 
 
 def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal: str) -> None:
-    count, index = 0, 0
+    index = 0
     parts: list[np.ndarray] = []
     for run, name in zip(runs, names, strict=True):
         pairs = [(getattr(run, signal), "")]
@@ -82,13 +107,9 @@ def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal:
                 label = " ".join(filter(None, (own, component, remark)))
                 axis.step(run.k, column, where="post", linewidth=1.1, label=label or None,
                           **line_style(index))  # fmt: skip
-                count += bool(label)
                 index += 1
             parts.append(values)
         if run.outcome != "completed" and run.steps:
             axis.plot(run.k[-1], getattr(run, signal)[-1, 0], "X", color=INK, ms=8,
                       label=f"{name}: {run.outcome}" if len(runs) > 1 else run.outcome)  # fmt: skip
-            count += 1
-    if count:
-        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     draw_over_decades(axis, parts)

@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 from sympy import Matrix, Poly
 
 from compensator_theory import (
+    BudgetError,
     CompensatorError,
+    budget,
     frobenius_form,
     hermite_form,
     kronecker_form,
@@ -185,3 +187,12 @@ def test_the_examples_of_the_notes():
     assert found.invariant_polynomials == (
         polynomial("s - 2"), polynomial("(s - 2)**2*(s - 3)"),
     )  # fmt: skip
+
+
+def test_symbols_that_would_fill_the_basis_are_refused():
+    A = Matrix(6, 6, lambda i, j: sympy.sympify(f"{i + j}*a + {i * j + 1}*b + {(i - 2 * j) % 5}"))
+    with pytest.raises(BudgetError, match="Frobenius form with symbols"):
+        frobenius_form(A)
+    with budget(terms=10), pytest.raises(BudgetError):
+        frobenius_form(A[:3, :3])
+    assert frobenius_form(A[:3, :3]).certificate.holds

@@ -268,3 +268,15 @@ def test_symbols_say_where_they_hold():
     assert Matrix([[1, -a]]) == found.V.T
     assert found.exceptional == (a,)
     assert decouple(([[0]], [["a"]], [[1]])).exceptional == (a,)
+
+
+def test_fixed_modes_of_a_large_plant_in_other_coordinates():
+    n = 12
+    modes = [-k for k in range(1, n + 1)]
+    T = Matrix(n, n, lambda i, j: int(i == j) + int(j == i + 1) * (i % 3 - 1))
+    B = Matrix(n, 2, lambda i, j: int(i % 3 == j) * (i + 1))  # every third mode has no input
+    C = Matrix(2, n, lambda i, j: j % 5 + i + 1)
+    plant = T * sympy.diag(*modes) * T.inv(), T * B, C * T.inv()
+    found = decentralised_fixed_modes(plant, [([0], [0]), ([1], [1])])
+    expected = polynomial_from_roots([modes[i] for i in range(n) if i % 3 == 2], "s")
+    assert found.polynomial == expected == found.centralised

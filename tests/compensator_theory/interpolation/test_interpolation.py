@@ -8,8 +8,10 @@ from hypothesis import strategies as st
 from sympy import Rational
 
 from compensator_theory import (
+    BudgetError,
     CompensatorError,
     NoSolutionError,
+    budget,
     hankel_matrix,
     laurent_expansion,
     markov_parameters,
@@ -244,3 +246,12 @@ def test_laurent_with_symbols_and_complex_points():
     ):
         with pytest.raises(CompensatorError):
             call()
+
+
+def test_a_pick_matrix_beyond_the_budget():
+    points, values = list(range(1, 61)), [0] * 60
+    with pytest.raises(BudgetError, match="Pick's matrix"):
+        nevanlinna_pick(points, values)
+    with budget(entries=10), pytest.raises(BudgetError):
+        nevanlinna_pick(points[:5], values[:5])
+    assert nevanlinna_pick(points[:5], values[:5]).is_feasible

@@ -9,17 +9,21 @@ from hypothesis import strategies as st
 from sympy import Matrix, Rational
 
 from compensator_theory import (
+    BudgetError,
     CompensatorError,
     InputError,
     NoSolutionError,
+    budget,
     gramians,
     invariant_zeros,
+    polynomial_from_roots,
     realisation,
     solve_lyapunov,
     solve_regulator_equations,
     solve_stein,
     solve_sylvester,
 )
+from compensator_theory.matrix_equations import rational_equations
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer
 from tests.support.structure_cases import realisations as systems
@@ -119,6 +123,53 @@ def test_discrete_against_scipy():
     A, Q = Matrix([[Rational(1, 2), 1], [0, Rational(-1, 3)]]), Matrix([[2, 1], [1, 3]])
     expected = scipy.linalg.solve_discrete_lyapunov(as_numpy(A), as_numpy(Q))
     assert np.allclose(as_numpy(solve_stein(A, Q).X), expected)
+
+
+def large(rows, columns, seed):
+    """Rational entries, too large for the other tests' oracles."""
+    rng = np.random.default_rng(seed)
+    entries = rng.integers(-9, 10, (2, rows * columns))
+    return Matrix(
+        rows,
+        columns,
+        [Rational(int(p), abs(int(q)) // 4 + 1) for p, q in zip(*entries, strict=True)],
+    )
+
+
+@pytest.mark.parametrize(("n", "m"), [(12, 9), (7, 14), (1, 20)])
+def test_large_ones_against_their_residual_and_scipy(n, m):
+    A, B, C = large(n, n, 1), large(m, m, 2), large(n, m, 3)
+    X = solve_sylvester(A, B, C).X
+    assert (A * X + X * B - C).is_zero_matrix
+    expected = scipy.linalg.solve_sylvester(*map(as_numpy, (A, B, C)))
+    assert np.allclose(as_numpy(X), expected, rtol=1e-6, atol=1e-9)
+    Y = solve_stein(A, C, B).X
+    assert (A * Y * B + C - Y).is_zero_matrix
+
+
+def test_poles_that_are_there_often_have_short_solutions():
+    plant = realisation(("1", polynomial_from_roots([-1, -2, -3] * 4, "s")))
+    found = gramians(plant)
+    A, B, W = plant.A, plant.B, found.controllability
+    assert (A * W + W * A.T + B * B.T).is_zero_matrix
+
+
+def test_combinations_that_hide_a_denominator(monkeypatch):
+    A, C = large(8, 8, 4), large(8, 8, 5)
+    usual = solve_lyapunov(A, C)
+    monkeypatch.setattr(rational_equations, "_SMALL_PRIMES", 1)
+    monkeypatch.setattr(rational_equations, "_SPARE_BITS", -40)  # lifted too little
+    assert solve_lyapunov(A, C) == usual
+
+
+def test_a_solution_with_too_many_digits_is_refused():
+    A = Matrix(80, 80, lambda i, j: (7 * i * i + 3 * j + i * j) % 19 - 9 + 30 * (i == j))
+    with pytest.raises(BudgetError, match="digits counted as one"):
+        solve_stein(A, A, A)
+    small = Matrix(12, 12, list(A[:12, :12]))
+    with budget(entries=300), pytest.raises(BudgetError, match="digits counted as one"):
+        solve_lyapunov(small, small)
+    assert solve_lyapunov(small, small).certificate.holds
 
 
 def test_symbols_say_where_they_hold():

@@ -292,3 +292,9 @@ def test_list_needs_no_heavy_import():
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert result.stdout.splitlines()[-1] == "set()"
+
+
+def test_a_mistyped_command_is_answered_with_the_one_meant():
+    result = CliRunner().invoke(main, ["verfy", "4.7"])
+    assert result.exit_code == 2 and "Did you mean 'verify'?" in result.stderr
+    assert "Did you mean" not in CliRunner().invoke(main, ["xyzzy"]).stderr
