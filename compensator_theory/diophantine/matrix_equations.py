@@ -8,6 +8,7 @@ from compensator_theory.diophantine.minimal_bases import MinimalBasis, minimal_b
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.shared import is_one_of
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.structure.echelon import exceptional_factors
 from compensator_theory.structure.elimination import Elimination
@@ -157,7 +158,7 @@ def solve_matrix_diophantine(
     >>> found.degrees, found.kernel.indices, found.number_of_parameters(2)
     ((1, 1), (2,), 1)
     """
-    if side not in IDENTITY:
+    if not is_one_of(side, IDENTITY):
         raise InputError(f"side = {shown(side)} must be 'right' or 'left'")
     given = [polynomial_matrix(matrix, variable) for matrix in (A, B, C)]
     a, b, c = given if side == "right" else [matrix.T for matrix in given]

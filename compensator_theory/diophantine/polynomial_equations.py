@@ -19,7 +19,7 @@ from compensator_theory.polynomials.poly import (
     polynomial,
     scaled,
 )
-from compensator_theory.polynomials.shared import in_one_variable
+from compensator_theory.polynomials.shared import in_one_variable, is_one_of
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.structure.echelon import exceptional_factors
@@ -115,7 +115,7 @@ def solve_diophantine(
     >>> found.member("s")[0]
     Poly(s**2 - s + 7, s, domain='QQ')
     """
-    if least not in ("x", "y"):
+    if not is_one_of(least, ("x", "y")):
         raise InputError(f"least = {shown(least)} must be 'x' or 'y'")
     first, second, right = in_one_variable(a, b, c, variable=variable)
     for name, side in (("a", first), ("b", second)):

@@ -29,7 +29,7 @@ from compensator_theory.polynomials.poly import (
     scaled,
 )
 from compensator_theory.polynomials.poly import polynomial as read_polynomial
-from compensator_theory.polynomials.shared import is_list
+from compensator_theory.polynomials.shared import is_list, is_one_of
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.transfer_functions.transfer_functions import (
@@ -150,7 +150,8 @@ def _goal(
 
 
 def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | None) -> int:
-    if properness not in (None, "strictly proper", "exactly proper"):
+    known = ("strictly proper", "exactly proper")
+    if properness is not None and not is_one_of(properness, known):
         raise InputError(
             f"properness = {shown(properness)} must be 'strictly proper' or 'exactly proper'"
         )

@@ -1,6 +1,7 @@
 """Several polynomials in one variable."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
+from numbers import Number
 
 import sympy
 from sympy import Expr, Poly, Symbol
@@ -67,3 +68,16 @@ def _shown(obj: PolynomialLike) -> Readable:
     if isinstance(obj, Poly):
         return canonical(obj) if len(obj.gens) == 1 else obj.as_expr()
     return None if is_list(obj) else sympy.sympify(exact_number(obj))
+
+
+def is_one_of(setting: object, allowed: Container[object]) -> bool:
+    """Tell whether a setting is among a few words or numbers; a list or an array never is.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.shared import is_one_of
+    >>> is_one_of(-1, (1, -1)), is_one_of([1], (1, -1)), is_one_of(True, (1, -1))
+    (True, False, False)
+    """
+    is_plain = isinstance(setting, str | Number) and not isinstance(setting, bool)
+    return is_plain and setting in allowed
