@@ -23,6 +23,7 @@ from compensator_theory.polynomial_matrices.polynomial_matrices import (
 )
 from compensator_theory.polynomial_matrices.rings import Element, Grid, Ring, multiply
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = {"right": "A X + B Y = C", "left": "X A + Y B = C"}
@@ -172,7 +173,7 @@ def solve_matrix_diophantine(
     >>> found.degrees, found.kernel.indices, found.number_of_parameters(2)
     ((1, 1), (2,), 1)
     """
-    if side not in IDENTITY:
+    if not is_one_of(side, IDENTITY):
         raise InputError(f"side = {shown(side)} must be 'right' or 'left'")
     given = [polynomial_matrix(matrix, variable) for matrix in (A, B, C)]
     a, b, c = given if side == "right" else [matrix.T for matrix in given]

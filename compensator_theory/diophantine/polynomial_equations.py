@@ -19,7 +19,12 @@ from compensator_theory.polynomial_matrices.polynomial_matrices import Polynomia
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
-from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
+from compensator_theory.polynomials.reading import (
+    PolynomialLike,
+    in_one_variable,
+    is_one_of,
+    polynomial,
+)
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_no_other_operator
 
@@ -119,7 +124,7 @@ def solve_diophantine(
     >>> found.member("s")[0]
     Poly(s**2 - s + 7, s, domain='QQ')
     """
-    if least not in ("x", "y"):
+    if not is_one_of(least, ("x", "y")):
         raise InputError(f"least = {shown(least)} must be 'x' or 'y'")
     first, second, right = in_one_variable(a, b, c, variable=variable)
     for name, side in (("a", first), ("b", second)):

@@ -6,6 +6,8 @@ from sympy import Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop, require_problem
+from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -122,9 +124,9 @@ def closed_loop_zero_polynomial(
     Poly(q, q, domain='QQ')
     """
     require_problem(problem)
-    if not (0 <= w_channel < problem.l_w and 0 <= z_channel < problem.l_z):
+    if not (is_one_of(w_channel, range(problem.l_w)) and is_one_of(z_channel, range(problem.l_z))):
         raise InputError(
-            f"there is no map from w[{w_channel}] to z[{z_channel}]: w has {problem.l_w} and z has "
-            f"{problem.l_z} components"
+            f"there is no map from w[{shown(w_channel)}] to z[{shown(z_channel)}]: w "
+            f"has {problem.l_w} and z has {problem.l_z} components"
         )
     return close_loop(problem, N_c, D_c).numerators_from_w()[z_channel][w_channel]

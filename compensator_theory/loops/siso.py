@@ -9,6 +9,7 @@ from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import is_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.realisations import Realisation
@@ -34,7 +35,7 @@ def require_sign(feedback: object) -> None:
     >>> from compensator_theory.loops.siso import require_sign
     >>> require_sign(-1)
     """
-    if isinstance(feedback, bool) or feedback not in (1, -1):
+    if not is_one_of(feedback, (1, -1)):
         raise InputError(f"feedback = {shown(feedback)} must be +1 (u = G_c y) or -1 (u = -G_c y)")
 
 

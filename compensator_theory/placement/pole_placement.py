@@ -25,7 +25,7 @@ from compensator_theory.polynomials.from_roots import (
 )
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
-from compensator_theory.polynomials.reading import PolynomialLike, is_list
+from compensator_theory.polynomials.reading import PolynomialLike, is_list, is_one_of
 from compensator_theory.polynomials.reading import polynomial as read_polynomial
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -147,7 +147,8 @@ def _goal(
 
 
 def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | None) -> int:
-    if properness not in (None, "strictly proper", "exactly proper"):
+    known = ("strictly proper", "exactly proper")
+    if properness is not None and not is_one_of(properness, known):
         raise InputError(
             f"properness = {shown(properness)} must be 'strictly proper' or 'exactly proper'"
         )

@@ -126,8 +126,7 @@ def _from_wrapped(value: Any, binary: bool) -> Expr:
         return _ratio(int(value.p), int(value.q))
     if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a 0-dimensional array
         return exact_number(value.item(), binary=binary)
-    text = repr(value)
     raise InputError(
-        f"{text if len(text) <= 60 else text[:57] + '...'} of type {type(value).__name__} is not a "
+        f"{shown(value)} of type {type(value).__name__} is not a "
         "number; give an int, Fraction, float, decimal string or SymPy expression"
     )

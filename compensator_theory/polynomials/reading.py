@@ -1,6 +1,7 @@
 """Reading polynomials: one, or several in one variable, from text, expressions and lists."""
 
-from collections.abc import Iterable, Mapping, Sequence, Set
+from collections.abc import Container, Iterable, Mapping, Sequence, Set
+from numbers import Number
 from typing import TypeAlias
 
 import sympy
@@ -146,3 +147,16 @@ def _from_poly(poly: Poly, variable: str | Symbol | None) -> Poly:
     if poly.degree() > 0:
         raise InputError(f"{quoted(poly)} is a polynomial in {poly.gen}, not in {variable}")
     return from_expression(poly.as_expr(), symbol)
+
+
+def is_one_of(setting: object, allowed: Container[object]) -> bool:
+    """Tell whether a setting is among a few words or numbers; a list or an array never is.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.reading import is_one_of
+    >>> is_one_of(-1, (1, -1)), is_one_of([1], (1, -1)), is_one_of(True, (1, -1))
+    (True, False, False)
+    """
+    is_plain = isinstance(setting, str | Number) and not isinstance(setting, bool)
+    return is_plain and setting in allowed

@@ -8,6 +8,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
@@ -66,7 +67,7 @@ def realisation(
     [0, -3],
     [1, -4]])
     """
-    if form not in ("controllable", "observable"):
+    if not is_one_of(form, ("controllable", "observable")):
         raise InputError(f"form is 'controllable' or 'observable', not {shown(form)}")
     if isinstance(obj, Realisation):
         if variable is not None and as_symbol(variable) != obj.variable:

@@ -8,6 +8,7 @@ from sympy import ImmutableMatrix, Rational, Symbol
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import controllable_canonical_form
@@ -114,7 +115,7 @@ def servo_problem(
     >>> print(servo.transfer_function("zu"))
     (-1)/(q - 1/2)
     """
-    if performance not in ("measured", "true"):
+    if not is_one_of(performance, ("measured", "true")):
         raise InputError(f"performance is 'measured' or 'true', not {shown(performance)}")
     given = dict(zip(_SERVO_MATRICES, (A, B, D_1, C, D_0), strict=True))
     if G is not None:

@@ -11,6 +11,7 @@ from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 from compensator_theory.systems.connections import (
@@ -207,7 +208,7 @@ class Realisation(ExactValue):
         InputError
             If the signals or the variables do not fit, or f is neither +1 nor -1.
         """
-        if isinstance(feedback, bool) or feedback not in (1, -1):
+        if not is_one_of(feedback, (1, -1)):
             raise InputError(f"feedback = {shown(feedback)} must be +1 (u = v + K y) or -1")
         self._require(other, other.D.shape == self.D.T.shape, "feedback around it")
         joined = in_feedback(self.matrices, other.matrices, feedback)

@@ -4,11 +4,14 @@ What a door can use is in tests/support/bad_inputs.py, and so is what it cannot.
 is replaced by every bad input under `--long`, and by a draw otherwise; the others by a draw.
 """
 
+import inspect
 import random
 import resource
 import time
 
+import numpy as np
 import pytest
+import scipy.sparse
 
 import compensator_theory as exact
 from tests.support.bad_inputs import BAD, GOOD, NOT_DOORS
@@ -53,6 +56,18 @@ def test_bad_inputs_are_refused(name, in_full):
         ]
         if len(bad) == len(BAD):
             assert sum(refused) >= ENOUGH
+
+
+SETTINGS = [np.zeros((2, 2, 2)), scipy.sparse.eye(2), {1: 2}, [10**5000], 10**30, range(10**7)]
+
+
+@pytest.mark.parametrize("name", sorted(GOOD))
+def test_bad_settings_end_in_no_foreign_error(name):
+    door, (arguments, keywords) = getattr(exact, name), GOOD[name]
+    settings = list(inspect.signature(door).parameters)[len(arguments) :]
+    for setting in settings:
+        for value in random.Random(name + setting).sample(SETTINGS, 3):
+            refuses(door, arguments, keywords | {setting: value})
 
 
 @pytest.mark.parametrize(
