@@ -1,7 +1,8 @@
-"""Libraries that only some doors need: without them, the word of what installs them."""
+"""Libraries: what installs those that only some doors need, and what one of them cannot do."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -67,3 +68,37 @@ def _missing(library: str) -> str:
         f"{library} is not installed, and this needs it: `pip install "
         f"'compensator-theory[{extra}]'` brings it."
     )
+
+
+@contextmanager
+def roots_in_sympy() -> Iterator[None]:
+    """Around what multiplies roots of long integers: SymPy 1.14 fails on some, and says nothing.
+
+    Its factorint takes a product of two close numbers apart and then insists that they are prime.
+
+    Raises
+    ------
+    InputError
+        In the place of that failure.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> from compensator_theory.libraries import roots_in_sympy
+    >>> with roots_in_sympy():
+    ...     sympy.sqrt((10**18 + 7) * (10**18 + 9))
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: SymPy cannot factor an integer under a root, a product of
+    two close ones of 19 digits or so; give rational numbers close to the roots
+    """
+    try:
+        yield
+    except ValueError as error:
+        fault = re.fullmatch(r"(\d+) is not a prime factor of \d+", str(error))
+        if fault is None:
+            raise
+        raise InputError(
+            "SymPy cannot factor an integer under a root, a product of two close ones of "
+            f"{len(fault[1])} digits or so; give rational numbers close to the roots"
+        ) from None

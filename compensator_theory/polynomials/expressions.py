@@ -10,6 +10,7 @@ import sympy
 from sympy import Expr, Integer, Rational, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.budget import ask, ask_for_number, shown
 from compensator_theory.polynomials.quotients import (
     Leaf,
@@ -105,6 +106,7 @@ def parse_quotient(text: str) -> tuple[Expr, Expr]:
     return read_text(text).sides()
 
 
+@roots_in_sympy()
 def read_text(text: str) -> Quotient:
     """Read a text as a :class:`Quotient`, which keeps common factors.
 
@@ -121,8 +123,7 @@ def read_text(text: str) -> Quotient:
         raise InputError("the expression is empty; write for instance 's**2 + 0.1*s + 1/3'")
     quotient = multiplied_out(_Reader(text, _tokens(text)).whole())
     if any(g.free_symbols and not g.is_Symbol for g in quotient.generators):  # sqrt(a)**1000
-        top, bottom = quotient.sides()
-        return multiplied_out(Product((tree_of(top),), (tree_of(bottom),)))
+        return multiplied_out(Product(*((tree_of(side),) for side in quotient.sides())))
     return quotient
 
 
@@ -265,9 +266,9 @@ class _Reader:
         before = self.tokens[self.place - 1] if self.place else None
         where = "its end" if found.kind == "end" else repr(found.text)
         hint = "spell products out as in 2*s"
-        if before is not None and before.kind == found.kind == "number":
+        if before and before.kind == found.kind == "number":
             hint = "put commas between several numbers"
-        elif found.text == "(" and before is not None and before.kind == "name":
+        elif before and before.kind == "name" and found.text == "(":
             hint = f"{before.text} is no function that is known here; {hint}"
         raise InputError(f"cannot read {_short(self.text)} at {where}: write {_GRAMMAR}; {hint}")
 

@@ -12,6 +12,7 @@ import sympy
 from sympy import Expr, Rational
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.budget import ask, ask_for_number, listed, shown
 from compensator_theory.polynomials.expressions import parse_expression
 from compensator_theory.polynomials.sympy_trees import rational_floats, require_readable
@@ -20,6 +21,7 @@ NumberLike: TypeAlias = int | float | complex | Fraction | Decimal | str | Expr
 """What :func:`exact_number` reads; NumPy scalars and numbers of python-flint too."""
 
 
+@roots_in_sympy()
 def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
     r"""Turn a number of any kind into an exact SymPy number or expression.
 

@@ -13,6 +13,7 @@ from sympy import Expr, Poly, Rational, Symbol
 from sympy.functions.elementary.trigonometric import TrigonometricFunction
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.budget import ask, decimal_digits
 
 Tree: TypeAlias = "Leaf | Sum | Product | Power"
@@ -78,6 +79,7 @@ class Quotient:
             return sympy.expand(sympy.expand(top) * _inverse_of_number(bottom)), sympy.Integer(1)
         return top, bottom
 
+    @roots_in_sympy()
     def value(self) -> Expr:
         """Return the quotient in lowest terms as one SymPy expression."""
         top, bottom = self.reduced().sides()

@@ -8,6 +8,7 @@ import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
@@ -25,6 +26,7 @@ PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
 """What :func:`polynomial` reads."""
 
 
+@roots_in_sympy()
 def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Poly:
     r"""Make an exact polynomial with coefficients in descending powers.
 

@@ -4,6 +4,7 @@ import sympy
 from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
 from compensator_theory.polynomials.budget import long_integers, unlimited
 from compensator_theory.polynomials.expressions import read_text
@@ -19,6 +20,7 @@ from compensator_theory.transfer_functions.transfer_functions import TransferFun
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 
+@roots_in_sympy()
 def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -> str:
     """Write a number, a polynomial or a transfer function as it was understood.
 

@@ -7,6 +7,7 @@ from typing import TypeAlias
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
+from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -40,6 +41,7 @@ TransferFunctionLike: TypeAlias = (
 """What :func:`transfer_function` reads."""
 
 
+@roots_in_sympy()
 def transfer_function(
     obj: TransferFunctionLike | None = None,
     variable: str | Symbol | None = None,

@@ -101,6 +101,8 @@ def warmed():
 @example("(sqrt((S)+(²S)))**2")
 @example("*".join(["((3.+0.45082763499547807 - I^.5)**(1/3))"] * 10))
 @example("(s/3/j)/sqrt(724701*b)")
+@example("sqrt(+2i*1E+300 - 10)")
+@example("s + sqrt(1000000000000000007)*sqrt(1000000000000000009)")
 @example("pi/(0.003^0.5 + z - 1E3)*(0.003^0.5 + z - 1E3)*(0.003^0.5 + z - 1E3)")
 @example("s**2 + s/(j*sqrt(2*b))")
 @example("s*j*sqrt(-b)")
