@@ -32,7 +32,7 @@ def difference_equations(
     >>> from rcac_numeric.h2.deadbeat import difference_equations
     >>> parts = np.diag([0.5, 0.2]), np.ones((2, 1)), np.eye(2), np.zeros((2, 1))
     >>> (P, Q), kept = next(difference_equations(*parts))
-    >>> P.shape, np.linalg.eigvals(P[0]).round(6).tolist()
+    >>> P.shape, np.linalg.eigvals(P[0]).real.round(6).tolist()
     ((1, 2, 2), [0.5, 0.2])
     """
     for W in _readings(C):
