@@ -99,6 +99,7 @@ def may_refuse(name, method):
         ("Controller", "set_weights"),
         ("Filter", "move"),
         ("Filter", "run"),
+        ("Refinement", "run"),
         ("Plant", "output"),
         ("Plant", "advance"),
         ("Job", "pause_at"),
