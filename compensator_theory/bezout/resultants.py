@@ -4,6 +4,7 @@ import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
+from compensator_theory.bezout.subresultants import subresultants
 from compensator_theory.bezout.sylvester import (
     formal_coefficients,
     matrix_of_coefficients,
@@ -46,15 +47,17 @@ def number_of_common_roots(
     Notes
     -----
     For rational coefficients the degree of the greatest common divisor is computed, which is faster
-    than the rank of the matrix, and with symbols the determinant. Source: Theorem A1, whose
-    hypothesis :math:`l \le k` is not needed (and is not met by Example B.2); "number" is to be
-    read with multiplicity.
+    than the rank of the matrix, and with symbols the determinant, then subresultants. Source:
+    Theorem A1, whose hypothesis :math:`l \le k` is not needed (and is not met by Example B.2);
+    "number" is to be read with multiplicity.
 
     Examples
     --------
     >>> from compensator_theory import number_of_common_roots
     >>> number_of_common_roots("(s + 1)**2*(s + 2)", "(s + 1)**3*(s - 7)*s")
     2
+    >>> number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s")
+    1
     """
     if (kept := _kept(a, b, variable)) is not None:
         return int(kept[0].gcd(kept[1]).degree())
@@ -62,7 +65,10 @@ def number_of_common_roots(
     _require_leading(*first)
     if is_rational(first[0]) and is_rational(second[0]):
         return int(to_flint_polynomial(first[0]).gcd(to_flint_polynomial(second[0])).degree())
-    return 0 if _determinant(first, second).is_nonzero else None
+    whole = _determinant(first, second)
+    if whole != 0:
+        return 0 if whole.is_nonzero else None
+    return _number_for_all_values(first[0], second[0])
 
 
 def resultant(
@@ -128,3 +134,15 @@ def _require_leading(poly: Poly, degree: int) -> None:
             "the leading coefficient of a is zero; drop its leading zeros (or, if a = 0, exchange "
             "a and b)"
         )
+
+
+def _number_for_all_values(a: Poly, b: Poly) -> int | None:
+    """Count by subresultants: as many as vanish before the first that vanishes for no values."""
+    if not a.LC().is_nonzero:  # its degree depends on the values
+        return None
+    if b.is_zero:
+        return int(a.degree())
+    upper, lower = (a, b) if a.degree() >= b.degree() else (b, a)
+    principal = subresultants(upper, lower).principal_coefficients
+    count = next(k for k, coefficient in enumerate(principal) if coefficient != 0)
+    return count if principal[count].is_nonzero else None

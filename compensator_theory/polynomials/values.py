@@ -1,10 +1,11 @@
-"""What every public data class of the exact half does alike: it pickles to an equal object."""
+"""What every public data class of the exact half does alike: pickles, and words of any length."""
 
 from dataclasses import fields
 from typing import Any
 
 from sympy import Poly
 
+from compensator_theory.polynomials.budget import long_integers
 from compensator_theory.polynomials.poly import canonical
 
 
@@ -12,7 +13,8 @@ class ExactValue:
     """Base of the frozen data classes: a pickle holds the fields and nothing that was cached.
 
     SymPy rebuilds the domain of a pickled polynomial from its coefficients, ZZ[a] for QQ[a], so
-    that it equals the original no more; it is put into canonical form again.
+    that it equals the original no more; it is put into canonical form again. What a result says of
+    itself may hold integers that are longer than Python prints without being told.
 
     Examples
     --------
@@ -22,6 +24,12 @@ class ExactValue:
     >>> pickle.loads(pickle.dumps(G)) == G
     True
     """
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        for name in ("__str__", "_repr_latex_"):
+            if name in vars(cls):
+                setattr(cls, name, long_integers()(vars(cls)[name]))
 
     def __getstate__(self) -> dict[str, object]:
         return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]

@@ -34,10 +34,7 @@ def test_structure_of_rational_systems_is_always_decided(pair, kinds, data):
 
 
 def test_a_symbolic_question_is_undecided_where_a_value_decides():
-    """Of 25 pairs the 14 whose difference has a symbol, and 2 whose resultant is 0 for all values.
-
-    There the polynomials share a root always; how many is not looked for.
-    """
+    """Of 25 pairs the 14 whose difference has a symbol."""
     texts = ("0", "1", "2", "a", "b")
     undecided = set()
     for p, q in itertools.product(texts, texts):
@@ -47,5 +44,22 @@ def test_a_symbolic_question_is_undecided_where_a_value_decides():
             undecided.add((p, q))
         else:
             assert count == int(p == q)
-    assert undecided == {(p, q) for p in texts for q in texts if {p, q} & {"a", "b"}}
-    assert len(undecided) == 14 + 2
+    assert undecided == {(p, q) for p in texts for q in texts if p != q and {p, q} & {"a", "b"}}
+    assert len(undecided) == 14
+
+
+@given(noncoprime_pairs(), st.sampled_from(["a", "a**2 + 1"]))
+def test_a_common_factor_with_a_symbol_counts_for_all_values(pair, root):
+    a, b, common = pair
+    factor = exact.polynomial(f"s - ({root})", "s")
+    pair = (exact.polynomial(p.as_expr().subs(p.gen, "s") * factor.as_expr(), "s") for p in (a, b))
+    found = exact.number_of_common_roots(*pair)
+    assert found in (None, common.degree() + 1)
+    coprime = exact.number_of_common_roots(factor * factor, factor * exact.polynomial("s - 1"))
+    assert coprime is None or (root != "a" and coprime == 1)  # a = 1 makes it 2
+
+
+def test_a_common_factor_that_does_not_vanish_elsewhere():
+    assert exact.number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s") == 1
+    assert exact.number_of_common_roots("(s + a)**2*(s + 2)", "(s + a)**2", variable="s") == 2
+    assert exact.number_of_common_roots("a*(s + b)", "a*(s + b)", variable="s") is None

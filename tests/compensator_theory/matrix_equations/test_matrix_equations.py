@@ -1,5 +1,7 @@
 """Matrix equations against Kronecker's system, SciPy, impulse sums and simulated steady states."""
 
+import re
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -293,3 +295,11 @@ def test_a_zero_at_the_exosystem():
 def test_bad_input(call):
     with pytest.raises(CompensatorError):
         call()
+
+
+def test_a_solution_with_integers_that_python_does_not_print_is_written():
+    """Their length is that of the answer, which no budget of the input knows."""
+    large = 10**1500
+    found = solve_lyapunov([[-1, large], [0, -large - 1]], [[large, 7], [7, 1]])
+    longest = max(map(len, re.findall(r"\d+", str(found))))
+    assert longest == 4500 and len(found._repr_latex_()) > 4 * longest
