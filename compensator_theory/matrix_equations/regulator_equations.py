@@ -9,7 +9,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrix_equations.solutions import solve_by_columns
+from compensator_theory.matrix_equations.solutions import solve_by_kronecker
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
@@ -125,12 +125,10 @@ def solve_regulator_equations(
             f"this plant S must be square, r x r with r > 0, Q {C.rows} x r and P {n} x r"
         )
 
-    def image(unit: ImmutableMatrix) -> list[Expr]:
-        x, u = unit[:n, :], unit[n:, :]
-        return [*(x * s - A * x - B * u), *(C * x + D * u)]
-
-    found, more, divisors = solve_by_columns(
-        image,
+    states, no_input = sympy.eye(n), sympy.zeros(n, m)
+    motion = [(states.row_join(no_input), s), (-A.row_join(B), sympy.eye(r))]
+    found, more, divisors = solve_by_kronecker(
+        [motion, [(C.row_join(D), sympy.eye(r))]],
         (n + m, r),
         [*p, *(-q)],
         contradiction="the regulator equations have no solution: an eigenvalue of S is a zero of "

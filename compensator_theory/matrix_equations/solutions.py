@@ -1,8 +1,11 @@
 """What solves a linear equation for a matrix: one solution, all of them, and where that holds."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
+import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import NoSolutionError
@@ -53,24 +56,33 @@ class MatrixSolution(ExactValue):
         return displayed(f"X = {total([latex(self.X), *terms])}", unless(self.exceptional))
 
 
-def solve_by_columns(
-    image: Callable[[Matrix], Sequence[Expr]],
+Terms: TypeAlias = Sequence[tuple[Matrix, Matrix]]
+"""Pairs (L_i, R_i) of a linear map, the sum of the L_i X R_i."""
+
+
+def solve_by_kronecker(
+    maps: Sequence[Terms],
     shape: tuple[int, int],
     right: Sequence[Expr],
     *,
     contradiction: str,
     sources: Iterable[Matrix] = (),
 ) -> tuple[ImmutableMatrix, tuple[ImmutableMatrix, ...], list[Expr]]:
-    """Solve a linear equation for a matrix as one system of n m unknowns (Kronecker).
+    r"""Solve linear equations for a matrix as one system of n m unknowns.
+
+    .. math:: \sum_i L_i X R_i = C \quad\Leftrightarrow\quad
+              \left(\textstyle\sum_i L_i \otimes R_i^T\right) \mathrm{vec}\, X = \mathrm{vec}\, C
+
+    where vec lists a matrix row by row.
 
     Parameters
     ----------
-    image : callable
-        The linear map, from a matrix of that shape to a list of expressions.
+    maps : sequence of Terms
+        The pairs (L_i, R_i) of each equation.
     shape : tuple of int
         Of the unknown.
     right : sequence of sympy.Expr
-        What the image is to be.
+        What the maps are to give, row by row, one equation after the other.
     contradiction : str
         What to say where there is no solution.
     sources : iterable of sympy.Matrix
@@ -83,21 +95,18 @@ def solve_by_columns(
 
     Examples
     --------
-    >>> from compensator_theory.matrix_equations.solutions import solve_by_columns
-    >>> X, more, _ = solve_by_columns(lambda X: [X[0, 0] + X[0, 1]], (1, 2), [3], contradiction="")
+    >>> from sympy import Matrix, eye
+    >>> from compensator_theory.matrix_equations.solutions import solve_by_kronecker
+    >>> sums = [(eye(1), Matrix([1, 1]))]
+    >>> X, more, _ = solve_by_kronecker([sums], (1, 2), [3], contradiction="")
     >>> X, len(more)
     (Matrix([[3, 0]]), 1)
     """
     rows, columns = shape
-    ask("entries", len(right) * (rows * columns + 1), "the linear system of the matrix equation")
-    units = []
-    for k in range(rows * columns):
-        unit = Matrix.zeros(rows, columns)
-        unit[k // columns, k % columns] = 1
-        units.append(list(image(unit)))
-    table = Matrix(len(right), len(units), lambda i, j: units[j][i])
+    size = rows * columns
+    ask("entries", len(right) * (size + 1), "the linear system of the matrix equation")
+    table = Matrix.vstack(*(_table(terms) for terms in maps))
     found = echelon(table.row_join(Matrix(len(right), 1, list(right))))
-    size = len(units)
     divisors = [found.divided_by, *denominators_of(sources)]
     if size in found.pivots:
         column = Matrix(len(right), 1, list(right))
@@ -109,6 +118,19 @@ def solve_by_columns(
     basis = [kernel[:, k] for k in range(kernel.cols)]
     X, *more = (ImmutableMatrix(rows, columns, list(v)) for v in (particular, *basis))
     return X, tuple(more), divisors
+
+
+def _table(terms: Terms) -> Matrix:
+    """Add up the Kronecker products, entries that are not zero only."""
+    left, right = terms[0]
+    below, beside = right.cols, right.rows
+    entries: dict[tuple[int, int], Expr] = defaultdict(lambda: sympy.Integer(0))
+    for L, R in terms:
+        columns = list(R.todok().items())
+        for (i, j), x in L.todok().items():
+            for (k, n), y in columns:
+                entries[i * below + n, j * beside + k] += x * y
+    return Matrix(left.rows * below, left.cols * beside, lambda i, j: entries.get((i, j), 0))
 
 
 def certified(

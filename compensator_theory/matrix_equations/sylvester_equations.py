@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Matrix
+from sympy import Expr, ImmutableMatrix, Matrix, eye
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError, NoSolutionError
@@ -16,7 +16,7 @@ from compensator_theory.matrix_equations.rational_equations import solve_rationa
 from compensator_theory.matrix_equations.solutions import (
     MatrixSolution,
     certified,
-    solve_by_columns,
+    solve_by_kronecker,
 )
 from compensator_theory.polynomial_matrices.exceptional_factors import denominators_of
 from compensator_theory.polynomials.budget import ask
@@ -66,8 +66,8 @@ def solve_sylvester(A: MatrixLike, B: MatrixLike, C: MatrixLike) -> MatrixSoluti
         X, divisors = found
         residual = [sum_of_products((a, X), (X, b), (-c,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of(sources)])
-    X, more, divisors = solve_by_columns(
-        lambda unit: list(a * unit + unit * b),
+    X, more, divisors = solve_by_kronecker(
+        [[(a, eye(b.rows)), (eye(a.rows), b)]],
         c.shape,
         list(c),
         contradiction="A X + X B = C has no solution: A and -B share an eigenvalue, and C lies "
@@ -126,8 +126,8 @@ def solve_lyapunov(A: MatrixLike, Q: MatrixLike) -> MatrixSolution:
         X, divisors = found
         residual = [sum_of_products((a, X), (X, a.T), (q,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of((a, q))])
-    X, more, divisors = solve_by_columns(
-        lambda unit: list(a * unit + unit * a.T),
+    X, more, divisors = solve_by_kronecker(
+        [[(a, eye(a.rows)), (eye(a.rows), a.T)]],
         q.shape,
         list(-q),
         contradiction="A X + X A' + Q = 0 has no solution: two eigenvalues of A have the sum 0, "
@@ -182,8 +182,8 @@ def solve_stein(A: MatrixLike, Q: MatrixLike, B: MatrixLike | None = None) -> Ma
         X, divisors = found
         residual = [sum_of_products((-a, X, b), (X,), (-q,))]
         return certified(identity, residual, X, (), [*divisors, *denominators_of((a, b, q))])
-    X, more, divisors = solve_by_columns(
-        lambda unit: list(unit - a * unit * b),
+    X, more, divisors = solve_by_kronecker(
+        [[(eye(a.rows), eye(b.rows)), (-a, b)]],
         q.shape,
         list(q),
         contradiction="X = A X B + Q has no solution: an eigenvalue of A is the reciprocal of one "
