@@ -19,6 +19,7 @@ from compensator_theory.matrices.invariant_subspaces import (
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.subspaces.cyclic_families import krylov
 
@@ -102,7 +103,7 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
     [-1,  2],
     [-2, -1]])
     """
-    if over not in ("rational", "real", "complex"):
+    if not is_one_of(over, ("rational", "real", "complex")):
         raise InputError(f"over = {shown(over)} must be 'rational', 'real' or 'complex'")
     a = exact_matrix(A, "A")
     if a.rows != a.cols or not a.rows or not is_rational_matrix(a):

@@ -161,6 +161,8 @@ class Run(Value):
         return self._timed(self.settings.compensator_of(self.theta[row]))
 
     def _timed(self, compensator: Compensator) -> Compensator:
+        if self.sample_time in (None, compensator.sample_time):
+            return compensator
         return replace(compensator, sample_time=self.sample_time)
 
     @property
