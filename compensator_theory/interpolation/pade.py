@@ -17,7 +17,7 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
 )
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.numbers import NumberLike, read_coefficients
-from compensator_theory.polynomials.poly import from_coefficients
+from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -117,12 +117,13 @@ def pade_approximant(
     kernel = found.kernel()
     below = list(kernel[:, 0])
     D = from_coefficients(list(reversed(below)), s)
-    N = from_coefficients([sympy.expand(_convolved(below, c, k)) for k in range(m, -1, -1)], s)
+    N = from_coefficients(_convolved(below, c, m + 1, s)[::-1], s)
     quotient = TransferFunction(N, D).reduced()
     top, bottom = quotient.numerator, quotient.denominator
     above, below = (list(reversed(poly.all_coeffs())) for poly in (top, bottom))
     above += [sympy.S(0)] * (m + n + 1 - len(above))
-    left = [sympy.cancel(above[k] - _convolved(below, c, k)) for k in range(m + n + 1)]
+    expanded = _convolved(below, c, m + n + 1, s)
+    left = [sympy.cancel(x - y) for x, y in zip(above, expanded, strict=True)]
     if bottom.eval(0) == 0 or any(left):  # a power of s was cancelled, and the agreement with it
         raise NoSolutionError(
             f"the series has no Pade approximant [{m}/{n}]: N - c D vanishes so far only with "
@@ -140,10 +141,11 @@ def pade_approximant(
     )
 
 
-def _convolved(ascending: list[Expr], series: list[Expr], k: int) -> Expr:
-    """Return the coefficient k of the product of a polynomial and a series."""
-    count = min(k + 1, len(ascending))
-    return sum((ascending[j] * series[k - j] for j in range(count)), sympy.S(0))
+def _convolved(ascending: list[Expr], series: list[Expr], count: int, s: Symbol) -> list[Expr]:
+    """Return the first coefficients of the product of a polynomial and a series."""
+    left, right = (from_coefficients(values[::-1], s) for values in (ascending, series))
+    found = canonical(left * right).all_coeffs()[::-1][:count]
+    return [*found, *[sympy.S(0)] * (count - len(found))]
 
 
 def _degree(value: int) -> int:

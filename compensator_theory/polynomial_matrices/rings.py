@@ -11,7 +11,7 @@ from sympy.polys.rings import PolyRing
 
 from compensator_theory.bezout.fraction_free import FractionFree
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.budget import ask, decimal_digits
 from compensator_theory.polynomials.poly import canonical
 
 Element: TypeAlias = Any
@@ -54,6 +54,9 @@ class RationalRing:
 
     def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
         """Return quotient and remainder."""
+        bits = max(a.numer().height_bits(), b.numer().height_bits())
+        half = decimal_digits(bits) // 2  # of 8000 digits: some seconds; nobody can foresee it
+        ask("digits", half, "each half of a coefficient in the elimination of a polynomial matrix")
         quotient, remainder = divmod(a, b)
         return quotient, remainder
 
