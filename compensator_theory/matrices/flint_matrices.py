@@ -6,7 +6,6 @@ import flint
 from sympy import QQ, ImmutableMatrix, Matrix, Rational
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.sdm import SDM
-from sympy.polys.polyerrors import CoercionFailed
 
 
 def is_rational_matrix(matrix: Matrix) -> bool:
@@ -19,11 +18,10 @@ def is_rational_matrix(matrix: Matrix) -> bool:
     >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
     (True, False)
     """
-    try:
-        matrix.to_DM(domain=QQ)  # entry by entry would take longer than what follows
-    except CoercionFailed:
-        return False
-    return True
+    if _kept_rational(matrix) is not None:
+        return True
+    # SymPy's conversion would write down what it refuses, and look for the values of its roots
+    return all(entry.is_Rational for entry in matrix.todok().values())
 
 
 def rational_in_flint(matrix: Matrix) -> flint.fmpq_mat | None:
@@ -36,10 +34,7 @@ def rational_in_flint(matrix: Matrix) -> flint.fmpq_mat | None:
     >>> rational_in_flint(Matrix([["a"]])) is None
     True
     """
-    try:
-        return to_flint(matrix)
-    except CoercionFailed:
-        return None
+    return to_flint(matrix) if is_rational_matrix(matrix) else None
 
 
 def to_flint(matrix: Matrix) -> flint.fmpq_mat:
@@ -52,8 +47,8 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
     -2
     """
-    kept = getattr(matrix, "_rep", None)  # SymPy's own; to convert integers takes longer than this
-    if not isinstance(kept, DomainMatrix) or not (kept.domain.is_ZZ or kept.domain.is_QQ):
+    kept = _kept_rational(matrix)
+    if kept is None:
         kept = matrix.to_DM(domain=QQ)
     by_row = kept.to_dod()  # Sylvester matrices are half zeros
     result = flint.fmpq_mat(matrix.rows, matrix.cols)
@@ -62,6 +57,14 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
         for j, entry in row.items():
             result[i, j] = entry if is_flint else _fraction(entry)
     return result
+
+
+def _kept_rational(matrix: Matrix) -> DomainMatrix | None:
+    """Return SymPy's own form of rational numbers; to convert them takes longer than this."""
+    kept = getattr(matrix, "_rep", None)
+    if isinstance(kept, DomainMatrix) and (kept.domain.is_ZZ or kept.domain.is_QQ):
+        return kept
+    return None
 
 
 def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:

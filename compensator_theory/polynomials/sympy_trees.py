@@ -130,8 +130,8 @@ def square_root(argument: Expr) -> Expr:
 
 
 def _require_short_radicand(argument: Expr) -> None:
-    for number in argument.atoms(Rational):
-        if max(abs(int(number.p)), int(number.q)).bit_length() > 3.33 * _RADICAND_DIGITS:
+    for number in argument.atoms(Rational):  # SymPy writes sqrt(p/q) as sqrt(p q)/q
+        if (int(number.p) * int(number.q)).bit_length() > 3.33 * _RADICAND_DIGITS:
             raise InputError(
                 f"a number under a root has more than {_RADICAND_DIGITS} digits; give a rational "
                 "number close to the root"
