@@ -15,7 +15,11 @@ from compensator_theory.polynomials.poly import scaled, sides_in
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
-from compensator_theory.polynomials.variables import as_symbol, evident_variable
+from compensator_theory.polynomials.variables import (
+    as_symbol,
+    evident_variable,
+    require_no_other_operator,
+)
 from compensator_theory.systems.foreign import (
     Contents,
     ForeignSystem,
@@ -77,7 +81,8 @@ def transfer_function(
     Raises
     ------
     InputError
-        If the description is incomplete, not scalar, not rational in the variable, or not finite.
+        If the description is incomplete, not scalar, not rational in the variable, or not finite,
+        or its coefficients contain another of s, z and q.
 
     Examples
     --------
@@ -134,7 +139,10 @@ def _from_roots(
 
 def _from_quotient(quotient: Quotient, variable: str | Symbol | None) -> TransferFunction:
     if variable is not None:
-        return TransferFunction(*sides_in(quotient, as_symbol(variable)))
+        sides = sides_in(quotient, as_symbol(variable))
+        for side in sides:
+            require_no_other_operator(side)  # 1/s is no constant of a system in z
+        return TransferFunction(*sides)
     top, bottom = quotient.sides()
     occurring = top.free_symbols | bottom.free_symbols
     return TransferFunction(

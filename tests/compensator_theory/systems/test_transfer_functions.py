@@ -106,3 +106,11 @@ def test_latex_and_matrices():
             TransferMatrix(rows, p)
     with pytest.raises(InputError):
         TransferMatrix(((p, p),), p).scalar()
+
+
+@pytest.mark.parametrize("text", ["1/s", "(z + s)/z**2", "z/(z + q)"])
+def test_another_operator_is_no_parameter(text):
+    """1/s read in z was a static gain, and a placement around it fed nothing back."""
+    with pytest.raises(InputError, match="use one variable"):
+        transfer_function(text, "z")
+    assert transfer_function(text.replace("s", "a").replace("q", "b"), "z").variable.name == "z"
