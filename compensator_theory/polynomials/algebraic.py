@@ -9,10 +9,11 @@ from functools import reduce
 import flint
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
+from sympy.polys.polyerrors import NotInvertible, PolynomialError
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, limit_of
-from compensator_theory.polynomials.sympy_trees import square_root
+from compensator_theory.polynomials.sympy_trees import irrational_parts, square_root
 
 _X = Symbol("x")
 _PART_DIGITS = 60  # the time grows with the cube of them: 0.2 s at 30, 1.8 s at 100
@@ -170,6 +171,32 @@ def algebraic(number: Expr) -> Algebraic | None:
         if turn.is_Rational:
             return _of_turn(number, turn)
     return None
+
+
+def rationalised(number: Expr) -> Expr:
+    """Return a constant without its one root below the line; with several roots as it is.
+
+    Examples
+    --------
+    >>> from sympy import Integer, Rational
+    >>> from compensator_theory.polynomials.algebraic import rationalised
+    >>> rationalised(1 / (1 + Integer(2) ** Rational(1, 3)))
+    -2**(1/3)/3 + 1/3 + 2**(2/3)/3
+    """
+    top, bottom = number.as_numer_denom()
+    roots = irrational_parts(number)
+    bases = {root.base for root in roots if isinstance(root, sympy.Pow) and root.exp.is_Rational}
+    if bottom.is_Rational or len(bases) != 1 or not all(base.is_Rational for base in bases):
+        return number
+    (base,), index, x = bases, int(sympy.ilcm(1, *(root.exp.q for root in roots))), sympy.Dummy("x")
+    powers = {root: x ** (root.exp * index) for root in roots}
+    minimal = Poly(x**index - base, x)
+    try:
+        above, below = (Poly(side.xreplace(powers), x, domain=sympy.QQ) for side in (top, bottom))
+        found = (above * below.invert(minimal)).rem(minimal)
+    except (PolynomialError, NotInvertible):
+        return number
+    return sympy.expand(found.as_expr().subs(x, base ** Rational(1, index)))
 
 
 _PLANE = flint.fmpz_mpoly_ctx.get(("x", "y"), flint.Ordering.lex)

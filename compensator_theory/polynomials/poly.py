@@ -7,6 +7,7 @@ from sympy import EX, QQ, Expr, Poly, Symbol
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.algebraic import rationalised
 from compensator_theory.polynomials.budget import quoted, shown, unlimited
 from compensator_theory.polynomials.formatting import in_least_domain, require_real
 from compensator_theory.polynomials.numbers import exact_number
@@ -228,6 +229,7 @@ def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
         return Poly(values, variable, domain=QQ)
     require_one_symbol_a_name(set().union({variable}, *(c.free_symbols for c in powers.values())))
     require_small_field(list(powers.values()))
+    powers = {k: c if c.free_symbols else rationalised(c) for k, c in powers.items()}
     try:
         result = Poly({(k,): c for k, c in powers.items()}, variable, extension=True)
     except (PolynomialError, GeneratorsError, CoercionFailed, NotImplementedError) as error:

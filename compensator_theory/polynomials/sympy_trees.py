@@ -240,7 +240,7 @@ def require_small_field(numbers: list[Expr]) -> None:
     >>> require_small_field([sqrt(2), sqrt(3)])
     """
     degree = 1
-    for atom in set().union(*(_generators(number) for number in numbers)):
+    for atom in set().union(*(irrational_parts(number) for number in numbers)):
         if isinstance(atom, sympy.Pow):
             degree *= int(atom.exp.q) if atom.exp.is_Rational else 1
         elif isinstance(atom, sympy.polys.rootoftools.ComplexRootOf):
@@ -262,7 +262,16 @@ def _bits(number: Expr) -> int:
     return sum(_bits(part) for part in number.args)
 
 
-def _generators(number: Expr) -> set[Expr]:
+def irrational_parts(number: Expr) -> set[Expr]:
+    """Return the roots, the imaginary unit and the indexed roots that a number is made of.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from compensator_theory.polynomials.sympy_trees import irrational_parts
+    >>> irrational_parts(1 + 2 * sqrt(3))
+    {sqrt(3)}
+    """
     found: set[Expr] = set()
     waiting = [number]
     while waiting:
