@@ -71,7 +71,8 @@ class Algebraic:
     def conjugate(self) -> Algebraic:
         """The complex conjugate, a root of the same polynomial."""
         ball = self.refined(128)
-        return Algebraic(self.minimal, flint.acb(ball.real, -ball.imag))
+        with flint.ctx.workprec(1024):  # a sign is rounded, too, and the ball held two roots then
+            return Algebraic(self.minimal, flint.acb(ball.real, -ball.imag))
 
     def __add__(self, other: Algebraic) -> Algebraic:
         x, y = _PLANE.gens()
@@ -118,6 +119,9 @@ class Algebraic:
         if len(c) == 3:
             root = square_root(c[1] ** 2 - 4 * c[0] * c[2]) * (1 if upper else -1)
             return sympy.expand((-c[1] + root) / (2 * c[0]))
+        if not any(c[1:-1]):  # SymPy takes seconds for the value of an indexed root of these
+            root = abs(c[-1] / c[0]) ** Rational(1, len(c) - 1)
+            return root if self.refined(256).real > 0 else -root
         if len(c) == 5 and c[1] == c[3] == 0:  # a root of a surd
             sign = 1 if self.refined(256).real > 0 else -1
             return sign * square_root((self * self).expression())

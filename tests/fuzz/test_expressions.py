@@ -115,6 +115,8 @@ def test_a_text_is_refused_or_echoed(text):
 
 
 @settings(max_examples=EXAMPLES // 2, suppress_health_check=list(HealthCheck))
+@example("j+j*sqrt(1.6866535829354996e-46)")
+@example("+99999999999999999999  0.8934380951601534/0.14479776269673994^(10)**-1")
 @given(text=root_lists)
 @example("-1 -2")
 @example("-1 - 2")
