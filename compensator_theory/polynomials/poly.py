@@ -220,7 +220,10 @@ def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
         exact, rest = _from_powers(top, variable).to_field().div(divisor)
         if rest.is_zero:
             return canonical(exact)
-    raise InputError(f"{quoted(reduced.value())} is no polynomial in {variable}, nor equal to one")
+    raise InputError(
+        f"{quoted(reduced.value())} is no polynomial in {variable}, nor equal to one; give "
+        "numerator and denominator of a rational function separately"
+    )
 
 
 def _from_powers(powers: dict[int, Expr], variable: Symbol) -> Poly:
