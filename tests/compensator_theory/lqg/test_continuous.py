@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import sympy
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from compensator_theory import (
@@ -177,7 +177,7 @@ def test_closed_forms_are_the_certified_polynomials(N, D, weight):
     try:
         found = locus.at(weight)
     except CompensatorError:
-        return
+        assume(False)
     for form, ball in zip(locus.closed_form, found.enclosure.coefficients, strict=True):
         assert abs(form.subs(R_2, weight).evalf(40) - ball.centre) < 1e-25
 

@@ -54,7 +54,7 @@ def test_the_poles_are_those_of_the_riccati_equation(plant):
     try:
         found = continuous_lqg_poles(plant)
     except CompensatorError:
-        return
+        assume(False)
     sides = (
         (found.regulator, (plant.A, plant.B, plant.E_1, plant.E_2)),
         (found.estimator, (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T)),
@@ -90,7 +90,7 @@ def test_scalar_plants_as_by_the_gains(plant):
     try:
         gains = continuous_lqg(plant)
     except CompensatorError:
-        return
+        assume(False)
     found = continuous_lqg_poles(plant)
     assert found.polynomial == gains.polynomial
     assert found.enclosure.degree == 2 * plant.n

@@ -143,7 +143,7 @@ def test_riccati_equations_of_random_plants(plant):
         found = high_authority_lqg(plant)
     except CompensatorError as error:
         assert isinstance(error, NoSolutionError | UnitCircleError | NotControllableError)
-        return
+        assume(False)
     pencil = lqg_poles(plant)
     for side, factor in (
         (found.regulator, pencil.regulator), (found.estimator, pencil.estimator)

@@ -140,7 +140,7 @@ def test_a_stable_compensator_stabilises(plant, feedback):
         return
     if found.compensator is None:
         assert "raise max_order" in found.reason
-        return
+        assume(False)  # nothing was built that could be judged
     C = found.compensator
     N, D = plant
     loop = (D * C.denominator - feedback * N * C.numerator).as_expr()
@@ -219,7 +219,7 @@ def test_two_plants(one, two):
         found = decide_simultaneous_stabilisability(one, two, feedback=-1)
     except CompensatorError as error:
         assert "hidden" in str(error)
-        return
+        assume(False)
     grid = [Rational(k, 2) for k in range(-24, 25)]
 
     def stabilises(k, plant):
