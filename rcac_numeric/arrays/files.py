@@ -6,6 +6,7 @@ import os
 import stat
 import sys
 import tempfile
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -62,6 +63,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
             if handle is not None:
                 os.close(handle)
     except OSError as error:
+        # What a writer had open in them may be a view of a buffer inside a loop of references, and
+        # the collector of Python 3.12.1 dies of that (python/cpython issue 111049).
+        traceback.clear_frames(error.__traceback__)
         raise InputError(f"{path} cannot be written: {error.strerror or error}.") from None
 
 
