@@ -22,7 +22,7 @@ from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, wit
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
-from rcac_numeric.checks.runs import check_arguments
+from rcac_numeric.checks.runs import arguments_of_run
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.runs import Run
@@ -211,7 +211,7 @@ def check_controller(
         plant = linear_plant(plant)
     is_own = isinstance(u, Run) and plant is None
     if isinstance(u, Run):
-        own = check_arguments(u)
+        own = arguments_of_run(u)
         signals: ArrayLike | ControllerLog = own["log"]
         plant = own.get("plant") if plant is None else plant
         target = own.get("target") if target is None else target

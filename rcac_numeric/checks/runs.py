@@ -14,7 +14,7 @@ from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.functions import FunctionPlant
 
 
-def check_arguments(run: Run, source: str = "run") -> dict[str, Any]:
+def arguments_of_run(run: Run, source: str = "run") -> dict[str, Any]:
     """The arguments of `check_controller` that a run knows by itself.
 
     Behind a saturation, and for several controllers or a fixed one, in parallel too, it is handed
@@ -23,8 +23,8 @@ def check_arguments(run: Run, source: str = "run") -> dict[str, Any]:
     Examples
     --------
     >>> from rcac_numeric import load_example
-    >>> from rcac_numeric.checks.runs import check_arguments
-    >>> arguments = check_arguments(load_example("4.7").main_run.execute().first.run)
+    >>> from rcac_numeric.checks.runs import arguments_of_run
+    >>> arguments = arguments_of_run(load_example("4.7").main_run.execute().first.run)
     >>> sorted(arguments)
     ['k_w', 'log', 'plant', 'structure', 'target']
     """

@@ -87,14 +87,27 @@ def show(
     as_json: bool,
     picture: Path | None = None,
     draw: Callable[[], figures.Figure] | None = None,
+    write: Callable[[], list[str]] | None = None,
 ) -> None:
-    """Print a report, and draw its picture where one is asked for."""
-    if as_json:
-        click.echo(json_of(sheet))
-    else:
-        print_sheet(sheet)
-    if picture is None or draw is None:
-        return
-    save(draw(), picture)
+    """Print a report, draw its picture, and write other files, whose lines `write` returns.
+
+    The files come also where nobody reads the report to its end, as behind ``| head``.
+    """
+    closed = None
+    try:
+        if as_json:
+            click.echo(json_of(sheet))
+        else:
+            print_sheet(sheet)
+    except BrokenPipeError as error:
+        closed = error
+    lines = []
+    if picture is not None and draw is not None:
+        save(draw(), picture)
+        lines.append(f"Picture: {picture}")
+    if write is not None:
+        lines += write()
+    if closed is not None:
+        raise closed
     if not as_json:
-        click.echo(f"\nPicture: {picture}")
+        click.echo("".join(f"\n{line}\n" for line in lines), nl=False)

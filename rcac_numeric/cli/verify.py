@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -99,27 +100,30 @@ def verify(
         )
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
-        show(verification_sheet(found), as_json, picture, found.plot)
-        if folder is not None:
-            _draw(found, folder, as_json)
-        if kept is not None:
-            found.main.first.run.save(kept)
-            if not as_json:
-                click.echo(f"\nRun: {kept}")
-        if page is not None:
-            write_page(case_page(case_of(found)), page)
-            if not as_json:
-                click.echo(f"\nPage: {page}")
+        write = partial(_written, found, folder, kept, page)
+        show(verification_sheet(found), as_json, picture, found.plot, write)
     return found.exit_status
 
 
-def _draw(found: Verification, folder: Path, as_json: bool) -> None:
-    requests = found.figure_requests
-    for number, request in enumerate(requests, 1):
-        save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
-    if not as_json:
-        count = len(requests)
-        click.echo(f"\nFigures: {count} in {folder}" if count else "\nFigures: none; nothing ran.")
+def _written(
+    found: Verification, folder: Path | None, kept: Path | None, page: Path | None
+) -> list[str]:
+    """Write the files that were asked for; return what is said of them."""
+    said = []
+    if folder is not None:
+        requests = found.figure_requests
+        for number, request in enumerate(requests, 1):
+            save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
+        said.append(
+            f"Figures: {f'{len(requests)} in {folder}' if requests else 'none; nothing ran.'}"
+        )
+    if kept is not None:
+        found.main.first.run.save(kept)
+        said.append(f"Run: {kept}")
+    if page is not None:
+        write_page(case_page(case_of(found)), page)
+        said.append(f"Page: {page}")
+    return said
 
 
 def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from compensator_theory.errors import InputError
+from rcac_numeric import load_run
 from rcac_numeric.arrays.files import replacing
 
 RCAC = "from rcac_numeric.cli.main import main; main()"
@@ -120,3 +121,17 @@ def test_a_kill_leaves_one_of_the_two_pictures(tmp_path, in_full):
 
 def _others(folder: Path, picture: Path) -> list[Path]:
     return [path for path in folder.iterdir() if path != picture]
+
+
+@pytest.mark.parametrize("option", ["--save", "--page", "--plot"])
+def test_files_come_also_where_nobody_reads_the_report(tmp_path, option):
+    """As behind `| head -1`: the pipe closes after the first line."""
+    file = tmp_path / {"--save": "run.npz", "--page": "page.html", "--plot": "a.svg"}[option]
+    command = [sys.executable, "-c", RCAC, "verify", "2.2", option, str(file)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 141
+    assert [p.name for p in tmp_path.iterdir()] == [file.name]
+    if option == "--save":
+        assert load_run(file).steps > 0

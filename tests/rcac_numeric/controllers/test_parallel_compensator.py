@@ -25,7 +25,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.checks.runs import check_arguments
+from rcac_numeric.checks.runs import arguments_of_run
 from tests.support.engine_cases import engine_plants
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes
@@ -109,7 +109,7 @@ def test_what_an_actuator_leaves_of_it_is_its_own_part():
 
 def test_a_check_is_handed_the_whole_compensator():
     run = simulate(PLANT, settings_of(fixed=GAIN), noise(5, 400, 1), stride=400)
-    arguments = check_arguments(run)
+    arguments = arguments_of_run(run)
     assert "structure" not in arguments and arguments["compensator"] == run.compensator
     assert check_controller(run).loop.is_stable == loop_health(run).is_stable
 
