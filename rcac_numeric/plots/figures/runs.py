@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -20,7 +20,10 @@ LETTER, MOST_LEGEND = 0.07, 0.3  # inches of a letter; the share of the width th
 
 
 def plot_runs(
-    runs: Sequence[Run], labels: Sequence[str] | None = None, *, width: float = 9.0
+    runs: Sequence[Run] | Mapping[str, Run],
+    labels: Sequence[str] | None = None,
+    *,
+    width: float = 9.0,
 ) -> Figure:
     """Several runs in one figure: their z and u in common axes, their theta one below the other.
 
@@ -29,9 +32,9 @@ def plot_runs(
 
     Parameters
     ----------
-    runs : sequence of Run
+    runs : sequence of Run, or dict of them by name
     labels : sequence of str, optional
-        A name for each; "run 1", "run 2", ... by default.
+        A name for each; "run 1", "run 2", ... by default, or the names of the dict.
     width : float
         Of the figure in inches; 3.5 fits the column of a journal, 7 its page.
 
@@ -48,11 +51,14 @@ def plot_runs(
     Examples
     --------
     >>> from rcac_numeric import load_example, plot_runs
-    >>> found = [spec.execute().first.run for spec in load_example("2.1").runs.values()]
-    >>> figure = plot_runs(found, labels=list(load_example("2.1").runs))
+    >>> specs = load_example("2.1").runs
+    >>> figure = plot_runs({name: spec.execute().first.run for name, spec in specs.items()})
     >>> figure.axes[0].get_ylabel(), figure.axes[-1].get_xlabel()
     ('performance $z$', 'step $k$')
     """
+    if isinstance(runs, Mapping):
+        labels = list(runs) if labels is None else labels
+        runs = list(runs.values())
     runs = [instance_of(run, "a run", Run) for run in runs]
     if not runs:
         raise InputError("there is no run to plot.")
@@ -73,9 +79,12 @@ def plot_runs(
     for i, (signal, label) in enumerate((("z", "performance $z$"), ("u", "control $u$"))):
         _draw_signals(axes[i], runs, names, signal)
         axes[i].set_ylabel(label)
+        said = axes[i].get_legend_handles_labels()[1]
+        if i and said == axes[0].get_legend_handles_labels()[1]:
+            continue  # the same lines under the same names
         if above:
             legend_above(axes[i], width)
-        elif axes[i].get_legend_handles_labels()[0]:
+        elif said:
             axes[i].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
     for axis, (run, name) in zip(axes[2:], adapting, strict=True):
         draw_theta(axis, run, name if len(runs) > 1 else "", above=above)
