@@ -1,23 +1,58 @@
 """The transfer function of a loop, from where a signal is added to the plant's input."""
 
-from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
+from typing import TypeAlias, overload
+
+import sympy
+from sympy import MatrixBase
+
+from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.loops.siso import (
+    LoopPart,
+    in_variable_of,
+    read_loop,
+    require_sign,
+    well_posed_loop,
+)
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
+from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
+
+SeveralSignals: TypeAlias = TransferMatrix | MatrixBase
+"""What says by itself that a loop is one of matrices."""
 
 
+@overload
+def feedback_connection(
+    plant: SeveralSignals, compensator: TransferMatrixLike | Realisation, *, feedback: int
+) -> TransferMatrix: ...
+@overload
+def feedback_connection(
+    plant: LoopPart, compensator: SeveralSignals, *, feedback: int
+) -> TransferMatrix: ...
+@overload
 def feedback_connection(
     plant: LoopPart, compensator: LoopPart, *, feedback: int
-) -> TransferFunction:
-    r"""Return the transfer function from v to y of y = G u, u = v + f G_c y, nothing cancelled.
+) -> TransferFunction: ...
+def feedback_connection(
+    plant: LoopPart | TransferMatrixLike,
+    compensator: LoopPart | TransferMatrixLike,
+    *,
+    feedback: int,
+) -> TransferFunction | TransferMatrix:
+    r"""Return the transfer function from v to y of y = G u, u = v + f G_c y.
 
-    .. math:: \frac{G}{1 - f\,G\,G_c} = \frac{N D_c}{D D_c - f\,N N_c}
+    .. math:: \frac{G}{1 - f\,G\,G_c} = \frac{N D_c}{D D_c - f\,N N_c}, \qquad
+              (I - f\,G\,G_c)^{-1}\,G
 
     Parameters
     ----------
-    plant, compensator : transfer function
+    plant, compensator : transfer function, or transfer matrix
         N/D and :math:`N_c/D_c` in one variable; anything :func:`transfer_function` reads, symbols
-        allowed.
+        allowed. Where one of the two is a :class:`TransferMatrix` (or a matrix of SymPy), the
+        other is read as one.
     feedback : {+1, -1}
         The sign f.
 
@@ -25,13 +60,16 @@ def feedback_connection(
     -------
     TransferFunction
         Over the unreduced closed-loop polynomial, so that a mode which the loop hides is there.
+    TransferMatrix
+        Of matrices, reduced: what the loop hides is not there. ``Realisation.feedback_with``
+        keeps every state.
 
     Raises
     ------
     ImproperError
         If the loop is not well posed.
     InputError
-        If the variables differ or `feedback` is neither +1 nor -1.
+        If the variables or the signals do not fit, or `feedback` is neither +1 nor -1.
 
     Notes
     -----
@@ -39,11 +77,47 @@ def feedback_connection(
 
     Examples
     --------
-    >>> from compensator_theory import feedback_connection
+    >>> from compensator_theory import feedback_connection, transfer_matrix
     >>> print(feedback_connection("1/(s - 1)", "k*(s + 2)/(s + 3)", feedback=-1))
     (s + 3)/(s**2 + (k + 2)*s + (2*k - 3))
+    >>> G = transfer_matrix([["1/(s + 1)", "1/s"], [0, "1/(s + 2)"]])
+    >>> found = feedback_connection(G, [["k", 0], [0, "k"]], feedback=-1)
+    >>> print(found.denominator.as_expr().factor())
+    s*(k + s + 1)*(k + s + 2)
     """
+    if any(isinstance(part, TransferMatrix | MatrixBase) for part in (plant, compensator)):
+        return _of_matrices(plant, compensator, feedback)
     G, G_c = read_loop(plant, compensator, feedback)
     closed = well_posed_loop(G, G_c, feedback)
     numerator, period = canonical(G.numerator * G_c.denominator), shared_sample_time(G, G_c)
     return TransferFunction(numerator, closed, sample_time=period)
+
+
+def _of_matrices(
+    plant: TransferMatrixLike, compensator: TransferMatrixLike, feedback: int
+) -> TransferMatrix:
+    require_sign(feedback)
+    G = transfer_matrix(plant)
+    G_c = in_variable_of(G, compensator, transfer_matrix)
+    if G_c.variable != G.variable:
+        raise InputError(
+            f"the plant is written in the variable {G.variable} and the compensator in "
+            f"{G_c.variable}; they need the same variable"
+        )
+    outputs, inputs = G.shape
+    if G_c.shape != (inputs, outputs):
+        raise InputError(
+            f"a compensator of {G_c.shape} signals (outputs, inputs) does not fit a plant of "
+            f"{G.shape}; it needs {(inputs, outputs)}"
+        )
+    difference: TransferMatrix = -feedback * (G @ G_c) + sympy.eye(outputs)
+    try:
+        sensitivity = difference.inverse()
+    except InputError:
+        raise ImproperError("the loop is not well posed: det(I - f G G_c) = 0") from None
+    if not all(sensitivity[i, j].is_proper for i in range(outputs) for j in range(outputs)):
+        raise ImproperError(
+            "the loop is not well posed: det(I - f G G_c) tends to 0 at infinity, so that the "
+            "direct terms cancel"
+        )
+    return (sensitivity @ G).reduced()

@@ -1,9 +1,10 @@
 """The loop of a SISO plant and compensator: its sign, and the one home of D D_c - f N N_c."""
 
-from typing import TypeAlias
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
 
 import sympy
-from sympy import Poly
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from compensator_theory.polynomials.budget import shown
@@ -17,6 +18,7 @@ from compensator_theory.transfer_functions.transfer_functions import (
     TransferFunction,
     require_proper,
 )
+from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 LoopPart: TypeAlias = TransferFunctionLike | Realisation
 """What :func:`read_loop` reads: a transfer function in any form, or a realisation."""
@@ -153,7 +155,7 @@ def read_loop(
     if isinstance(compensator, Realisation):
         G_c = compensator.transfer_function()
     else:
-        G_c = _in_variable_of(G, compensator)
+        G_c = in_variable_of(G, compensator, transfer_function)
     if G_c.variable != G.variable:
         raise InputError(
             f"the plant is written in the variable {G.variable} and the {name} in {G_c.variable}; "
@@ -197,12 +199,38 @@ def siso_loop(
     return G, G_c
 
 
-def _in_variable_of(G: TransferFunction, part: TransferFunctionLike) -> TransferFunction:
-    """Read a transfer function that stands beside G; only another operator is another variable."""
+System = TypeVar("System", TransferFunction, TransferMatrix)
+
+
+def in_variable_of(
+    G: System, part: Any, read: Callable[[Any, str | Symbol | None], System]
+) -> System:
+    """Read what stands beside G; only another operator is another variable.
+
+    Parameters
+    ----------
+    G : TransferFunction or TransferMatrix
+    part : object
+        What `read` takes.
+    read : callable
+        :func:`transfer_function` or :func:`transfer_matrix`.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read.
+
+    Examples
+    --------
+    >>> from compensator_theory import transfer_function
+    >>> from compensator_theory.loops.siso import in_variable_of
+    >>> in_variable_of(transfer_function("1/s"), "k", transfer_function).variable
+    s
+    """
     try:
-        found = transfer_function(part)
+        found = read(part, None)
     except InputError:
-        return transfer_function(part, G.variable)
+        return read(part, G.variable)
     if found.variable == G.variable or is_operator(found.variable):
         return found
-    return transfer_function(part, G.variable)
+    return read(part, G.variable)
