@@ -5,8 +5,7 @@ from collections.abc import Iterable
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.placement.pole_placement import place_poles
 from compensator_theory.placement.solutions import PolePlacement
-from compensator_theory.polynomials.budget import listed, shown
-from compensator_theory.polynomials.from_roots import polynomial_from_roots
+from compensator_theory.polynomials.from_roots import polynomial_from_roots, read_roots
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.transfer_functions.transfer_functions import require_proper
@@ -14,7 +13,7 @@ from compensator_theory.transfer_functions.transfer_functions import require_pro
 
 def place_poles_at_least_order(
     plant: TransferFunctionLike,
-    poles: Iterable[NumberLike],
+    poles: str | Iterable[NumberLike],
     *,
     feedback: int,
     properness: str | None = None,
@@ -59,9 +58,7 @@ def place_poles_at_least_order(
     >>> print(found.compensator)  # D + 2 = (s + 1)(s + 2), so that no dynamics are needed
     (2)/(1)
     """
-    if isinstance(poles, str) or not isinstance(poles, Iterable):
-        raise InputError(f"the poles {shown(poles)} must be a list, for instance ['-1', '-2+1j']")
-    poles = listed(poles, "degree", "the list of poles")
+    poles = read_roots(poles)
     G = transfer_function(plant)
     require_proper(G, "plant")
     if len(poles) < G.order:

@@ -20,12 +20,13 @@ from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (
     SpectrumLike,
+    lists_roots,
     polynomial_from_roots,
     read_roots,
 )
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
-from compensator_theory.polynomials.reading import PolynomialLike, is_list, is_one_of
+from compensator_theory.polynomials.reading import PolynomialLike, is_one_of
 from compensator_theory.polynomials.reading import polynomial as read_polynomial
 from compensator_theory.polynomials.variables import require_no_other_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -55,7 +56,7 @@ def place_poles(
     ----------
     plant : transfer function
         :math:`N/D` of order n; anything :func:`transfer_function` reads; symbols allowed.
-    target : polynomial or list of roots
+    target : polynomial or list of roots, also in a text: "-1, -2"
         :math:`\tilde D` of degree :math:`n + n_c`, up to a factor. A list holds its *roots*, and
         the result says so; coefficients go to `polynomial`. Roots may be irrational.
     n_c : int, optional
@@ -137,7 +138,7 @@ def _goal(
     roots = None
     if coefficients is not None:
         goal = read_polynomial(coefficients, G.variable)
-    elif is_list(target):
+    elif lists_roots(target):
         roots = read_roots(cast(Iterable[NumberLike], target))
         goal = polynomial_from_roots(roots, G.variable)
     else:

@@ -14,11 +14,14 @@ from compensator_theory.polynomials.algebraic import Algebraic, algebraic, ratio
 from compensator_theory.polynomials.budget import ask, listed, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, from_expression
-from compensator_theory.polynomials.reading import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, is_list, polynomial
 from compensator_theory.polynomials.variables import as_symbol
 
 SpectrumLike: TypeAlias = PolynomialLike | Iterable[NumberLike]
-"""A polynomial in any form but a list, or a collection of roots."""
+"""A polynomial in any form but a list, or a collection of roots, or a text with commas."""
+
+SEPARATOR = re.compile("[,;]")
+"""Between the roots in a text; no polynomial contains it."""
 
 
 def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
@@ -45,7 +48,7 @@ def read_roots(roots: str | Iterable[NumberLike]) -> tuple[Expr, ...]:
     if isinstance(roots, str):
         ask("characters", len(roots), "the list of roots")
         text = roots.strip()
-        roots = re.split(r"\s*[,;]\s*", text) if re.search("[,;]", text) else text.split()
+        roots = re.split(r"\s*[,;]\s*", text) if SEPARATOR.search(text) else text.split()
         if not roots or not all(roots):
             raise InputError(f"{text[:60]!r} has an empty entry; write for instance '-1, -2+1j'")
     elif isinstance(roots, Mapping | bytes | bytearray) or not isinstance(roots, Iterable):
@@ -195,7 +198,8 @@ def _product(factors: list[Poly]) -> Poly:
 def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     """Read what is to be placed: a polynomial, or its roots in any collection.
 
-    A list, tuple, array, set or generator holds *roots*; coefficients are written as a polynomial.
+    A list, tuple, array, set or generator holds *roots*, and so does a text with commas, which is
+    no polynomial; coefficients are written as a polynomial.
 
     Raises
     ------
@@ -207,8 +211,21 @@ def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     >>> from compensator_theory.polynomials.from_roots import polynomial_or_roots
     >>> polynomial_or_roots((-1, -2), "s") == polynomial_or_roots("s**2 + 3*s + 2", "s")
     True
+    >>> polynomial_or_roots("-1, -2", "s") == polynomial_or_roots([-1, -2], "s")
+    True
     """
-    is_collection = isinstance(value, Iterable) and not isinstance(value, str | Poly | sympy.Expr)
-    if is_collection:
+    if lists_roots(value):
         return polynomial_from_roots(cast(Iterable[NumberLike], value), variable)
     return polynomial(cast(PolynomialLike, value), variable)
+
+
+def lists_roots(value: object) -> bool:
+    """Tell whether roots are listed: in a collection, or in a text with commas or semicolons.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.from_roots import lists_roots
+    >>> lists_roots([-1, -2]), lists_roots("-1, -2"), lists_roots("s + 1")
+    (True, True, False)
+    """
+    return is_list(value) or (isinstance(value, str) and bool(SEPARATOR.search(value)))

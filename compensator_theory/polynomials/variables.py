@@ -32,7 +32,11 @@ def as_symbol(variable: str | Symbol) -> Symbol:
         return variable
     found = parse_expression(variable) if isinstance(variable, str) else None
     if not isinstance(found, Symbol):
-        raise InputError(f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'")
+        pair = "; coefficients go as one pair, as in ([1], [1, 2])"
+        hint = pair if isinstance(variable, list | tuple) else ""
+        raise InputError(
+            f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"
+        )
     return found
 
 

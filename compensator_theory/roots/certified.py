@@ -12,6 +12,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, words
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.poly import canonical, is_rational
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 
 Decision = TypeVar("Decision")
@@ -57,14 +58,14 @@ class Root(ExactValue):
         return displayed(rf"\lambda \approx {value} {text if self.multiplicity > 1 else ''}")
 
 
-def certified_roots(poly: Poly) -> tuple[Root, ...]:
+def certified_roots(poly: PolynomialLike) -> tuple[Root, ...]:
     r"""Isolate the roots of a rational polynomial in certified disks.
 
     .. math:: |\lambda_i - \mathrm{value}_i| \le \mathrm{radius}_i
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
 
     Returns
@@ -84,7 +85,7 @@ def certified_roots(poly: Poly) -> tuple[Root, ...]:
     >>> [(r.value, r.multiplicity) for r in certified_roots(polynomial("s**2*(s**2 + 1)"))]
     [(0j, 2), (1j, 1), (-1j, 1)]
     """
-    found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(poly)]
+    found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(polynomial(poly))]
     return tuple(sorted(found, key=_order))
 
 

@@ -13,9 +13,9 @@ from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
-from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, is_rational
+from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.descartes import distinct_real_roots
 
@@ -56,12 +56,12 @@ class RootCount(ExactValue):
         return displayed(words(str(self)))
 
 
-def number_of_real_roots(poly: Poly) -> int:
+def number_of_real_roots(poly: PolynomialLike) -> int:
     r"""Count the real roots with multiplicity by Descartes' rule of signs, or Sturm's theorem.
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
 
     Raises
@@ -113,7 +113,7 @@ def has_real_root(poly: Poly) -> bool | None:
     return True if True in signs else False if set(signs) == {False} else None
 
 
-def count_half_plane_roots(poly: Poly) -> RootCount:
+def count_half_plane_roots(poly: PolynomialLike) -> RootCount:
     r"""Count the roots left of, on and right of the imaginary axis by the Routh-Hurwitz theorem.
 
     .. math:: I_{-\infty}^{+\infty}
@@ -123,7 +123,7 @@ def count_half_plane_roots(poly: Poly) -> RootCount:
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
 
     Raises
@@ -178,7 +178,7 @@ def routh_chain(poly: Poly) -> tuple[Poly, ...]:
     return _sturm_chain(*rows)
 
 
-def require_rational(poly: Poly) -> Poly:
+def require_rational(poly: PolynomialLike) -> Poly:
     """Return a rational polynomial in canonical form; refuse zero and polynomials with symbols.
 
     Raises
@@ -193,8 +193,7 @@ def require_rational(poly: Poly) -> Poly:
     >>> require_rational(polynomial("s + 1/3"))
     Poly(s + 1/3, s, domain='QQ')
     """
-    if not isinstance(poly, Poly):
-        raise InputError(f"{shown(poly)} is not a sympy.Poly; make one with polynomial()")
+    poly = polynomial(poly)
     if not is_rational(poly):
         raise InputError(
             f"the roots of {format_polynomial(poly)} cannot be counted: its coefficients are not "
@@ -202,7 +201,7 @@ def require_rational(poly: Poly) -> Poly:
         )
     if poly.is_zero:
         raise InputError("every number is a root of the zero polynomial")
-    return canonical(poly)
+    return poly
 
 
 def _count_in_balls(poly: Poly) -> RootCount | None:

@@ -5,19 +5,19 @@ from sympy import QQ, Expr, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import canonical, monic, require_poly
-from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
+from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
 from compensator_theory.roots.counts import require_rational
 
 
-def reciprocal_polynomial(poly: Poly) -> Poly:
+def reciprocal_polynomial(poly: PolynomialLike) -> Poly:
     r"""Reverse the coefficients, which reflects every root across the unit circle.
 
     .. math:: a^*(z) = z^k a(1/z) = a_0 z^k + a_1 z^{k-1} + \cdots + a_k
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Degree k, not zero, symbols allowed. Each root 0 lowers the degree of the result by one.
 
     Raises
@@ -31,20 +31,20 @@ def reciprocal_polynomial(poly: Poly) -> Poly:
     >>> reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(-6/5*z + 1, z, domain='QQ')
     """
-    poly = require_poly(poly)
+    poly = polynomial(poly)
     if poly.is_zero:
         raise InputError("the zero polynomial has no degree and thus no reciprocal polynomial")
     return canonical(Poly(poly.all_coeffs()[::-1], poly.gen))
 
 
-def monic_reciprocal_polynomial(poly: Poly) -> Poly:
+def monic_reciprocal_polynomial(poly: PolynomialLike) -> Poly:
     r"""Return the monic polynomial whose roots are the reciprocals of the given ones.
 
     .. math:: \frac{z^k a(1/z)}{a_0} = \prod_i (z - 1/\lambda_i)
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Not zero, and not zero at 0.
 
     Raises
@@ -64,7 +64,7 @@ def monic_reciprocal_polynomial(poly: Poly) -> Poly:
     >>> monic_reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(z - 5/6, z, domain='QQ')
     """
-    poly = require_poly(poly)
+    poly = polynomial(poly)
     if poly.is_zero or poly.TC() == 0:
         raise InputError(
             f"{format_polynomial(poly)} is zero at 0, and the reciprocal of 0 is no number; divide "

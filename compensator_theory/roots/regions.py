@@ -3,18 +3,19 @@
 import flint
 from sympy import QQ, Poly
 
+from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import RootCount, require_rational
 from compensator_theory.roots.reflections import reciprocal_polynomial
 from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 
-def locate_half_plane_roots(poly: Poly) -> RootCount:
+def locate_half_plane_roots(poly: PolynomialLike) -> RootCount:
     r"""Locate every root by its certified ball, relative to the imaginary axis.
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
 
     Raises
@@ -50,12 +51,12 @@ def locate_half_plane_roots(poly: Poly) -> RootCount:
     return RootCount(stable, boundary, degree - stable - boundary)
 
 
-def locate_unit_disk_roots(poly: Poly) -> RootCount:
+def locate_unit_disk_roots(poly: PolynomialLike) -> RootCount:
     r"""Locate every root by its certified ball, relative to the unit circle.
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
 
     Raises

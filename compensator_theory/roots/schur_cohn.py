@@ -4,20 +4,21 @@ import flint
 from sympy import QQ, Expr, Poly
 
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
 from compensator_theory.roots.regions import locate_unit_disk_roots
 
 PRECISIONS = (128, 512, 2048, 8192)  # bits; a polynomial of degree n needs about n of them at most
 
 
-def count_unit_disk_roots(poly: Poly) -> RootCount:
+def count_unit_disk_roots(poly: PolynomialLike) -> RootCount:
     r"""Count the roots inside, on and outside the unit circle, exactly.
 
     .. math:: z = \frac{1 + s}{1 - s}, \qquad |z| < 1 \iff \mathrm{Re}\, s < 0
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
 
     Raises
@@ -47,7 +48,7 @@ def count_unit_disk_roots(poly: Poly) -> RootCount:
     return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
 
 
-def reflection_coefficients(poly: Poly) -> tuple[Expr, ...]:
+def reflection_coefficients(poly: PolynomialLike) -> tuple[Expr, ...]:
     r"""Return the numbers of Schur and Cohn, as far as they decide.
 
     .. math:: k_j = \frac{a_j(0)}{\mathrm{lc}(a_j)}, \qquad
@@ -55,7 +56,7 @@ def reflection_coefficients(poly: Poly) -> tuple[Expr, ...]:
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, degree n.
 
     Returns

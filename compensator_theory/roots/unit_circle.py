@@ -6,10 +6,11 @@ from sympy import QQ, Poly
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.poly import canonical, is_rational, monic, require_poly
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.roots.certified import decided_balls
 
 
-def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
+def split_at_unit_circle(poly: PolynomialLike) -> tuple[Poly, Poly]:
     r"""Split a rational polynomial at the unit circle into two monic rational factors.
 
     .. math:: N = N_k\, N_s\, N_u, \qquad N_s(\lambda)=0 \Rightarrow |\lambda|<1, \qquad
@@ -17,7 +18,7 @@ def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
 
     Returns
@@ -50,6 +51,7 @@ def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
     >>> stable.as_expr(), unstable.as_expr()
     (q**2 - q/2, q - 2)
     """
+    poly = polynomial(poly)
     if not is_rational(poly):
         raise InputError(
             f"{quoted(poly)} has coefficients that are not rational numbers, so its roots cannot "
@@ -57,7 +59,6 @@ def split_at_unit_circle(poly: Poly) -> tuple[Poly, Poly]:
         )
     if poly.is_zero:
         raise InputError("the zero polynomial cannot be split at the unit circle")
-    poly = canonical(poly)
     inside = outside = poly.one
     for factor, multiplicity in poly.factor_list()[1]:
         if lies_inside(factor):

@@ -9,6 +9,7 @@ from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
@@ -28,7 +29,7 @@ MAX_DIGITS = 10_000
 
 
 def enclose_split_at_unit_circle(
-    poly: Poly, digits: int = 30
+    poly: PolynomialLike, digits: int = 30
 ) -> tuple[PolynomialEnclosure, PolynomialEnclosure]:
     r"""Enclose the two monic factors of a rational polynomial at the unit circle.
 
@@ -37,7 +38,7 @@ def enclose_split_at_unit_circle(
 
     Parameters
     ----------
-    poly : sympy.Poly
+    poly : polynomial
         Rational coefficients, not zero.
     digits : int
         Every radius is at most :math:`10^{-\mathrm{digits}}`.

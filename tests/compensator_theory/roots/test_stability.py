@@ -184,7 +184,9 @@ def test_bezout_with_symbols():
     [number_of_real_roots, count_half_plane_roots, count_unit_disk_roots, locate_half_plane_roots,
      locate_unit_disk_roots, reflection_coefficients],
 )  # fmt: skip
-@pytest.mark.parametrize("bad", [polynomial(0, "s"), polynomial("s + a"), "s + 1", None])
+@pytest.mark.parametrize(
+    "bad", [polynomial(0, "s"), polynomial("s + a"), "1/s", None, "s*z", [1, 2], float("nan")]
+)
 def test_bad_input_of_counts(function, bad):
     with pytest.raises(InputError):
         function(bad)

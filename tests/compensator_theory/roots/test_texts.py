@@ -1,0 +1,34 @@
+"""What counts, locates and splits roots reads whatever `polynomial` reads."""
+
+import inspect
+
+import pytest
+import sympy
+
+import compensator_theory as exact
+
+FUNCTIONS = (
+    "certified_roots", "count_half_plane_roots", "count_unit_disk_roots", "number_of_real_roots",
+    "enclose_split_at_unit_circle", "locate_half_plane_roots", "locate_unit_disk_roots",
+    "monic_reciprocal_polynomial", "reciprocal_polynomial", "reflection_coefficients",
+    "split_at_unit_circle",
+)  # fmt: skip
+TEXT = "(q - 1/2)*(q - 3)*(q**2 + q/3 + 1/9)"
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_text_is_as_good_as_its_polynomial(name):
+    function, q = getattr(exact, name), sympy.Symbol("q")
+    expected = function(exact.polynomial(TEXT))
+    for given in (TEXT, sympy.sympify(TEXT), sympy.Poly(sympy.sympify(TEXT), q)):
+        assert function(given) == expected
+
+
+def test_no_public_function_of_one_polynomial_wants_a_poly_alone():
+    """But for `monic`, which stands below what reads."""
+    functions = {name: getattr(exact, name) for name in dir(exact)}
+    alone = {
+        name for name, function in functions.items() if inspect.isfunction(function)
+        for one in inspect.signature(function).parameters.values() if one.annotation is sympy.Poly
+    }  # fmt: skip
+    assert alone == {"monic"}
