@@ -82,8 +82,9 @@ class Zeros(ExactValue):
         return certified_roots(self.polynomial)
 
     def __str__(self) -> str:
-        lines = [f"zeros of {format_polynomial(self.polynomial)}", *map(str, self.directions)]
-        return "\n".join(lines)
+        found = f"zeros of {format_polynomial(self.polynomial)}"
+        said = found if self.polynomial.degree() else "no zeros"
+        return "\n".join([said, *map(str, self.directions)])
 
     def _repr_latex_(self) -> str:
         directions = [latex(direction) for direction in self.directions]
