@@ -177,6 +177,7 @@ def test_the_pencil_of_several_signals(n, l_u, l_z, data):
     spectrum = regulator_spectrum(A, B, E_1, E_2, z)
     # The identity G~ G = p / (D D~), by the transfer matrices themselves.
     point = sympy.Rational(7, 3)
+    assume(all((x * sympy.eye(n) - A).det() != 0 for x in (point, 1 / point)))
     forward = E_1 * (point * sympy.eye(n) - A).inv() * B + E_2
     backward = E_1 * (sympy.eye(n) / point - A).inv() * B + E_2
     expected = (backward.T * forward).det() * (
