@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Mapping, Sequence
 from numbers import Real
 from types import UnionType
@@ -10,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 
@@ -149,6 +151,17 @@ def number(value: object, name: str) -> float:
     if isinstance(value, bool) or not isinstance(value, Real):
         raise InputError(f"{name} must be a real number, not {value!r}.")
     return float(real_array(value, name))  # type: ignore[arg-type]
+
+
+def complex_number(value: object, name: str) -> complex:
+    """`value`, a number or a text, as a finite complex number of float64."""
+    read = exact.exact_number(value)
+    if not read.is_number:
+        raise InputError(f"{name} = {value} contains symbols; give a number.")
+    found = complex(read)
+    if not cmath.isfinite(found):
+        raise InputError(f"{name} = {value} is too large for float64.")
+    return found
 
 
 def one_of(value: str, name: str, choices: Sequence[str]) -> str:

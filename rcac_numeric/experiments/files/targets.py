@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.experiments.format.deferred import Deferred
-from rcac_numeric.experiments.format.lists import ListOf, Row
+from rcac_numeric.experiments.format.lists import ListOf, OneOrMore, Row
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
 from rcac_numeric.experiments.format.values import Choice, Exact, Integer, Numbers
@@ -152,13 +151,7 @@ def _said_zero_directions(
     delays : int, or list of int
         Relative degree of G_zu, or of each of its rows.
     """
-    steps = delays if isinstance(delays, list) else int(exact.exact_number(delays))
-    pairs = [(_complex(z0), [_complex(entry) for entry in eta]) for z0, eta in zeros]
-    return zero_direction_target(DirectionInformation(H, pairs, steps), taps)
-
-
-def _complex(value: Any) -> complex:
-    return complex(exact.exact_number(value))
+    return zero_direction_target(DirectionInformation(H, zeros, delays), taps)
 
 
 class _LearntFrom(Choice):
@@ -202,7 +195,7 @@ TARGETS: Kinds[TargetModel | DataDriven] = Kinds(
                     forms={
                         "H": Numbers(),
                         "zeros": ListOf(Row((Exact(), ListOf(Exact(), 1)), "[z0, [eta_1, ...]]")),
-                        "delays": Exact(),
+                        "delays": OneOrMore(Integer(at_most=10_000)),
                         "taps": Integer(at_most=LARGEST_TAPS),
                     },
                 ),

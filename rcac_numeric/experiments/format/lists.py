@@ -117,6 +117,27 @@ class Either(Form):
 
 
 @dataclass(frozen=True)
+class OneOrMore(Form):
+    """A value, or a list of such values."""
+
+    entry: Form
+
+    @property
+    def words(self) -> str:
+        """Both."""
+        return f"{self.entry.words}, or a list of such"
+
+    def read(self, value: object, place: Place) -> Any:
+        """As the entry reads it, or a list."""
+        form = ListOf(self.entry, 1) if isinstance(value, list) else self.entry
+        return form.read(value, place)
+
+    def schema(self) -> Schema:
+        """Either."""
+        return {"anyOf": [self.entry.schema(), ListOf(self.entry, 1).schema()]}
+
+
+@dataclass(frozen=True)
 class ByStep(Form):
     """[[step, value], ...]: what holds from each step on."""
 

@@ -17,7 +17,7 @@ from compensator_theory.loops.directions import rational_matrix
 from compensator_theory.matrices.linear_algebra import determinant, rank
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import complex_number, integer, real_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
@@ -73,10 +73,14 @@ class DirectionInformation(Value):
         if self.H.ndim != 2 or not self.H.size:
             raise InputError(f"H has shape {self.H.shape}; an l_z x l_u matrix is needed.")
         try:
-            read = tuple((complex(z0), tuple(complex(e) for e in eta)) for z0, eta in zeros)
+            pairs = [(z0, tuple(eta)) for z0, eta in zeros]
         except (TypeError, ValueError):
             raise InputError(f"zeros = {zeros!r} must be pairs (z0, eta).") from None
-        set_("zeros", read)
+        read = [
+            (complex_number(z0, "z0"), tuple(complex_number(entry, "eta") for entry in eta))
+            for z0, eta in pairs
+        ]
+        set_("zeros", tuple(read))
         rows = len(self.H)
         listed = tuple(delays) if isinstance(delays, Sequence) else (delays,) * rows
         set_("delays", tuple(integer(d, "delays", at_most=10_000) for d in listed))

@@ -179,3 +179,16 @@ def test_refusals():
         DirectionInformation(H, [1.5])
     with pytest.raises(InputError, match="square ones"):
         check_directions(TargetModel([0, 1]), case("P1")[0])
+
+
+@pytest.mark.parametrize(
+    ("zero", "words"),
+    [
+        ((float("nan"), [1]), "not a finite number"), ((10**400, [1]), "too large for float64"),
+        ((1.5, [float("inf")]), "not a finite number"), (("q", [1]), "contains symbols"),
+        ((1.5, 1), "must be pairs"), ((None, [1]), "not a number"), ((1.5, [10**400]), "too large"),
+    ],
+)  # fmt: skip
+def test_zeros_that_are_none(zero, words):
+    with pytest.raises(InputError, match=words):
+        DirectionInformation([[1.0]], [zero])
