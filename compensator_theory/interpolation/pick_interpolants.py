@@ -12,7 +12,10 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.frequency.passivity import decide_bounded_real
 from compensator_theory.matrices.certificates import Certificate, certificate_of
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.matrices.flint_polynomials import (
+    from_flint_polynomial,
+    to_flint_polynomial,
+)
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 IDENTITY = "f(s_i) = w_i"
@@ -79,10 +82,7 @@ def solve_pick(
         sides = [row[0] * number + row[1] for row in theta]
         if discrete:
             sides = [_mapped(side, size) for side in sides]
-    N, D = (side.set_domain(QQ_I) for side in sides)
-    common = N.gcd(D)
-    N, D = (canonical(_real(side.exquo(common).quo_ground(D.LC()))) for side in (N, D))
-    f = TransferFunction(N, D)
+    f = _in_lowest_terms(*(side.set_domain(QQ_I) for side in sides))
     bounded = decide_bounded_real(f)
     if not bounded.holds:
         raise NoSolutionError(f"f = {f} is {bounded}; it is wrong, please report it")
@@ -197,6 +197,16 @@ def _mapped(poly: Poly, degree: int) -> Poly:
 
 def _poly(descending: Sequence[GaussianRational], variable: Symbol) -> Poly:
     return Poly.from_list(list(descending), gens=variable, domain=QQ_I)
+
+
+def _in_lowest_terms(N: Poly, D: Poly) -> TransferFunction:
+    """Return the real function N/D; sides that are not real share what makes them so."""
+    if any(number.y for number in _complex_rational(D.quo_ground(D.LC()).all_coeffs())):
+        common = N.gcd(D)
+        N, D = N.exquo(common), D.exquo(common)
+    top, bottom = (to_flint_polynomial(_real(side.quo_ground(D.LC()))) for side in (N, D))
+    shared = top.gcd(bottom)
+    return TransferFunction(*(from_flint_polynomial(p // shared, D.gen) for p in (top, bottom)))
 
 
 def _real(poly: Poly) -> Poly:
