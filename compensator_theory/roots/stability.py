@@ -130,7 +130,9 @@ def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:
     determinants = hurwitz_determinants(p)
     signs = [sympy.factor(d).is_positive for d in determinants]
     needed = [sympy.factor(c / p.LC()).is_positive for c in p.all_coeffs()]  # all positive
-    by_signs = False if False in signs + needed else (None if None in signs else True)
+    by_signs = True if set(signs) == {True} else None
+    if False in signs + needed and p.LC().is_nonzero:  # else the degree may drop
+        by_signs = False
     return StabilityDecision(p, "half plane", by_signs, None, None, None, determinants)
 
 

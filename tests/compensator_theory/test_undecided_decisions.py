@@ -56,6 +56,13 @@ def test_stability_with_symbols_is_undecided_where_signs_do_not_follow():
     assert counts["Schur"] == {True: 15, False: 9, None: 12}
 
 
+def test_a_leading_coefficient_that_may_vanish_decides_nothing():
+    """Where r = 0 the degree drops, and s + 1 is Hurwitz."""
+    r, s = sympy.Symbol("r", real=True), sympy.Symbol("s")
+    assert exact.decide_hurwitz(exact.polynomial(r * s**3 + s + 1, "s")).is_stable is None
+    assert exact.decide_hurwitz(exact.polynomial(k * s**3 + s + 1, "s")).is_stable is False
+
+
 def test_stability_of_irrational_polynomials_is_decided_from_the_coefficients():
     """By signs of numbers; there are no certified roots then, and `by_roots` is None."""
     s, z = sympy.symbols("s z")

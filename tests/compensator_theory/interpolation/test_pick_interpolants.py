@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sympy import I, Rational
 
@@ -18,6 +18,7 @@ from compensator_theory import (
 from compensator_theory.interpolation import nevanlinna_pick as module
 from compensator_theory.interpolation.pick_interpolants import solve_pick
 from tests.support.bad_inputs import BAD
+from tests.support.structure_cases import fewer
 
 s, z = sympy.symbols("s z")
 HALVES = st.integers(-4, 4).map(lambda k: Rational(k, 2))
@@ -67,7 +68,7 @@ def check(f, points, values, bound):
     return gains
 
 
-@settings(max_examples=15)
+@fewer(2)
 @given(closed_data(), st.sampled_from(["s", "z"]), st.integers(0, 5), st.integers(0, 3))
 def test_an_interpolant_takes_the_values_within_the_bound(data, variable, choice, excess):
     points, values = data
@@ -106,7 +107,7 @@ def blaschke_products(draw):
     return product, order
 
 
-@settings(max_examples=12)
+@fewer(3)
 @given(blaschke_products(), st.data(), st.sampled_from([1, Rational(5, 2)]))
 def test_a_blaschke_product_comes_back_from_more_values_than_its_order(drawn, data, bound):
     product, order = drawn
@@ -125,7 +126,7 @@ def test_a_blaschke_product_comes_back_from_more_values_than_its_order(drawn, da
         found.interpolant("0")
 
 
-@settings(max_examples=6)
+@fewer(5)
 @given(closed_data(most=2), blaschke_products(), st.sampled_from([Rational(1, 2), Rational(9, 10)]))
 def test_values_of_a_bounded_function_are_feasible(data, drawn, size):
     """Of a function below the bound, which is one of many."""

@@ -2,7 +2,7 @@
 
 import pytest
 import sympy
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from sympy import I, Matrix, sqrt
 
@@ -10,6 +10,7 @@ from compensator_theory import InputError, NoSolutionError, jordan_form
 from compensator_theory.canonical_forms import jordan
 from compensator_theory.matrices.nonsingularity import is_proven_nonsingular, surd_ball
 from compensator_theory.strategies import rationals
+from tests.support.structure_cases import fewer
 
 PARTS = (1, sqrt(2), sqrt(3), I, I * sqrt(5), sqrt(6))
 
@@ -26,20 +27,18 @@ def surd_matrices(draw, is_singular):
     return T
 
 
-@settings(max_examples=40)
 @given(surd_matrices(is_singular=False))
 def test_what_is_proved_is_what_sympy_finds(T):
     determinant = sympy.expand(T.det(method="berkowitz"))
     assert is_proven_nonsingular(T) == (determinant != 0)
 
 
-@settings(max_examples=15)
+@fewer(2)
 @given(surd_matrices(is_singular=True))
 def test_a_singular_matrix_is_never_proved(T):
     assert not is_proven_nonsingular(T)
 
 
-@settings(max_examples=40)
 @given(rationals(), rationals(), st.sampled_from(PARTS), st.sampled_from((-2, -1, 1, 3)))
 def test_balls_hold_their_numbers(x, y, part, power):
     number = x + y * part
