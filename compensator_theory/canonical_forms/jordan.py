@@ -17,6 +17,7 @@ from compensator_theory.matrices.invariant_subspaces import (
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
+from compensator_theory.matrices.nonsingularity import is_proven_nonsingular
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.reading import is_one_of
@@ -42,7 +43,8 @@ class JordanForm(ExactValue):
     over : str
         "rational", "real" or "complex".
     certificate : Certificate
-        A T - T J, computed anew; T is nonsingular.
+        A T - T J, computed anew, and a 0 for det T not 0: by the exact rank, or with square roots
+        by a ball that contains det T and not 0.
     """
 
     form: ImmutableMatrix
@@ -125,8 +127,9 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
                 forms.append(form)
     T, J = joined(a.rows, columns), ImmutableMatrix(sympy.diag(*forms))
     left = (a * T - T * J).applyfunc(sympy.expand)
-    assert over != "rational" or rank(T) == a.rows
-    return JordanForm(J, T, tuple(blocks), over, certificate_of(IDENTITY, [left]))
+    singular = sympy.Integer(not is_proven_nonsingular(T))  # 0 in a certificate that holds
+    certificate = certificate_of(IDENTITY, [left, [singular]], "basis")
+    return JordanForm(J, T, tuple(blocks), over, certificate)
 
 
 def _generators(a: ImmutableMatrix, part: PrimaryComponent) -> list[tuple[Matrix, int]]:

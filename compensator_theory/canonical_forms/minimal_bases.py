@@ -33,7 +33,7 @@ class MinimalBasis(ExactValue):
         null space is M t with one polynomial vector t, and its degree is the largest of
         deg t_i + indices_i.
     left_inverse : PolynomialMatrix or None
-        W, k x m: that it is polynomial proves that M loses rank nowhere.
+        W, k x m: that it is polynomial proves that M loses rank nowhere. None with M.
     indices : tuple of int
         Degrees of the columns, ascending: Forney's minimal indices. They are unique, M is not.
     exceptional : tuple of sympy.Expr

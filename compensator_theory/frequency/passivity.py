@@ -25,9 +25,10 @@ class RealnessDecision(ExactValue):
     ----------
     question : {"positive real", "bounded real"}
     holds : bool
-    poles : RootCount
+    poles : RootCount or None
         Of the transfer matrix if bounded real was asked; of its Cayley transform (G - I)(G + I)^-1
-        if positive real was. All are stable where the answer is yes.
+        if positive real was, None where that is undefined, because det(G + I) = 0 for all s. All
+        are stable where the answer is yes.
     spectrum : tuple of sympy.Poly
         In w = omega^2, or tan^2(theta/2) at z = exp(j theta): sums of principal minors of I - G*G
         (of the Cayley transform), times positive polynomials. The matrix is positive semidefinite

@@ -32,7 +32,7 @@ class DisturbanceDecoupling(ExactValue):
     subspaces : ControlledInvariantSubspaces
         V* and the symbols' exceptional set.
     certificate : Certificate or None
-        The Markov parameters from the disturbance to the output, all zero.
+        The Markov parameters from the disturbance to the output, all zero; None with F.
     """
 
     is_solvable: bool

@@ -1,13 +1,19 @@
 """Nevanlinna-Pick interpolation: how large a stable function with given values must be."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy
 from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.frequency.passivity import decide_bounded_real
+from compensator_theory.interpolation.pick_interpolants import (
+    require_closed,
+    solve_pick,
+    values_at,
+)
 from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.budget import ask, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
@@ -15,6 +21,8 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
 from compensator_theory.roots.enclosures import Enclosure
 from compensator_theory.stabilisation.critical_values import real_roots
+from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 LEVEL = Symbol("g")
 
@@ -38,6 +46,10 @@ class PickInterpolation(ExactValue):
         Of `least_squared`, certified.
     polynomial : sympy.Poly
         In g: the determinant of Pick's matrix with bound squared g, up to a factor.
+    points, values : tuple of sympy.Expr
+        As read.
+    variable : Symbol
+        s, z or q.
     """
 
     matrix: ImmutableMatrix
@@ -47,6 +59,71 @@ class PickInterpolation(ExactValue):
     least_squared: Expr
     enclosure: Enclosure
     polynomial: Poly
+    points: tuple[Expr, ...]
+    values: tuple[Expr, ...]
+    variable: Symbol
+
+    def interpolant(self, parameter: TransferFunctionLike | None = None) -> TransferFunction:
+        r"""Return a real function that takes the values and keeps the bound, verified.
+
+        .. math:: f(s_i) = w_i, \quad \|f\|_\infty \le \gamma, \qquad
+                  f = \gamma\,\frac{\Theta_{11} g + \Theta_{12}}{\Theta_{21} g + \Theta_{22}}
+
+        Parameters
+        ----------
+        parameter : transfer function, optional
+            g, real, stable and proper with a norm of at most 1: every g gives another f, and every
+            f comes from one. Default 0, the central function of order n, or less.
+
+        Returns
+        -------
+        TransferFunction
+            In lowest terms, with :math:`f(\infty) = \gamma\,g(\infty)` (in discrete time at -1),
+            and a certificate that it takes the values. That it is stable and within the bound was
+            decided by :func:`decide_bounded_real`. Where Pick's matrix is singular of rank r, f is
+            unique: gamma times a Blaschke product of degree r.
+
+        Raises
+        ------
+        NoSolutionError
+            If the bound is too small: none exists.
+        InputError
+            If the data are not closed under conjugation, so that no real function takes the
+            values, or the parameter is not bounded by 1, in another variable, or not free.
+
+        Notes
+        -----
+        Theta is the product of the n steps of Nevanlinna's algorithm, normalised at infinity. It
+        then has real coefficients. Source: J. A. Ball, I. Gohberg, L. Rodman, Interpolation of
+        Rational Matrix Functions (1990), Chapter 18.
+
+        Examples
+        --------
+        >>> from compensator_theory import h_infinity_norm, nevanlinna_pick
+        >>> found = nevanlinna_pick([1, 2], ["1/2", "1/3"])
+        >>> f = found.interpolant()
+        >>> print(f, h_infinity_norm(f).value)
+        (3*s/4 + 15/4)/(s**2 + 15*s/4 + 17/4) 15/17
+        >>> print(found.interpolant("1"))  # lossless: the bound is reached at every frequency
+        (s**2 - 3*s + 8)/(s**2 + 3*s + 8)
+        >>> print(nevanlinna_pick([2, 3], ["1/3", "1/2"]).interpolant())  # unique
+        (s - 1)/(s + 1)
+        """
+        if not self.is_feasible:
+            raise NoSolutionError(f"{self}: no function takes the values within the bound")
+        require_closed(self.points, self.values)
+        s, discrete = self.variable, is_discrete(self.variable, "interpolation")
+        if self.is_unique and parameter is not None:
+            raise InputError("the interpolating function is unique; leave the parameter out")
+        g = transfer_function(0 if parameter is None else parameter, s)
+        if not decide_bounded_real(g, s).holds:
+            raise InputError(f"the parameter {g} is not stable with a norm of at most 1")
+        if self.bound == 0:
+            return transfer_function((0, 1), variable=s)
+        scaled = [sympy.expand(w / self.bound) for w in self.values]
+        f = solve_pick(self.points, scaled, s, g, discrete=discrete)
+        whole = TransferFunction(f.numerator * self.bound, f.denominator)
+        return replace(whole, certificate=values_at(whole, self.points, self.values))
 
     def __str__(self) -> str:
         verdict = "feasible" if self.is_feasible else "not feasible"
@@ -109,7 +186,8 @@ def nevanlinna_pick(
     >>> nevanlinna_pick([1, 2], ["1/2", "1/3"]).is_feasible
     True
     """
-    discrete = is_discrete(as_symbol(variable), "interpolation")
+    symbol = as_symbol(variable)
+    discrete = is_discrete(symbol, "interpolation")
     where, w = (_numbers(listed, name) for listed, name in ((points, "points"), (values, "values")))
     gamma = sympy.sympify(exact_number(bound))
     if not gamma.is_Rational or gamma < 0:
@@ -144,8 +222,9 @@ def nevanlinna_pick(
         root.value == gamma**2 or root.enclosure.upper < gamma**2 for root in roots
     )
     return PickInterpolation(
-        matrix, gamma, above or on, on, largest.value, largest.enclosure, polynomial
-    )
+        matrix, gamma, above or on, on, largest.value, largest.enclosure, polynomial,
+        tuple(where), tuple(w), symbol,
+    )  # fmt: skip
 
 
 def _numbers(listed: Sequence[NumberLike], name: str) -> list[Expr]:

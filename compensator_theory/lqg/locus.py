@@ -128,16 +128,30 @@ class RegulatorLocus(ExactValue):
         .. math:: c s^4 - bs^2 + d = c\,\chi(s)\chi(-s), \qquad
                   \chi = s^2 + \sqrt{b/c + 2\sqrt{d/c}}\; s + \sqrt{d/c}
 
-        Descending and monic; None above n = 2 and in discrete time.
+        and in discrete time by :math:`\chi(1)` and :math:`\chi(-1)`, whose squares are known up to
+        c. Descending and monic; None above n = 2, where the coefficients are no square roots.
         """
         n = int(self.denominator.degree())
-        if self.is_discrete or n > 2:
+        if n > 2:
             return None
+        if self.is_discrete:
+            return self._discrete_form(n)
         c, *middle, d = self.spectrum.all_coeffs()[::2]
         if n == 1:
             return sympy.S.One, sympy.sqrt(sympy.cancel(-d / c))
         last = sympy.sqrt(sympy.cancel(d / c))
         return sympy.S.One, sympy.sqrt(sympy.cancel(-middle[0] / c) + 2 * last), last
+
+    def _discrete_form(self, n: int) -> tuple[Expr, ...]:
+        """With c chi(1)^2 = P, c chi(-1)^2 = M (chi(-1) < 0 for n = 1) and c chi(0) known."""
+        p = self.spectrum
+        P, M = sympy.expand(p.eval(1)), sympy.expand((-1) ** n * p.eval(-1))
+        plus, less = sympy.sqrt(P), sympy.sqrt(M)
+        if n == 1:
+            return sympy.S.One, (plus - less) / (plus + less)
+        end = p.coeff_monomial(p.gen ** (2 * n))
+        root = (plus + less + sympy.sqrt((plus + less) ** 2 - 16 * end)) / 4  # of c: |chi(0)| < 1
+        return sympy.S.One, (plus - less) / (2 * root), end / root**2
 
     def __str__(self) -> str:
         ends = []

@@ -25,15 +25,19 @@ class ObserverDecision(ExactValue):
     question : str
         What was asked: of a polynomial pair, a transfer function, a realisation, or about LQG.
     answer : bool or None
-        None if it is undecided, for instance because it depends on the values of symbols.
+        None if it is undecided: it depends on the values of symbols, a root lies on the boundary of
+        stability, or no certified ball was small enough. `reason` says which.
     reason : str
         In words of this input.
     number_of_forms : int, "a continuum" or None
-        Of observer-based forms; None if unknown.
+        Of observer-based forms. None if they were not counted: the answer is None, or does not rest
+        on forms (an unstable loop), the closed loop has symbols or irrational coefficients, or
+        forms with irrational or symbolic regulators could not be counted.
     characteristic_polynomial : sympy.Poly or None
-        Closed-loop polynomial on which the answer rests.
+        Closed-loop polynomial on which the answer rests; None where it rests on orders or a direct
+        term alone.
     forms : ObserverForms or None
-        The forms that were enumerated, if the answer rests on them.
+        The forms that were enumerated; None where the answer rests on something else.
 
     Notes
     -----

@@ -65,14 +65,19 @@ class ObserverForms(ExactValue):
 
     @property
     def number_of_candidates(self) -> int | None:
-        """Number of real monic regulator polynomials of degree n; None if symbols decide."""
+        """Number of real monic regulator polynomials of degree n.
+
+        None where the closed loop has symbols or irrational coefficients: they are not counted.
+        """
         if not is_rational(self.characteristic_polynomial):
             return None
         return count_observer_forms(self.characteristic_polynomial, self.plant.n)
 
     @property
     def is_complete(self) -> bool | None:
-        """Whether every real regulator polynomial is rational and so was tested; None if unknown.
+        """Whether every real regulator polynomial is rational and so was tested.
+
+        None where :attr:`number_of_candidates` is.
 
         The forms of irrational regulator polynomials are found in float64, by
         ``rcac_numeric.numeric_observer_forms``.

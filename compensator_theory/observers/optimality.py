@@ -1,5 +1,6 @@
 """What the observer-based structure says about optimality, and what it does not."""
 
+import sympy
 from sympy import Poly
 
 from compensator_theory.loops.siso import LoopPart, siso_loop, well_posed_loop
@@ -12,6 +13,7 @@ from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.counts import count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.roots.stability import decide_hurwitz, decide_schur
 from compensator_theory.systems.conversions import TransferFunctionLike
 
 
@@ -42,7 +44,8 @@ def is_lqg_suboptimal(
     ObserverDecision
         Yes if the loop is unstable, or if :math:`G_c` in lowest terms is not observer-based. No if
         it is observer-based and the loop is stable: the problem above has it as its optimum. None
-        if a root lies on the boundary of stability or symbols decide.
+        if a root lies on the boundary of stability, symbols decide, or, in discrete time, it is not
+        strictly proper; `reason` says which.
 
     Raises
     ------
@@ -85,7 +88,7 @@ def is_lqg_suboptimal(
         reason = f"in lowest terms it is not observer-based: {structure.reason}"
         return ObserverDecision(question, True, reason, 0, Dtilde)
     if structure.answer is None or stable is None:
-        unknown = structure.reason if stable else "the stability of the closed loop is not decided"
+        unknown = structure.reason if stable else _why_undecided(Dtilde)
         return ObserverDecision(question, None, unknown, None, Dtilde)
     pair = pair_is_observer_based(G, G_c, feedback=feedback)
     hidden = "" if pair.answer else " (the pair as it is written is not, but the cost ignores that)"
@@ -97,9 +100,31 @@ def is_lqg_suboptimal(
 
 
 def _is_stable(poly: Poly) -> bool | None:
-    """Decide exactly; None on the boundary and with symbols."""
-    if not is_rational(poly):
-        return None
+    """Decide exactly; None on the boundary and where symbols decide."""
     discrete = is_discrete(poly.gen, "stability")
+    if not is_rational(poly):
+        if (decide_schur if discrete else decide_hurwitz)(poly).is_stable:
+            return True
+        return False if _is_certainly_unstable(poly, discrete) else None
     count = count_unit_disk_roots(poly) if discrete else count_half_plane_roots(poly)
     return False if count.unstable else None if count.boundary else True
+
+
+def _is_certainly_unstable(poly: Poly, discrete: bool) -> bool:
+    """Roots up to the boundary alone have coefficients of one sign, or a product of at most 1."""
+    if discrete:
+        return bool((sympy.Abs(poly.TC() / poly.LC()) - 1).is_positive)
+    return any(sympy.factor(c / poly.LC()).is_negative for c in poly.all_coeffs())
+
+
+def _why_undecided(poly: Poly) -> str:
+    discrete = is_discrete(poly.gen, "stability")
+    if not is_rational(poly):
+        if (decide_schur if discrete else decide_hurwitz)(poly).is_stable is False:
+            return "the closed loop is not stable, but its roots may lie on the boundary only"
+        return "the stability of the closed loop depends on the values of symbols"
+    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    return (
+        f"{count(poly).boundary} root(s) of the closed loop lie on the boundary of stability, "
+        "where the cost of an LQG problem need not have a stabilising optimum"
+    )

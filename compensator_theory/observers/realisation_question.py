@@ -189,7 +189,8 @@ def _by_youla_forms(plant: Realisation, compensator: Realisation, Dtilde: Poly) 
     all_ways = count_partitions(Dtilde, (n, n, n_c - n)) if is_rational(Dtilde) else None
     if found:
         reason = f"{len(found)} rational splits into regulator, observer and Youla parameter work"
-        return ObserverDecision(QUESTION, True, reason, None, Dtilde)
+        number = len(found) if all_ways and _every_real_factor_is_rational(Dtilde) else None
+        return ObserverDecision(QUESTION, True, reason, number, Dtilde)
     if all_ways == 0 or (all_ways and _every_real_factor_is_rational(Dtilde)):
         reason = (
             f"all {all_ways} real splits into regulator, observer and Youla parameter were tested "

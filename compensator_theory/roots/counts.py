@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import flint
 import sympy
-from sympy import QQ, Poly
+from sympy import QQ, Expr, Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, words
@@ -105,12 +105,32 @@ def has_real_root(poly: Poly) -> bool | None:
     factors = [factor for factor, _ in poly.factor_list()[1]]
     if any(factor.degree() % 2 for factor in factors):
         return True
-    real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in poly.free_symbols_in_domain}
+    real = {
+        symbol: sympy.Dummy(symbol.name, real=True)
+        for symbol in poly.free_symbols_in_domain
+        if symbol.is_real is None  # else it keeps what is known of it, its sign for instance
+    }
     signs = [
-        sympy.sympify(f.discriminant()).xreplace(real).is_nonnegative if f.degree() == 2 else None
+        _is_nonnegative(sympy.sympify(f.discriminant()).xreplace(real)) if f.degree() == 2 else None
         for f in factors
     ]
     return True if True in signs else False if set(signs) == {False} else None
+
+
+def _is_nonnegative(value: Expr) -> bool | None:
+    """Tell the sign of a value, False for negative; a quadratic without real roots keeps one."""
+    if (known := sympy.factor(value).is_nonnegative) is not None:
+        return bool(known)
+    for symbol in value.free_symbols:
+        if not (value.is_polynomial(symbol) and sympy.degree(value, symbol) == 2):
+            continue
+        quadratic = Poly(value, symbol)
+        discriminant = sympy.expand(quadratic.discriminant())
+        if quadratic.LC().is_positive and _is_nonnegative(-discriminant):
+            return True
+        if quadratic.LC().is_negative and _is_nonnegative(discriminant) is False:
+            return False
+    return None
 
 
 def count_half_plane_roots(poly: PolynomialLike) -> RootCount:

@@ -17,6 +17,7 @@ from compensator_theory.roots.regions import locate_half_plane_roots, locate_uni
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots, reflection_coefficients
 
 MAX_DETERMINANTS = 40
+MAX_SYMBOLIC_DEGREE = 4
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,9 @@ class StabilityDecision(ExactValue):
         Where the roots are to lie: the open left half plane or the open unit disk.
     by_coefficients, by_roots : bool or None
         The two answers. None if it depends on the value of a symbol, or (by_roots) if there are
-        symbols at all.
+        symbols or irrational coefficients at all.
     counts_by_coefficients, counts_by_roots : RootCount or None
-        The two counts behind the answers; None with symbols.
+        The two counts behind the answers; None with symbols or irrational coefficients.
     evidence : tuple of sympy.Expr
         Hurwitz determinants, or reflection coefficients as far as they decide.
 
@@ -56,7 +57,7 @@ class StabilityDecision(ExactValue):
 
     @property
     def is_stable(self) -> bool | None:
-        """The answer; None if it depends on a symbol or the two routes contradict each other."""
+        """The answer; None if it depends on a symbol (or the two routes contradict)."""
         return self.by_coefficients if self.is_unanimous else None
 
     @property
@@ -128,7 +129,10 @@ def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:
         return StabilityDecision(p, "half plane", by_coefficients, by_roots, *counts, evidence)
     determinants = hurwitz_determinants(p)
     signs = [sympy.factor(d).is_positive for d in determinants]
-    by_signs = False if False in signs else (None if None in signs else True)
+    needed = [sympy.factor(c / p.LC()).is_positive for c in p.all_coeffs()]  # all positive
+    by_signs = True if set(signs) == {True} else None
+    if False in signs + needed and p.LC().is_nonzero:  # else the degree may drop
+        by_signs = False
     return StabilityDecision(p, "half plane", by_signs, None, None, None, determinants)
 
 
@@ -138,7 +142,9 @@ def decide_schur(poly: PolynomialLike) -> StabilityDecision:
     Parameters
     ----------
     poly : polynomial
-        Not zero. With symbols the answer is None, unless the product of the roots decides.
+        Not zero. With symbols the product of the roots decides, or up to degree 4 the signs of the
+        Hurwitz determinants of the polynomial mapped to the half plane, as far as they follow from
+        the symbols' assumptions; else the answer is None.
 
     Returns
     -------
@@ -171,8 +177,11 @@ def decide_schur(poly: PolynomialLike) -> StabilityDecision:
         return StabilityDecision(p, "unit disk", _jury(p), None, None, None, (product,))
     certain = p.LC().is_nonzero  # else the degree may drop and the product mean nothing
     outside = certain and sympy.Ge(sympy.Abs(product), 1) == sympy.true
-    answer = False if outside else None
-    return StabilityDecision(p, "unit disk", answer, None, None, None, (product,))
+    is_small = 0 < p.degree() <= MAX_SYMBOLIC_DEGREE
+    if outside or not is_small or not any(x.is_real for x in p.free_symbols_in_domain):
+        answer = False if outside else None
+        return StabilityDecision(p, "unit disk", answer, None, None, None, (product,))
+    return _schur_through_hurwitz(p, certain)
 
 
 def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
@@ -213,6 +222,21 @@ def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
         lambda i, j: a[2 * j - i + 1] if 0 <= 2 * j - i + 1 <= degree else sympy.Integer(0),
     )
     return tuple(determinant(H[:k, :k]) for k in range(1, degree + 1))
+
+
+def _schur_through_hurwitz(p: Poly, degree_is_certain: bool) -> StabilityDecision:
+    """Decide by the signs of the determinants of (1 - w)^n p((1 + w)/(1 - w))."""
+    w, n = p.gen, int(p.degree())
+    terms = (c * (1 + w) ** k * (1 - w) ** (n - k) for (k,), c in p.terms())
+    mapped = polynomial(sympy.expand(sympy.Add(*terms)), w)
+    if mapped.degree() < n:  # p(-1) = 0, for all values
+        answer = False if degree_is_certain else None
+        return StabilityDecision(p, "unit disk", answer, None, None, None, ())
+    determinants = hurwitz_determinants(mapped)
+    signs = [sympy.factor(d).is_positive for d in determinants]
+    stable = None not in signs and False not in signs and bool(p.eval(-1).is_nonzero)
+    answer = True if stable else False if False in signs and degree_is_certain else None
+    return StabilityDecision(p, "unit disk", answer, None, None, None, determinants)
 
 
 def _jury(poly: Poly) -> bool | None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sympy import QQ, Poly, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.polynomials.poly import canonical
@@ -32,11 +32,13 @@ class SimultaneousStabilisability(ExactValue):
     auxiliary : TransferFunction or None
         Its strong stabilisability is the question; None where the plants are equal.
     decision : StrongStabilisability or None
-        The answer to it with its evidence.
+        The answer to it with its evidence; None where the plants are equal.
     compensator : TransferFunction or None
-        One that stabilises both, where the search found one; None does not say that there is none.
+        One that stabilises both, where the search found one; None for the reason in `reason`.
     characteristic_polynomials : tuple of sympy.Poly
         Of both loops with it, both stable; empty without it.
+    reason : str
+        Why there is no compensator: none exists, or none was found; "" if there is one.
     """
 
     is_stabilisable: bool
@@ -44,12 +46,11 @@ class SimultaneousStabilisability(ExactValue):
     decision: StrongStabilisability | None
     compensator: TransferFunction | None
     characteristic_polynomials: tuple[Poly, ...]
+    reason: str = ""
 
     def __str__(self) -> str:
-        if not self.is_stabilisable:
-            return "no compensator stabilises both plants"
         if self.compensator is None:
-            return "some compensator stabilises both plants"
+            return self.reason
         return f"{self.compensator} stabilises both plants"
 
     def _repr_latex_(self) -> str:
@@ -127,11 +128,18 @@ def decide_simultaneous_stabilisability(
     decision = decide_strong_stabilisability(auxiliary)
     possible = decision.is_strongly_stabilisable
     if not possible:
-        return SimultaneousStabilisability(False, auxiliary, decision, None, ())
+        return SimultaneousStabilisability(
+            False, auxiliary, decision, None, (), "no compensator stabilises both plants"
+        )
     size = max(0, auxiliary.reduced().order - 1)
     found = search_by_order(auxiliary, size, feedback=-1, between=False).compensator
     if found is None:
-        return SimultaneousStabilisability(True, auxiliary, decision, None, ())
+        reason = (
+            "some compensator stabilises both plants; the search for a stable compensator of the "
+            f"auxiliary plant {auxiliary} up to order {size} found none, which is no proof that "
+            "there is none: try stable_compensator with a larger max_order"
+        )
+        return SimultaneousStabilisability(True, auxiliary, decision, None, (), reason)
     # C = (U + M_1 Q)/(V - N_1 Q) with U = u/h^size, V = v/h^size, M_1 = d_1/h^size
     a, b = found.numerator, found.denominator
     chosen = u * b + d_1 * a, v * b - n_1 * a
@@ -166,6 +174,6 @@ def _result(
         loop = canonical(d * C.denominator - feedback * n * C.numerator)
         location = count(loop)
         if location.stable < location.total or not C.is_proper:
-            return SimultaneousStabilisability(answer, auxiliary, decision, None, ())
+            raise NoSolutionError(f"{C} leaves {loop.as_expr()} unstable; please report it")
         loops.append(loop)
     return SimultaneousStabilisability(answer, auxiliary, decision, C, tuple(loops))

@@ -7,7 +7,7 @@ from itertools import permutations
 import flint
 from sympy import QQ, Poly, Rational
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.polynomial_matrices.rings import RationalRing
@@ -220,5 +220,6 @@ def _found(
     count = count_unit_disk_roots if discrete else count_half_plane_roots
     for poly in (whole, compensator.denominator):
         location = count(canonical(poly))
-        assert location.stable == location.total, "what was found is stable"
+        if location.stable != location.total:
+            raise NoSolutionError(f"{compensator} leaves {location}; please report it")
     return StableCompensator(compensator, canonical(whole), decision, order, "")

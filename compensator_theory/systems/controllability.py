@@ -1,5 +1,8 @@
 """Kalman's controllability and observability, exact, and the modes that they miss."""
 
+from functools import reduce
+from itertools import combinations, islice
+
 import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
@@ -14,6 +17,8 @@ from compensator_theory.matrices.linear_algebra import (
 )
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
+
+MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
 
 
 def controllability_matrix(A: MatrixLike, B: MatrixLike) -> ImmutableMatrix:
@@ -76,7 +81,8 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     Returns
     -------
     bool or None
-        None if it depends on the values of symbols; False if it fails for all of them.
+        None if it depends on the values of symbols, or, for several inputs, if none of the minors
+        that are tried settles it; False if it fails for all values.
 
     Raises
     ------
@@ -96,9 +102,27 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
         return False
     if not kalman.free_symbols:
         return True
-    if kalman.rows != kalman.cols:
+    return _has_full_rank(kalman)
+
+
+def _has_full_rank(kalman: ImmutableMatrix) -> bool | None:
+    """Tell whether some minor of full size is not zero, whatever the values; None if unknown."""
+    n = kalman.rows
+    numbers = [j for j in range(kalman.cols) if not kalman[:, j].free_symbols]
+    if len(numbers) >= n and rank(kalman[:, numbers]) == n:
+        return True
+    minors = []
+    for columns in islice(combinations(range(kalman.cols), n), MINORS):
+        minor = determinant(kalman[:, list(columns)])
+        if minor.is_nonzero:
+            return True
+        minors.append(minor)
+    tops = [sympy.fraction(sympy.cancel(minor))[0] for minor in minors]
+    symbol, *others = kalman.free_symbols
+    if others or not all(top.is_polynomial(symbol) for top in tops):
         return None
-    known: bool | None = determinant(kalman).is_nonzero
+    shared = reduce(lambda a, b: a.gcd(b), [Poly(top, symbol) for top in tops])
+    known: bool | None = shared.as_expr().is_nonzero  # where all minors vanish, so does their gcd
     return known
 
 

@@ -222,8 +222,10 @@ def test_other_answers_about_lqg():
 
 def test_symbols():
     assert pair_is_observer_based("1/(s**2 + a)", "1/(s**2 + b)", feedback=1).answer is True
-    assert pair_is_observer_based("1/(s + a)", "1/(s + b)", feedback=1).answer is None
-    undecided = transfer_function_is_observer_based("1/(s + a)", "1/(s + b)", feedback=1)
+    # The discriminants (a - b)^2 + 4 and (a - b)^2 - 4.
+    assert pair_is_observer_based("1/(s + a)", "1/(s + b)", feedback=1).answer is True
+    assert pair_is_observer_based("1/(s + a)", "1/(s + b)", feedback=-1).answer is None
+    undecided = transfer_function_is_observer_based("1/(s + a)", "1/(s + b)", feedback=-1)
     assert undecided.answer is None and undecided.number_of_forms is None
     with pytest.raises(InputError, match="undecided"):
         bool(undecided)
