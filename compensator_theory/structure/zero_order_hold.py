@@ -202,12 +202,13 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
 
 def _positive(step: NumberLike) -> Expr:
     logarithm = isinstance(step, Expr) and step.is_number and bool(step.has(sympy.log))
-    if logarithm:
+    if isinstance(step, Expr) and logarithm:
         require_readable(step)
         for number in step.atoms(sympy.Rational):
             ask_for_number(int(number.p), int(number.q), "a number in the step")
-        step = rational_floats(step, binary=False)
-    h: Expr = sympy.sympify(step if logarithm else exact_number(step))
+        h: Expr = rational_floats(step, binary=False)
+    else:
+        h = sympy.sympify(exact_number(step))
     if h.is_positive is False or (h.is_number and not (h.is_Rational or logarithm)):
         raise InputError(f"the step {shown(step)} must be a positive rational number, or a symbol")
     if not (h.is_number or isinstance(h, Symbol)):
