@@ -90,7 +90,7 @@ def test_the_step_is_no_variable_and_its_exponentials_are_not_endless():
     assert fine.realisation.A[0, 0] == sympy.Integer(2) ** -50_000
 
 
-@pytest.mark.parametrize("letters", ["12", b"12", {1: 3, 2: 4}, {1, 2}])
+@pytest.mark.parametrize("letters", ["12", b"12", {1: 3, 2: 4}])
 def test_letters_and_keys_are_no_list(letters):
     with pytest.raises(exact.InputError, match="must be a list"):
         exact.direction_residual([["(q - 2)/q", 0], [0, "1/q"]], 2, letters)
