@@ -52,17 +52,15 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     """
     first, is_plain = _written(obj, variable)
     is_text = is_plain or (isinstance(obj, str) and variable is None)
-    text, was_system = first, not is_plain
+    text = first
     for _ in range(5):  # SymPy has several forms for roots of rational numbers
         with unlimited():
             quotient = read_text(text)
             again = "" if is_text else _form(text, quotient, variable)[0]
         if is_text:  # within the budget, as its reader will look at it: q/q - s is no system, -s is
-            again, is_plain = _form(text, quotient, variable)
+            again, _ = _form(text, quotient, variable)
         if again == text:
             return text
-        if is_plain and was_system:  # a system whose own text is too long for its reader
-            break
         if len(again) > 2 * len(text) > 4 * len(first):  # each pass brings in new products
             break
         text = again
