@@ -1,20 +1,34 @@
 """Kronecker's canonical form of a pencil: minimal indices, finite and infinite structure."""
 
 from dataclasses import dataclass
+from math import lcm
 
+import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minimal_basis
+from compensator_theory.canonical_forms.minimal_bases import (
+    MinimalBasis,
+    basis_of_pencil,
+    minimal_basis,
+)
+from compensator_theory.canonical_forms.pencil_kernels import Pencil
+from compensator_theory.canonical_forms.regular_parts import (
+    elementary_divisors,
+    invariant_polynomials,
+)
 from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError
 from compensator_theory.latex import diagonal, displayed, latex, unless
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import is_rational_matrix, to_flint
+from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     polynomial_matrix,
 )
+from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -98,10 +112,12 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, variable: str | Symbol = "s") -
 
     Notes
     -----
-    The finite part is the Smith form of sE - A, the infinite one the powers of s in that of E - sA:
-    for a regular pencil the form of Weierstrass. The sizes add up to the rank. Source: L.
-    Kronecker (1890); F. R. Gantmacher, The Theory of Matrices, vol. 2, XII; P. Van Dooren, Linear
-    Algebra and its Applications 27 (1979).
+    The finite part is that of the Smith form of sE - A, the infinite one the powers of s in that of
+    E - sA: for a regular pencil the form of Weierstrass. The sizes add up to the rank. With symbols
+    both Smith forms are computed; where all numbers are rational, what is left between the
+    subspaces of both minimal bases is one square matrix, and they are its elementary divisors.
+    Source: L. Kronecker (1890); F. R. Gantmacher, The Theory of Matrices, vol. 2, XII; P. Van
+    Dooren, Linear Algebra and its Applications 27 (1979).
 
     Examples
     --------
@@ -119,6 +135,8 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, variable: str | Symbol = "s") -
         )
     if s in a.free_symbols | e.free_symbols:
         raise InputError(f"the matrices contain {s}, the variable; name another one")
+    if is_rational_matrix(a) and is_rational_matrix(e):
+        return _rational(to_flint(a), to_flint(e), s)
     pencil = polynomial_matrix(s * e - a, s)
     reverse = polynomial_matrix(e - s * a, s)
     right, left = minimal_basis(pencil), minimal_basis(pencil.T)
@@ -144,4 +162,28 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, variable: str | Symbol = "s") -
         exceptional_factors(
             [*(x for part in parts for x in part.exceptional), *map(sympy.sympify, lowest)]
         ),
+    )
+
+
+def _rational(A: flint.fmpq_mat, E: flint.fmpq_mat, s: Symbol) -> KroneckerForm:
+    """Find the form without a Smith form, whose numbers would swell."""
+    ask("degree", max(A.nrows(), A.ncols()), "the pencil")
+    rows = [
+        [from_flint_polynomial(flint.fmpq_poly([-a, e]), s) for a, e in zip(*row, strict=True)]
+        for row in zip(A.tolist(), E.tolist(), strict=True)
+    ]
+    pencil = PolynomialMatrix(tuple(map(tuple, rows)))
+    common = lcm(int(A.numer_denom()[1]), int(E.numer_denom()[1]))
+    work = Pencil((A * common).numer_denom()[0], (E * common).numer_denom()[0])
+    right, left = work.null_vectors(), work.T.null_vectors()
+    finite, infinite = elementary_divisors(work, right, left)
+    return KroneckerForm(
+        pencil,
+        tuple(len(vector) - 1 for vector in right),
+        tuple(len(vector) - 1 for vector in left),
+        tuple(from_flint_polynomial(p, s) for p in invariant_polynomials(finite)),
+        tuple(sorted(infinite)),
+        basis_of_pencil(pencil, right),
+        basis_of_pencil(pencil.T, left),
+        (),
     )

@@ -1,18 +1,26 @@
 """Minimal polynomial bases of the null spaces of polynomial matrices (Forney)."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from math import lcm
 
-from sympy import Expr, ImmutableMatrix, Symbol
+import flint
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
+from compensator_theory.canonical_forms.pencil_kernels import MEASURE, NullVectors, Pencil
 from compensator_theory.canonical_forms.row_forms import row_reduced_form
+from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.flint_polynomials import from_flint_polynomial, to_flint_polynomial
+from compensator_theory.matrices.residues import pivots
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
     polynomial_matrix,
 )
+from compensator_theory.polynomials.budget import ask, decimal_digits, unlimited
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "P M = 0, W M = I"
@@ -81,23 +89,27 @@ def minimal_basis(
 
     Notes
     -----
-    Row operations that reduce the transpose leave the basis in the unimodular matrix; its rows are
-    then reduced themselves. Source: G. D. Forney, Minimal bases of rational vector spaces, SIAM J.
-    Control 13 (1975); T. Kailath, Linear Systems (1980), Section 6.5.4.
+    Where all numbers are rational, the null vectors are those of a pencil, by (x, s x, s^2 x, ...),
+    and they come from Krylov chains. With symbols, row operations that reduce the transpose leave
+    the basis in the unimodular matrix; its rows are then reduced themselves. Source: G. D. Forney,
+    Minimal bases of rational vector spaces, SIAM J. Control 13 (1975); T. Kailath, Linear Systems
+    (1980), Sections 6.4 and 6.5.4.
 
     Examples
     --------
     >>> from compensator_theory import minimal_basis
     >>> found = minimal_basis([["s**2 + 1", "s", "s**3"]])
     >>> print(found, found.indices)
-    [[-s, 0], [1, -s**2], [1, 1]] (1, 2)
+    [[-s, -s], [1, s**2 + 1], [1, 0]] (1, 2)
     """
     P = polynomial_matrix(matrix, variable)
+    if all(entry.domain.is_QQ or entry.domain.is_ZZ for row in P.rows for entry in row):
+        ask("degree", max(P.shape) * max(1, P.degree), "the polynomial matrix")
+        return basis_of_pencil(P, _pencil(P).null_vectors())
     first = row_reduced_form(P.T)
     rank, size = first.rank, P.shape[1]
     if rank == size:
-        residual = ImmutableMatrix.zeros(1, 1)
-        return MinimalBasis(P, None, None, (), first.exceptional, Certificate(IDENTITY, residual))
+        return _none(P, first.exceptional)
     kernel = PolynomialMatrix(first.U.rows[rank:])
     second = row_reduced_form(kernel)
     opposite = PolynomialMatrix(tuple(row[rank:] for row in first.U_inverse.rows))
@@ -108,6 +120,84 @@ def minimal_basis(
     exceptional = exceptional_factors([*first.exceptional, *second.exceptional])
     indices = tuple(second.row_degrees[i] for i in order)
     return MinimalBasis(P, M, W, indices, exceptional, _certificate(P, M, W))
+
+
+def basis_of_pencil(P: PolynomialMatrix, vectors: NullVectors) -> MinimalBasis:
+    r"""Return a minimal basis of P from that of its pencil, with a left inverse.
+
+    The pencil is that of :math:`(x, s x, \ldots, s^{d-1} x)` for P of degree d. The coefficients of
+    a minimal basis of a pencil are independent, all of them, so that a constant matrix sends those
+    of s^0 to unit vectors and the others to zero.
+
+    Parameters
+    ----------
+    P : PolynomialMatrix
+        With rational coefficients.
+    vectors : nested lists of int
+        Each by ascending powers of s, the shortest first.
+
+    Raises
+    ------
+    NoSolutionError
+        If the columns are no minimal basis.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial_matrix
+    >>> from compensator_theory.canonical_forms.minimal_bases import basis_of_pencil
+    >>> print(basis_of_pencil(polynomial_matrix([["s", -1]]), [[[1, 0], [0, 1]]]).left_inverse)
+    [[1, 0]]
+    """
+    if not vectors:
+        return _none(P, ())
+    s, m, d = P.variable, P.shape[1], max(1, P.degree)
+    coefficients = flint.fmpz_mat([column for vector in vectors for column in vector])
+    starts = [int(k == 0) for vector in vectors for k, _ in enumerate(vector)]
+    wanted = flint.fmpz_mat(len(starts), len(vectors))
+    for column, row in enumerate(k for k, start in enumerate(starts) if start):
+        wanted[row, column] = 1
+    digits = decimal_digits(max(int(x).bit_length() for x in coefficients.entries()))
+    ask("entries", len(starts) ** 2 * (digits // 4), MEASURE)
+    chosen = pivots(coefficients)
+    if len(chosen) < len(starts):
+        raise NoSolutionError("dependent coefficients in a minimal basis; please report it")
+    square = flint.fmpz_mat([[row[j] for j in chosen] for row in coefficients.tolist()])
+    solved = square.solve(wanted).transpose().tolist()
+    inverse = [dict(zip(chosen, row, strict=True)) for row in solved]
+
+    def poly(ascending: Iterable[flint.fmpz | flint.fmpq | int]) -> Poly:
+        return from_flint_polynomial(flint.fmpq_poly(list(ascending)), s)
+
+    W = [[poly(row.get(k * m + j, 0) for k in range(d)) for j in range(m)] for row in inverse]
+    M = [[poly(column[j] for column in vector) for vector in vectors] for j in range(m)]
+    w, basis = (PolynomialMatrix(tuple(map(tuple, grid))) for grid in (W, M))
+    indices = tuple(len(vector) - d for vector in vectors)
+    with unlimited():  # P has passed the doors, and products of rows take no elimination
+        return MinimalBasis(P, basis, w, indices, (), _certificate(P, basis, w))
+
+
+def _pencil(P: PolynomialMatrix) -> Pencil:
+    """Return the pencil of (x, s x, ..., s^(d-1) x) for a rational P of degree d."""
+    (p, m), d = P.shape, max(1, P.degree)
+    entries = [[to_flint_polynomial(entry) for entry in row] for row in P.rows]
+    common = lcm(*(int(entry.denom()) for row in entries for entry in row))
+    below = (d - 1) * m
+    A, E = (flint.fmpz_mat(below + p, d * m) for _ in range(2))
+    for k in range(below):
+        E[k, k], A[k, m + k] = 1, 1
+    for i, row in enumerate(entries):
+        for j, entry in enumerate(row):
+            for k, c in enumerate((entry * common).numer().coeffs()):
+                if k < d:
+                    A[below + i, k * m + j] = -c
+                else:
+                    E[below + i, below + j] = c
+    return Pencil(A, E)
+
+
+def _none(P: PolynomialMatrix, exceptional: tuple[Expr, ...]) -> MinimalBasis:
+    nothing = Certificate(IDENTITY, ImmutableMatrix.zeros(1, 1))
+    return MinimalBasis(P, None, None, (), exceptional, nothing)
 
 
 def _certificate(P: PolynomialMatrix, M: PolynomialMatrix, W: PolynomialMatrix) -> Certificate:

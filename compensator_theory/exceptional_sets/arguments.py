@@ -105,7 +105,7 @@ def names_in(argument: Any) -> set[str]:
     if isinstance(argument, str):
         return set(_NAME.findall(argument)) - _WORDS
     if isinstance(argument, Poly):
-        return {s.name for c in argument.all_coeffs() for s in c.free_symbols}
+        return {s.name for c in argument.coeffs() for s in c.free_symbols}
     if isinstance(argument, Basic | MatrixBase):
         return {s.name for s in argument.free_symbols}
     if isinstance(argument, dict):

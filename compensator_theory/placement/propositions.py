@@ -85,7 +85,8 @@ def check_proposition_3(
     Raises
     ------
     InputError
-        If deg N >= deg D, or n_c < deg N, so that N has no formal degree n_c.
+        If deg N >= deg D, or n_c < deg N, so that N has no formal degree n_c, or a degree is no
+        integer.
 
     Notes
     -----
@@ -100,7 +101,7 @@ def check_proposition_3(
     >>> found.left, found.holds, found.printed_holds
     (True, True, True)
     """
-    d, b, n = _read(D, N, n_c, variable)
+    d, b, n = _read(D, N, n_c, m_hat, variable)
     left = _matrix(d, b, n_c, m_hat) == sylvester_m1(d, b, n, n_c)
     right = m_hat == n - 1
     return PropositionCheck("M = M1(D, N) iff m_hat = n - 1", left, right, right and n_c <= n)
@@ -138,14 +139,14 @@ def check_proposition_4(
     >>> print(check_proposition_4("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1))
     holds: M = M2(D, N) is True, m_hat = n - 1 and n_c = n is True
     """
-    d, b, n = _read(D, N, n_c, variable)
+    d, b, n = _read(D, N, n_c, m_hat, variable)
     left = _matrix(d, b, n_c, m_hat) == sylvester_m2(d, b)
     right = m_hat == n - 1 and n_c == n
     return PropositionCheck("M = M2(D, N) iff m_hat = n - 1 and n_c = n", left, right, right)
 
 
 def _read(
-    D: PolynomialLike, N: PolynomialLike, n_c: int, variable: str | Symbol | None
+    D: PolynomialLike, N: PolynomialLike, n_c: int, m_hat: int, variable: str | Symbol | None
 ) -> tuple[Poly, Poly, int]:
     d, b = in_one_variable(D, N, variable=variable, default="s")
     n, m = int(d.degree()), int(max(b.degree(), 0))
@@ -153,6 +154,8 @@ def _read(
         raise InputError(f"deg N = {m} must be below deg D = {n}, as for a strictly proper plant")
     if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < max(m, 0):
         raise InputError(f"n_c = {shown(n_c)} must be an integer of at least deg N = {m}")
+    if isinstance(m_hat, bool) or not isinstance(m_hat, int):
+        raise InputError(f"m_hat = {shown(m_hat)} must be an integer, the degree of a numerator")
     ask("entries", (n + n_c) ** 2, "the Sylvester matrix")
     return d, b, n
 

@@ -211,7 +211,10 @@ def multiply(ring: Ring, left: Sequence[Sequence[Element]], right: Grid) -> Grid
     if isinstance(ring, SymbolicRing) and ring.has_fractions:
         return ring.product(left, columns)
     return [
-        [sum((x * y for x, y in zip(row, column, strict=True)), ring.zero) for column in columns]
+        [
+            sum((x * y for x, y in zip(row, column, strict=True) if x and y), ring.zero)
+            for column in columns
+        ]
         for row in left
     ]
 

@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sized
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
@@ -228,7 +228,8 @@ def listed(values: Iterable[Item], name: str, what: str, more: int = 0) -> list[
     """
     if hasattr(values, "toarray"):
         raise InputError(f"{what} is a sparse array; write it out with .toarray()")
-    if not isinstance(values, Iterable) or getattr(values, "shape", None) == ():
+    letters = isinstance(values, str | bytes | Mapping)  # or keys; in a text there is another list
+    if letters or not isinstance(values, Iterable) or getattr(values, "shape", None) == ():
         raise InputError(f"{what} must be a list, not {shown(values)}")
     if isinstance(values, Sized):
         ask(name, len(values) - more, what)

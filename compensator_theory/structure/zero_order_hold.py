@@ -11,9 +11,16 @@ from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
-from compensator_theory.polynomials.budget import ask, shown, unlimited
+from compensator_theory.polynomials.budget import (
+    ask,
+    ask_for_number,
+    decimal_digits,
+    shown,
+    unlimited,
+)
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, from_coefficients
+from compensator_theory.polynomials.sympy_trees import rational_floats, require_readable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
@@ -120,6 +127,8 @@ def zero_order_hold(
     if given.variable.name in ("z", "q") or is_discrete(given.variable, "sampling"):
         raise InputError(f"the plant in {given.variable} is discrete already; give one in s")
     h = _positive(step)
+    if h in (given.variable, z):
+        raise InputError(f"{h} is the variable of a plant, not a step; name the step otherwise")
     ask("entries", (given.n + given.B.cols) ** 2 * (given.n + 1), "the matrix exponential")
     if h in given.A.free_symbols | given.B.free_symbols:
         raise InputError(f"the plant contains {h}, the step; name the step otherwise")
@@ -133,13 +142,13 @@ def zero_order_hold(
     annihilator = canonical(poles * Poly(given.variable, given.variable, domain=QQ))
     found = matrix_exponential(M, annihilator, t, used)
     E = found.value
-    values = {x: sympy.exp(rate * t).subs(t, h) for x, rate in found.rates}
+    values = {x: _exponential(rate * h) for x, rate in found.rates}
     known = {x: value for x, value in values.items() if value.is_Rational}
     sampled = E.subs({t: h, **known}) if t != h or known else E
     if any(e.has(sympy.log, sympy.exp) for e in sampled):
         raise InputError(
-            f"with multiple poles the step {h} itself, an irrational number, is in the matrices; "
-            "leave it a symbol"
+            f"with multiple poles the step {shown(h)} itself, an irrational number, is in the "
+            "matrices; leave it a symbol"
         )
     with unlimited():
         result = Realisation(
@@ -193,9 +202,28 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
 
 def _positive(step: NumberLike) -> Expr:
     logarithm = isinstance(step, Expr) and step.is_number and bool(step.has(sympy.log))
-    h: Expr = sympy.sympify(step if logarithm else exact_number(step))
+    if isinstance(step, Expr) and logarithm:
+        require_readable(step)
+        for number in step.atoms(sympy.Rational):
+            ask_for_number(int(number.p), int(number.q), "a number in the step")
+        h: Expr = rational_floats(step, binary=False)
+    else:
+        h = sympy.sympify(exact_number(step))
     if h.is_positive is False or (h.is_number and not (h.is_Rational or logarithm)):
-        raise InputError(f"the step {step} must be a positive rational number, or a symbol")
+        raise InputError(f"the step {shown(step)} must be a positive rational number, or a symbol")
     if not (h.is_number or isinstance(h, Symbol)):
-        raise InputError(f"the step {step} must be a symbol or a number, such as 'h' or 0.1")
+        raise InputError(f"the step {shown(step)} must be a symbol or a number, such as 'h' or 0.1")
     return h
+
+
+def _exponential(exponent: Expr) -> Expr:
+    """Return e to a multiple of the step, a rational number where that is one of logarithms."""
+    bits = 0
+    for term in sympy.Add.make_args(sympy.expand(exponent)):
+        factor, logarithm = term.as_coeff_Mul()
+        number = logarithm.args[0] if isinstance(logarithm, sympy.log) else sympy.Integer(1)
+        if number.is_Rational:
+            longer = max(int(number.p).bit_length(), int(number.q).bit_length())
+            bits += int(abs(factor) * longer)
+    ask("digits", decimal_digits(bits), "the exponential of a pole with this step")
+    return sympy.exp(exponent)

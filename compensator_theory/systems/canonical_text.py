@@ -1,5 +1,6 @@
 """What was read, echoed: text that reads back to the same number, polynomial or system."""
 
+import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
@@ -10,7 +11,7 @@ from compensator_theory.polynomials.budget import long_integers, unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.quotients import Quotient, multiplied_out
+from compensator_theory.polynomials.quotients import Product, Quotient, multiplied_out
 from compensator_theory.polynomials.reading import is_list, polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -49,8 +50,9 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     >>> canonical("2i + .50"), canonical("(s+1)*(s+2)"), canonical("1/s + 1/(s + 1)")
     ('1/2 + 2*I', 's**2 + 3*s + 2', '(2*s + 1)/(s**2 + s)')
     """
-    text, is_plain = _written(obj, variable)
+    first, is_plain = _written(obj, variable)
     is_text = is_plain or (isinstance(obj, str) and variable is None)
+    text = first
     for _ in range(5):  # SymPy has several forms for roots of rational numbers
         with unlimited():
             quotient = read_text(text)
@@ -59,8 +61,12 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
             again, _ = _form(text, quotient, variable)
         if again == text:
             return text
+        if len(again) > 2 * len(text) > 4 * len(first):  # each pass brings in new products
+            break
         text = again
-    raise InputError(f"{text[:60]} has no form here that reads back to itself; write symbols")
+    if (whole := _with_whole_coefficients(obj, variable)) is not None:
+        return whole
+    raise InputError(f"{first[:60]} has no form here that reads back to itself; write symbols")
 
 
 def _written(obj: TransferFunctionLike, variable: str | Symbol | None) -> tuple[str, bool]:
@@ -91,6 +97,55 @@ def _form(
         if variable is not None:
             raise
     return _plain(quotient), True
+
+
+def _with_whole_coefficients(
+    obj: TransferFunctionLike, variable: str | Symbol | None
+) -> str | None:
+    """Write a system whose monic form is never the last, or too long, without inner fractions.
+
+    Its coefficients are divided by sums with roots of symbols, or by powers of symbols: here they
+    are multiplied by what they are divided by, and what all of them share is taken out.
+    """
+    text, known = "", obj
+    for _ in range(5):
+        with unlimited():
+            try:
+                system = transfer_function(known, variable)
+            except InputError:  # a number, whose forms were not settled either
+                return None
+            if isinstance(known, str):
+                quotient = read_text(known)
+            else:
+                tree = Product(
+                    (tree_of(system.numerator.as_expr()),),
+                    (tree_of(system.denominator.as_expr()),),
+                )
+                quotient = multiplied_out(tree, least_denominators=True)
+            top, bottom = _shared_taken_out(quotient, system.variable).sides()
+        with long_integers():
+            text, before = f"({top})/({bottom})", text
+        if text == before:
+            return text
+        known = text
+    return None
+
+
+def _shared_taken_out(quotient: Quotient, variable: Symbol) -> Quotient:
+    """Divide both sides by the gcd of their coefficients as polynomials in the variable."""
+    if variable not in quotient.generators:
+        return quotient
+    place = quotient.generators.index(variable)
+    shared = quotient.numerator * 0
+    for side in (quotient.numerator, quotient.denominator):
+        coefficients: dict[int, dict[tuple[int, ...], flint.fmpq]] = {}
+        for powers, c in side.to_dict().items():
+            rest = (*powers[:place], 0, *powers[place + 1 :])
+            coefficients.setdefault(powers[place], {})[rest] = c
+        for terms in coefficients.values():
+            shared = shared.gcd(side.context().from_dict(terms))
+    shared *= (quotient.denominator / shared).leading_coefficient()
+    return Quotient(quotient.numerator / shared, quotient.denominator / shared, quotient.generators)
 
 
 def _plain(quotient: Quotient) -> str:

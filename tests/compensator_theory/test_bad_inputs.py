@@ -12,9 +12,10 @@ import time
 import numpy as np
 import pytest
 import scipy.sparse
+import sympy
 
 import compensator_theory as exact
-from tests.support.bad_inputs import BAD, GOOD, NOT_DOORS
+from tests.support.bad_inputs import BAD, GOOD, LAST_ARGUMENTS, NOT_DOORS
 
 SECONDS, MEGABYTES, ENOUGH, DRAWN = 2, 200, 50, 6
 
@@ -68,6 +69,31 @@ def test_bad_settings_end_in_no_foreign_error(name):
     for setting in settings:
         for value in random.Random(name + setting).sample(SETTINGS, 3):
             refuses(door, arguments, keywords | {setting: value})
+
+
+@pytest.mark.parametrize(("name", "argument"), sorted(LAST_ARGUMENTS))
+def test_last_arguments_are_read_as_strictly(name, argument):
+    door, (arguments, keywords) = getattr(exact, name), GOOD[name]
+    place = list(inspect.signature(door).parameters).index(argument)
+    for value in LAST_ARGUMENTS[name, argument]:
+        refuses(door, arguments[:place], keywords | {argument: value})
+
+
+def test_the_step_is_no_variable_and_its_exponentials_are_not_endless():
+    for step in ("s", "z"):
+        with pytest.raises(exact.InputError, match="the variable of a plant, not a step"):
+            exact.zero_order_hold("1/(s + 1)", step)
+    with pytest.raises(exact.BudgetError, match="exponential of a pole with this step"):
+        exact.zero_order_hold("1/(s + 1)", 10**50 * sympy.log(2))
+    with exact.budget(digits=40_000):
+        fine = exact.zero_order_hold("1/(s + 1)", 50_000 * sympy.log(2))
+    assert fine.realisation.A[0, 0] == sympy.Integer(2) ** -50_000
+
+
+@pytest.mark.parametrize("letters", ["12", b"12", {1: 3, 2: 4}])
+def test_letters_and_keys_are_no_list(letters):
+    with pytest.raises(exact.InputError, match="must be a list"):
+        exact.direction_residual([["(q - 2)/q", 0], [0, "1/q"]], 2, letters)
 
 
 @pytest.mark.parametrize(

@@ -193,5 +193,25 @@ GOOD = {
     "continuous_high_authority": ([_CONTINUOUS], {}),
     "continuous_regulator_spectrum": ([[[0]], [[1]], [[2], [0]], [[0], [1]], "s"], {}),
 }  # fmt: skip
+_VALUES = [
+    -1, 0, 0.5, 1j, "1j", "", [], {}, set(), {1: 1}, [None], [True], ["1"], [-1], [1.0], [1, 1, 1],
+    [10**30], 10**30, float("nan"), [float("nan")], sympy.I, sympy.Integer(2), sympy.nan,
+    np.array([1, 1]), np.zeros((2, 2)), object(), s, "s", b"1", range(10**7), itertools.count(),
+]  # fmt: skip
+LAST_ARGUMENTS = {
+    ("zero_direction_target", "zeros"): [*_VALUES, "2", [2], [(2,)], [("2", "1")], [(2, {1: 1})]],
+    ("zero_direction_target", "delays"): [*_VALUES, [1, 1], (0.5,)],
+    ("zero_direction_target", "taps"): [*_VALUES, 10**6, [1]],
+    ("zero_order_hold", "variable"): [*_VALUES, "z", "q", "2", "a b", sympy.pi],
+    ("zero_order_hold", "discrete_variable"): [*_VALUES, "h", "w", "2", "a b", sympy.pi],
+    ("zero_order_hold", "step"): [
+        *_VALUES, "z", "log(2)", sympy.pi, sympy.sqrt(2), -sympy.log(2), sympy.log(a),
+        sympy.log(-1), sympy.log(2) * s, 10**50 * sympy.log(2), 10**50 * sympy.log(6) / 7,
+        sympy.log(10**5000), sympy.log(sympy.Rational(1, 2)), sympy.log(2) * sympy.oo,
+        sympy.Integral(sympy.log(a), (a, 1, 2)), sympy.log(sympy.AccumBounds(1, 2)),
+        sympy.Symbol("h", negative=True), sympy.Symbol("h", commutative=False),
+    ],
+}  # fmt: skip
+"""What an argument with a default cannot use, or barely can: no foreign error, and no long work."""
 NOT_DOORS = {"strategies", "budget"}
 """A module of strategies, and the budget itself, which has its own test."""
