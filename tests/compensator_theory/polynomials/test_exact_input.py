@@ -120,7 +120,7 @@ def test_sides_of_a_quotient_are_not_cancelled():
     "call",
     [
         lambda: certified_roots(3),
-        lambda: split_at_unit_circle("q - 2"),
+        lambda: split_at_unit_circle(b"q - 2"),
         lambda: place_poles("1/(s - 1)", [-1, -2], 1.0, feedback=1),
         lambda: place_poles("1/(s - 1)", [-1, -2], feedback=1, numerator_degree=0.5),
         lambda: sylvester_m("s + 1", "1", 1.5, 1),
