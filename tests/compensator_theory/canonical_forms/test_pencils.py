@@ -172,3 +172,10 @@ def test_numbers_from_their_residues(numbers):
 
 def test_a_residue_that_belongs_to_no_short_number():
     assert whole([1, 7**300, 5**400], 3**1001 + 2) is None
+
+
+def test_an_elimination_that_swells_is_refused_on_the_way():
+    A, E = map(Matrix, dense(9, 9))
+    assert smith_form(s * E - A, "s").rank == 9
+    with budget(entries=1000), pytest.raises(BudgetError, match="400 digits as an entry"):
+        smith_form(s * E - A, "s")
