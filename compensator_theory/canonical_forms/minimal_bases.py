@@ -25,7 +25,7 @@ from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "P M = 0, W M = I"
 CHAINS = 200
-"""Columns of a pencil, above which row operations are faster for the degrees that they then have."""
+"""Columns of a pencil above which row operations are chosen: sparse high degrees are fast there."""
 
 
 @dataclass(frozen=True)
@@ -93,9 +93,9 @@ def minimal_basis(
     -----
     Where all numbers are rational, the null vectors are those of a pencil, by (x, s x, s^2 x, ...),
     and they come from Krylov chains. With symbols, and for high degrees, row operations that reduce
-    the transpose leave the basis in the unimodular matrix; its rows are then reduced. Source: G. D. Forney,
-    Minimal bases of rational vector spaces, SIAM J. Control 13 (1975); T. Kailath, Linear Systems
-    (1980), Sections 6.4 and 6.5.4.
+    the transpose leave the basis in the unimodular matrix; its rows are then reduced. Source: G. D.
+    Forney, Minimal bases of rational vector spaces, SIAM J. Control 13 (1975); T. Kailath, Linear
+    Systems (1980), Sections 6.4 and 6.5.4.
 
     Examples
     --------
@@ -105,10 +105,8 @@ def minimal_basis(
     [[-s, -s], [1, s**2 + 1], [1, 0]] (1, 2)
     """
     P = polynomial_matrix(matrix, variable)
-    is_short = P.shape[1] * P.degree <= CHAINS
-    if is_short and all(
-        entry.domain.is_QQ or entry.domain.is_ZZ for row in P.rows for entry in row
-    ):
+    are_rational = all(e.domain.is_QQ or e.domain.is_ZZ for row in P.rows for e in row)
+    if are_rational and P.shape[1] * P.degree <= CHAINS:
         ask("degree", max(P.shape) * max(1, P.degree), "the polynomial matrix")
         return basis_of_pencil(P, _pencil(P).null_vectors())
     first = row_reduced_form(P.T)
