@@ -24,6 +24,8 @@ from compensator_theory.polynomials.budget import ask, decimal_digits, unlimited
 from compensator_theory.polynomials.values import ExactValue
 
 IDENTITY = "P M = 0, W M = I"
+CHAINS = 5
+"""The degree up to which a pencil is made; above, row operations are as fast, or faster."""
 
 
 @dataclass(frozen=True)
@@ -90,10 +92,10 @@ def minimal_basis(
     Notes
     -----
     Where all numbers are rational, the null vectors are those of a pencil, by (x, s x, s^2 x, ...),
-    and they come from Krylov chains. With symbols, row operations that reduce the transpose leave
-    the basis in the unimodular matrix; its rows are then reduced themselves. Source: G. D. Forney,
-    Minimal bases of rational vector spaces, SIAM J. Control 13 (1975); T. Kailath, Linear Systems
-    (1980), Sections 6.4 and 6.5.4.
+    and they come from Krylov chains. With symbols, and for high degrees, row operations that reduce
+    the transpose leave the basis in the unimodular matrix; its rows are then reduced. Source: G. D.
+    Forney, Minimal bases of rational vector spaces, SIAM J. Control 13 (1975); T. Kailath, Linear
+    Systems (1980), Sections 6.4 and 6.5.4.
 
     Examples
     --------
@@ -103,7 +105,8 @@ def minimal_basis(
     [[-s, -s], [1, s**2 + 1], [1, 0]] (1, 2)
     """
     P = polynomial_matrix(matrix, variable)
-    if all(entry.domain.is_QQ or entry.domain.is_ZZ for row in P.rows for entry in row):
+    are_rational = all(e.domain.is_QQ or e.domain.is_ZZ for row in P.rows for e in row)
+    if are_rational and P.degree <= CHAINS:
         ask("degree", max(P.shape) * max(1, P.degree), "the polynomial matrix")
         return basis_of_pencil(P, _pencil(P).null_vectors())
     first = row_reduced_form(P.T)
@@ -157,7 +160,7 @@ def basis_of_pencil(P: PolynomialMatrix, vectors: NullVectors) -> MinimalBasis:
     for column, row in enumerate(k for k, start in enumerate(starts) if start):
         wanted[row, column] = 1
     digits = decimal_digits(max(int(x).bit_length() for x in coefficients.entries()))
-    ask("entries", len(starts) ** 2 * (digits // 4), MEASURE)
+    ask("entries", len(starts) ** 2 * (digits // 3), MEASURE)
     chosen = pivots(coefficients)
     if len(chosen) < len(starts):
         raise NoSolutionError("dependent coefficients in a minimal basis; please report it")

@@ -15,7 +15,7 @@ Relation: TypeAlias = dict[tuple[int, int], flint.nmod]
 """A column of a Krylov matrix by others: the factor of each F^k g_j, for pairs (j, k)."""
 NullVectors: TypeAlias = list[list[list[int]]]
 """The coefficients of polynomial vectors by ascending powers, each a list of numbers."""
-MEASURE = "a minimal basis with a left inverse, four digits as an entry,"
+MEASURE = "a minimal basis with a left inverse, three digits as an entry,"
 """What is asked of the budget."""
 
 
@@ -47,6 +47,8 @@ class Pencil:
 
     def __init__(self, A: flint.fmpz_mat, E: flint.fmpz_mat) -> None:
         self.E, self.shape = E, (E.nrows(), E.ncols())
+        bits = max(int(x).bit_length() for x in [*A.entries(), *E.entries()])
+        ask("digits", decimal_digits(bits), "the pencil over one denominator")
         prime = next(primes())
         size = min(self.shape)
         # A rank modulo a prime is never above the true one, and all but `size` points have that.
@@ -106,7 +108,8 @@ class Pencil:
             # Then numbers with more than half as many digits are in it, and a left inverse solves
             # a system of its coefficients.
             size, digits = len(values) // self.shape[1], decimal_digits(modulus.bit_length()) // 2
-            ask("entries", size**2 * (digits // 4), MEASURE)
+            ask("digits", digits, "a minimal basis of whole numbers")
+            ask("entries", size**2 * (digits // 3), MEASURE)
         raise NoSolutionError("no null vectors of this pencil; please report it")
 
     def _residues(self, prime: int) -> tuple[list[int], list[int]] | None:

@@ -54,11 +54,18 @@ class RationalRing:
 
     def divide(self, a: Element, b: Element) -> tuple[Element, Element]:
         """Return quotient and remainder."""
-        bits = max(a.numer().height_bits(), b.numer().height_bits())
-        half = decimal_digits(bits) // 2  # of 8000 digits: some seconds; nobody can foresee it
+        half = self._digits(a, b) // 2  # of 8000 digits: some seconds; nobody can foresee it
         ask("digits", half, "each half of a coefficient in the elimination of a polynomial matrix")
         quotient, remainder = divmod(a, b)
         return quotient, remainder
+
+    def effort(self, a: Element, b: Element) -> int:
+        """Return how many digits a division works on; those of long numbers count more."""
+        digits, degree = self._digits(a, b), max(self.degree(a), self.degree(b))
+        return (degree + 1) * digits * (1000 + digits) // 1000
+
+    def _digits(self, a: Element, b: Element) -> int:
+        return decimal_digits(max(a.numer().height_bits(), b.numer().height_bits()))
 
     def reciprocal_of_leading(self, element: Element) -> Element:
         """Return 1 over the leading coefficient, as a constant polynomial."""
@@ -112,6 +119,10 @@ class SymbolicRing:
         ask("terms", self._terms(a) + self._terms(b), "a division between polynomial matrices")
         quotient, remainder = a.div(b)
         return quotient, remainder
+
+    def effort(self, a: Element, b: Element) -> int:
+        """Return 0: the terms are counted at each division."""
+        return 0
 
     def _terms(self, element: Element) -> int:
         """Return how many terms the coefficients have: what grows, and nobody can foresee it."""

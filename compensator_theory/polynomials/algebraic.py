@@ -9,7 +9,7 @@ from functools import reduce
 import flint
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
-from sympy.polys.polyerrors import NotInvertible, PolynomialError
+from sympy.polys.polyerrors import CoercionFailed, NotInvertible, PolynomialError
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, limit_of
@@ -189,7 +189,9 @@ def rationalised(number: Expr) -> Expr:
     """
     top, bottom = number.as_numer_denom()
     roots = irrational_parts(number)
-    bases = {root.base for root in roots if isinstance(root, sympy.Pow) and root.exp.is_Rational}
+    if not all(isinstance(root, sympy.Pow) and root.exp.is_Rational for root in roots):
+        return number
+    bases = {root.base for root in roots}
     if bottom.is_Rational or len(bases) != 1 or not all(base.is_Rational for base in bases):
         return number
     (base,), index, x = bases, int(sympy.ilcm(1, *(root.exp.q for root in roots))), sympy.Dummy("x")
@@ -198,7 +200,7 @@ def rationalised(number: Expr) -> Expr:
     try:
         above, below = (Poly(side.xreplace(powers), x, domain=sympy.QQ) for side in (top, bottom))
         found = (above * below.invert(minimal)).rem(minimal)
-    except (PolynomialError, NotInvertible):
+    except (PolynomialError, NotInvertible, CoercionFailed):  # pi, for instance
         return number
     return sympy.expand(found.as_expr().subs(x, base ** Rational(1, index)))
 

@@ -103,6 +103,8 @@ def warmed():
 @example("(s/3/j)/sqrt(724701*b)")
 @example("s/(4*s + s/0.583146529421806**(1/3))")
 @example("sqrt(+2i*1E+300 - 10)")
+@example("(s - x_1/(0.8j) - 0.7)/sqrt(1.4/pi^-2)")
+@example("(631166 - x_1/(0.8j) - 0.7083965152047808/297598)/sqrt(1.4142135623730951/pi^-2)")
 @example("*".join(["((0.0405512345678901234/x_1)+s)"] * 30))
 @example("(sqrt(7/3)+s+sqrt(-b))/(b/s+sqrt(a*b)+a)")
 @example("((s+1)*(s+sqrt(-b)))/((s+1)*(b/s+sqrt(a*b)+a))")

@@ -154,7 +154,7 @@ def test_a_basis_is_the_vector_of_minors():
 
 def test_the_budget_is_asked():
     A, E = dense(12, 13)
-    with budget(entries=400), pytest.raises(BudgetError, match="a left inverse, four digits"):
+    with budget(entries=400), pytest.raises(BudgetError, match="a left inverse, three digits"):
         kronecker_form(A, E)
     A, E = dense(12, 12)
     with budget(entries=400), pytest.raises(BudgetError, match="the regular part"):
@@ -172,3 +172,10 @@ def test_numbers_from_their_residues(numbers):
 
 def test_a_residue_that_belongs_to_no_short_number():
     assert whole([1, 7**300, 5**400], 3**1001 + 2) is None
+
+
+def test_an_elimination_that_swells_is_refused_on_the_way():
+    A, E = map(Matrix, dense(9, 9))
+    assert smith_form(s * E - A, "s").rank == 9
+    with budget(entries=1000), pytest.raises(BudgetError, match="400 digits as an entry"):
+        smith_form(s * E - A, "s")
