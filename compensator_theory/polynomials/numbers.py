@@ -2,6 +2,7 @@
 
 import math
 import numbers
+import re
 from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
@@ -19,6 +20,9 @@ from compensator_theory.polynomials.sympy_trees import rational_floats, require_
 
 NumberLike: TypeAlias = int | float | complex | Fraction | Decimal | str | Expr
 """What :func:`exact_number` reads; NumPy scalars and numbers of python-flint too."""
+
+PLAIN = re.compile(r"-?[0-9]{1,18}(?:\.[0-9]{1,18}|/[1-9][0-9]{0,17})?")
+"""Texts that need no parser; a matrix may hold 500 000 of them."""
 
 
 @roots_in_sympy()
@@ -62,7 +66,7 @@ def exact_number(value: NumberLike, *, binary: bool = False) -> Expr:
     3602879701896397/36028797018963968
     """
     if isinstance(value, str):
-        return parse_expression(value)
+        return _from_plain(value) if PLAIN.fullmatch(value) else parse_expression(value)
     if isinstance(value, bool) or value is None:
         raise InputError(f"{shown(value)} is not a number")
     if isinstance(value, Expr):
@@ -100,6 +104,12 @@ def read_coefficients(values: Iterable[NumberLike]) -> list[Expr]:
 def _ratio(numerator: int, denominator: int) -> Rational:
     ask_for_number(numerator, denominator)
     return Rational(numerator, denominator)
+
+
+def _from_plain(text: str) -> Rational:
+    ask("characters", len(text), "the expression")
+    found = Fraction(text)
+    return _ratio(found.numerator, found.denominator)
 
 
 def _from_decimal(value: Decimal) -> Rational:

@@ -13,6 +13,7 @@ import compensator_theory as exact
 from compensator_theory import (
     InputError,
     StandardProblem,
+    budget,
     certified_roots,
     closed_loop_matrix,
     exact_number,
@@ -32,6 +33,7 @@ from compensator_theory import (
     target_characteristic_polynomial,
 )
 from compensator_theory.polynomials.expressions import parse_quotient
+from compensator_theory.polynomials.numbers import PLAIN
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
@@ -224,3 +226,17 @@ def test_a_field_asks_for_the_digits_of_its_discriminant():
     text = "*".join(["((3.+0.45082763499547807 - I^.5)**(1/3))"] * 10)
     with pytest.raises(exact.BudgetError, match="discriminant"):
         exact.polynomial(text, "s")
+
+
+@given(st.from_regex(PLAIN, fullmatch=True))
+def test_plain_texts_are_what_the_parser_reads(text):
+    assert exact_number(text) == parse_expression(text)
+
+
+def test_plain_texts_obey_the_budget():
+    with budget(characters=3), pytest.raises(InputError, match="characters"):
+        exact_number("1/23")
+    with budget(digits=2), pytest.raises(InputError, match="digits"):
+        exact_number("1234")
+    with pytest.raises(InputError, match="zero"):
+        exact_number("1/0")
