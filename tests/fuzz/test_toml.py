@@ -146,7 +146,7 @@ def mutated(rng):
             del holder[path[-1]]
         elif accident == 1 and isinstance(holder, dict):
             holder[rng.choice(KEYS)] = copy.deepcopy(rng.choice(ODD))
-        elif accident == 2 and isinstance(holder, dict):
+        elif accident == 2 and isinstance(holder, dict) and path[-1] in holder:
             name = str(path[-1])
             at = rng.randrange(len(name) + 1)
             holder[name[:at] + rng.choice(["", "x", "\u00e9", " "]) + name[at + 1 :]] = holder.pop(
