@@ -2,6 +2,7 @@
 
 from functools import reduce
 from itertools import combinations, islice
+from typing import Literal
 
 import sympy
 from sympy import ImmutableMatrix, Poly, Symbol
@@ -105,9 +106,13 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     return _has_full_rank(kalman)
 
 
-def _has_full_rank(kalman: ImmutableMatrix) -> bool | None:
-    """Tell whether some minor of full size is not zero, whatever the values; None if unknown."""
+def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
+    """Tell whether some minor of full size is not zero, whatever the values; None if unknown.
+
+    The rank is full for some values, so that False is no answer here.
+    """
     n = kalman.rows
+    kalman = kalman[:, [j for j in range(kalman.cols) if not kalman[:, j].is_zero_matrix]]
     numbers = [j for j in range(kalman.cols) if not kalman[:, j].free_symbols]
     if len(numbers) >= n and rank(kalman[:, numbers]) == n:
         return True
@@ -122,8 +127,8 @@ def _has_full_rank(kalman: ImmutableMatrix) -> bool | None:
     if others or not all(top.is_polynomial(symbol) for top in tops):
         return None
     shared = reduce(lambda a, b: a.gcd(b), [Poly(top, symbol) for top in tops])
-    known: bool | None = shared.as_expr().is_nonzero  # where all minors vanish, so does their gcd
-    return known
+    # Where all minors vanish, so does their gcd. It is zero if none of those tried is another.
+    return True if shared.as_expr().is_nonzero else None
 
 
 def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) -> Poly:

@@ -222,3 +222,15 @@ def test_a_search_without_a_compensator_says_why():
     missed = exact.decide_simultaneous_stabilisability(*pair, feedback=-1)
     assert missed.is_stabilisable and missed.compensator is None
     assert "no proof" in missed.reason and "max_order" in str(missed)
+
+
+def test_minors_that_vanish_for_all_values_decide_nothing():
+    """More columns of zeros, or of multiples of one, than minors are tried."""
+    real = sympy.Symbol("r", real=True)
+    zeros, ones = [0] * 30, [1] * 8
+    for last, answer in ((a, None), (real**2 + 1, True), (k, True)):
+        assert exact.is_controllable([[0]], [[*zeros, last]]) is answer
+        assert exact.is_controllable([[1, 0], [0, 1]], [[*ones, 0], [*ones, last]]) in (
+            answer,
+            None,
+        )
