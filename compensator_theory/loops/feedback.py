@@ -5,7 +5,7 @@ from typing import TypeAlias, overload
 import sympy
 from sympy import MatrixBase
 
-from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.errors import BudgetError, ImproperError, InputError
 from compensator_theory.loops.siso import (
     LoopPart,
     in_variable_of,
@@ -113,6 +113,8 @@ def _of_matrices(
     difference: TransferMatrix = -feedback * (G @ G_c) + sympy.eye(outputs)
     try:
         sensitivity = difference.inverse()
+    except BudgetError:
+        raise
     except InputError:
         raise ImproperError("the loop is not well posed: det(I - f G G_c) = 0") from None
     if not all(sensitivity[i, j].is_proper for i in range(outputs) for j in range(outputs)):

@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 from sympy import Rational
 
 from compensator_theory import (
+    BudgetError,
     ImproperError,
     InputError,
     TransferMatrix,
+    budget,
     feedback_connection,
     minimal_realisation,
     transfer_matrix,
@@ -74,3 +76,6 @@ def test_what_is_refused():
         feedback_connection(one, one, feedback=1)
     with pytest.raises(ImproperError, match="infinity"):
         feedback_connection(transfer_matrix([["s/(s + 1)"]]), one, feedback=1)
+    large = transfer_matrix([[f"1/(s + {i + 3 * j})" for j in range(3)] for i in range(3)])
+    with budget(degree=20), pytest.raises(BudgetError):  # too large is not ill posed
+        feedback_connection(large, [[1, 0, 0], [0, 1, 0], [0, 0, 1]], feedback=-1)
