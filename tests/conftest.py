@@ -4,6 +4,7 @@ Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in f
 """
 
 import os
+import signal
 
 import hypothesis
 import pytest
@@ -22,3 +23,14 @@ def pytest_addoption(parser):
 def in_full(request):
     """Whether a long statistic runs in full or in reduced form."""
     return request.config.getoption("--long")
+
+
+@pytest.fixture
+def at_a_terminal():
+    """Ctrl-C as it comes to a program at a terminal, here and in what the test starts.
+
+    A shell starts what runs in its background with SIGINT ignored, and every child inherits that.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias, cast
+from typing import Any, TypeAlias, TypeGuard, cast
 
 import sympy
 from sympy import ImmutableMatrix, MatrixBase, Poly, Symbol
@@ -225,8 +225,8 @@ def _polynomial_rows(
     value: PolynomialMatrixLike, shape: tuple[int, int], variable: Symbol, name: str
 ) -> list[list[Poly]]:
     given = _nested(value)
-    if {len(row) for row in given} != {shape[1]} or len(given) != shape[0]:
-        lengths = shown([len(row) for row in given])
+    if len(given) != shape[0] or any(len(row) != shape[1] for row in given):
+        lengths = shown([len(row) for row in given[:20]])  # more than are shown
         raise InputError(
             f"{name} has rows of lengths {lengths}; this plant needs a {shape[0]} x {shape[1]} "
             "matrix"
@@ -237,15 +237,17 @@ def _polynomial_rows(
     return rows
 
 
-def _nested(value: PolynomialMatrixLike) -> list[list[PolynomialLike]]:
+def _nested(value: PolynomialMatrixLike) -> Sequence[Sequence[PolynomialLike]]:
     """Return rows; anything but a matrix or a list of lists is the only entry."""
     if isinstance(value, MatrixBase):
         return list(value.tolist())
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        rows = [list(r) for r in value if isinstance(r, Sequence) and not isinstance(r, str)]
-        if len(rows) == len(value):
-            return rows
+    if _is_list(value) and all(_is_list(row) for row in value):
+        return value
     return [[cast(PolynomialLike, value)]]  # a list of numbers holds coefficients
+
+
+def _is_list(value: object) -> TypeGuard[Sequence[Any]]:
+    return isinstance(value, Sequence) and not isinstance(value, str)
 
 
 def _entry(value: PolynomialLike, variable: Symbol) -> Poly:

@@ -15,7 +15,7 @@ def test_notebook_runs(path):
     from nbclient import NotebookClient
 
     notebook = nbformat.read(path, as_version=4)
-    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": ROOT}}).execute()
+    NotebookClient(notebook, timeout=1800, resources={"metadata": {"path": ROOT}}).execute()
     assert any(cell.get("outputs") for cell in notebook.cells)
 
 

@@ -92,21 +92,35 @@ def test_a_full_disk_is_a_sentence(arguments):
     assert ended.stderr == "rcac: the output cannot be written: No space left on device.\n"
 
 
-def test_control_c(in_full):
+STARTED = """
+import os, signal
+signal.signal(signal.SIGINT, lambda *_: os._exit(130))  # until main() has an answer of its own
+from rcac_numeric.cli.__main__ import main
+os.write({begun}, b".")
+main()
+"""
+
+
+def test_control_c(in_full, at_a_terminal):
     """At any moment after Python itself, which has words of its own, has started."""
-    for delay in [0.6, 1.0, 1.5, 2.0, 3.0] * (10 if in_full else 1):
+    for delay in [0.0, 0.4, 0.8, 1.5, 3.0] * (10 if in_full else 1):
+        read, write = os.pipe()
         process = subprocess.Popen(
-            [*RCAC, "verify", "4.6"], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
-        )
+            [sys.executable, "-c", STARTED.format(begun=write), "verify", "4.6"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, pass_fds=[write],
+        )  # fmt: skip
+        os.close(write)
+        os.read(read, 1)
+        os.close(read)
         time.sleep(delay)
         process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=20)
+        _, errors = process.communicate()
         assert process.returncode in (exits.INTERRUPTED, 0), errors
         assert "Traceback" not in errors
 
 
 @pytest.mark.parametrize(("ignored", "status"), [(False, exits.INTERRUPTED), (True, exits.DONE)])
-def test_control_c_while_a_command_is_imported(ignored, status):
+def test_control_c_while_a_command_is_imported(ignored, status, at_a_terminal):
     """Every import is interrupted; what a shell has put into its background ignores it."""
     code = (
         "import importlib, os, signal\n"
