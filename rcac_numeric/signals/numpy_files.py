@@ -61,9 +61,9 @@ def read_npy(file: Path) -> np.ndarray:
 
 
 def _require_room(stream: IO[bytes], budget: Budget) -> None:
-    version = npy.read_magic(stream)
-    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-    shape, _, dtype = read(stream)
+    if npy.read_magic(stream) != (1, 0):  # later versions are for headers of up to 4 GB
+        raise ValueError("its header is not one of plain numbers")
+    shape, _, dtype = npy.read_array_header_1_0(stream)
     if min(shape, default=0) < 0:
         raise ValueError(f"an array has the shape {shape}")
     budget.take((*shape, max(dtype.itemsize // 8, 1)))

@@ -9,6 +9,7 @@ import scipy.sparse
 import sympy
 
 import compensator_theory as exact
+from tests.support.work import Endless, Long
 
 s, a = sympy.symbols("s a")
 
@@ -28,7 +29,7 @@ LARGE = [
     "s**100000", "(a + b + c + d + s)**60", "(s**2 + 3*s + 9)**600",
     "s*sqrt(2) + sqrt(3) + sqrt(5) + sqrt(7) + sqrt(11)", 10**5000, Fraction(10**5000, 3),
     Decimal("1e100000"), range(10**7), itertools.count(), [0] * 10**6, [[1] * 1000] * 1000,
-    [s**100000, 1], [["9" * 5000]], 1 / s**5000,
+    [s**100000, 1], [["9" * 5000]], 1 / s**5000, Long(10**7), Endless(),
 ]  # fmt: skip
 BAD = OBJECTS + TEXTS + LARGE
 
@@ -197,6 +198,7 @@ _VALUES = [
     -1, 0, 0.5, 1j, "1j", "", [], {}, set(), {1: 1}, [None], [True], ["1"], [-1], [1.0], [1, 1, 1],
     [10**30], 10**30, float("nan"), [float("nan")], sympy.I, sympy.Integer(2), sympy.nan,
     np.array([1, 1]), np.zeros((2, 2)), object(), s, "s", b"1", range(10**7), itertools.count(),
+    Long(10**7), Endless(),
 ]  # fmt: skip
 LAST_ARGUMENTS = {
     ("zero_direction_target", "zeros"): [*_VALUES, "2", [2], [(2,)], [("2", "1")], [(2, {1: 1})]],

@@ -13,28 +13,29 @@ from contextlib import contextmanager
 import pytest
 
 
-@contextmanager
-def at_most(calls):
-    """Fail as soon as the block makes more calls of Python and C functions than these.
+class at_most:  # a name that reads in a with
+    """Fail as soon as the block has made more calls of Python and C functions than these.
 
     The failure is no Exception, so that nothing under test can take it for an error of its own.
     """
-    made = 0
 
-    def count(frame, event, argument):
-        nonlocal made
+    def __init__(self, calls):
+        self.limit, self.made = calls, 0
+
+    def __enter__(self):
+        self.before = sys.getprofile()
+        sys.setprofile(self.count)
+        return self
+
+    def __exit__(self, *_):
+        sys.setprofile(self.before)
+
+    def count(self, frame, event, argument):
         if event in ("call", "c_call"):
-            made += 1
-            if made > calls:
+            self.made += 1
+            if self.made > self.limit:
                 sys.setprofile(None)
-                pytest.fail(f"this takes more than {calls} calls")
-
-    before = sys.getprofile()
-    sys.setprofile(count)
-    try:
-        yield
-    finally:
-        sys.setprofile(before)
+                pytest.fail(f"this takes more than {self.limit} calls")
 
 
 @contextmanager
