@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import flint
 import sympy
 from sympy import QQ, Expr, Poly, Symbol
 
@@ -10,6 +9,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.frequency.half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
 from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.counts import number_of_real_roots
 from compensator_theory.roots.enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
@@ -96,7 +96,7 @@ def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None)
         )
     factors = _factors(source)
     best, polynomial = _supremum(factors)
-    with flint.ctx.workprec(80):
+    with ball_precision(80):
         ball = enclosure_of_ball(ball_of_enclosure(best.enclosure).sqrt())
     return HInfinityNorm(sympy.sqrt(best.value), ball, polynomial)
 

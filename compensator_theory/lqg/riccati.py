@@ -21,6 +21,7 @@ from compensator_theory.lqg.regulator_data import (
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import from_flint, to_flint
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_discrete
@@ -90,7 +91,7 @@ class RiccatiSolution(ExactValue):
             exact = left * self.A + self.E_1.T * self.E_1 - gain_row.T * gain_row / innovation
             return exact_rows(exact - self.P)
         finest = max(int(c.centre.q).bit_length() for row in self.P_enclosure for c in row)
-        with flint.ctx.workprec(64 + 2 * finest):
+        with ball_precision(64 + 2 * finest):
             A, B, E_1, E_2 = map(ball_matrix, (self.A, self.B, self.E_1, self.E_2))
             P = flint.arb_mat([[ball_of_enclosure(c) for c in row] for row in self.P_enclosure])
             gain_row = B.transpose() * P * A + E_2.transpose() * E_1
@@ -192,7 +193,7 @@ def solve_riccati(
             return RiccatiSolution(
                 *matrices, factor, exact_K, exact_P, exact_rows(exact_K), exact_rows(exact_P)
             )
-        with flint.ctx.workprec(2 * working_bits(precision)):
+        with ball_precision(2 * working_bits(precision)):
             d, chi = open_loop.all_coeffs()[1:], factor.enclosure.coefficients[1:]
             right = [
                 [ball_of_number(x) - ball_of_enclosure(y)] for x, y in zip(d, chi, strict=True)

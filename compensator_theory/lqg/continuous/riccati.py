@@ -20,6 +20,7 @@ from compensator_theory.lqg.regulator_data import (
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import from_flint, to_flint
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
@@ -83,7 +84,7 @@ class ContinuousRiccatiSolution(ExactValue):
                 from_flint(_residual([to_flint(m) for m in matrices], to_flint(self.P)))
             )
         finest = max(int(c.centre.q).bit_length() for row in self.P_enclosure for c in row)
-        with flint.ctx.workprec(64 + 2 * finest):
+        with ball_precision(64 + 2 * finest):
             P = flint.arb_mat([[ball_of_enclosure(c) for c in row] for row in self.P_enclosure])
             return enclosed_rows(_residual([ball_matrix(m) for m in matrices], P))
 
@@ -179,7 +180,7 @@ def solve_continuous_riccati(
             return ContinuousRiccatiSolution(
                 *matrices, factor, K, P, exact_rows(K), exact_rows(P)
             )  # fmt: skip
-        with flint.ctx.workprec(2 * working_bits(precision)):
+        with ball_precision(2 * working_bits(precision)):
             pairs = zip(open_loop.all_coeffs()[1:], factor.enclosure.coefficients[1:], strict=True)
             column = flint.arb_mat([[ball_of_number(x) - ball_of_enclosure(y)] for x, y in pairs])
             found = _gain_and_cost([ball_matrix(m) for m in matrices], ball_matrix(W), column)
