@@ -5,6 +5,7 @@ from typing import Any
 
 import flint
 from sympy.printing.latex import LatexPrinter
+from sympy.printing.printer import Printer
 from sympy.printing.str import StrPrinter
 
 SHORT = 600
@@ -65,7 +66,7 @@ def text(value: object) -> str:
     >>> text((s + 1) / 2), len(text(s + 10**5000))
     ('s/2 + 1/2', 5005)
     """
-    return str(_Text({"order": None}).doprint(value))
+    return _written(_Text, value)
 
 
 def representation(value: object) -> str:
@@ -81,7 +82,7 @@ def representation(value: object) -> str:
     try:
         return repr(value)
     except ValueError:
-        return str(_Representation({"order": None}).doprint(value))
+        return _written(_Representation, value)
 
 
 def formula(value: object, **settings: object) -> str:
@@ -94,7 +95,14 @@ def formula(value: object, **settings: object) -> str:
     >>> formula(s / 2)
     '\\frac{s}{2}'
     """
-    return str(_Formula(settings).doprint(value))
+    return _written(_Formula, value, **settings)
+
+
+def _written(printer: type[Printer], value: object, **settings: object) -> str:
+    try:
+        return str(printer({"order": None, **settings}).doprint(value))
+    except ValueError:  # SymPy sorts factors by texts of its own, those of long radicands, too
+        return str(printer({**settings, "order": "none"}).doprint(value))
 
 
 def _quotient(value: Any) -> str:
@@ -116,8 +124,16 @@ class _Text(StrPrinter):  # type: ignore[misc]
 
     _print_Fraction = _print_mpq = _print_PythonRational = _print_Rational
 
+    def _print_MatrixBase(self, matrix: Any) -> str:
+        """In one line, as SymPy's ``str``."""
+        if 0 in matrix.shape:
+            return str(matrix)
+        return f"Matrix({self._print(matrix.tolist())})"
+
 
 class _Representation(_Text):
+    _print_MatrixBase = StrPrinter._print_MatrixBase
+
     def _print_str(self, value: str) -> str:
         return repr(value)
 

@@ -25,6 +25,7 @@ from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
 from compensator_theory.roots.reflections import spectrum_of
 from compensator_theory.roots.spectral_factors import (
@@ -101,9 +102,9 @@ class RiccatiSolution(ExactValue):
 
     def __str__(self) -> str:
         K = self.K if self.is_exact else self.K_enclosure
-        P = f", P = {self.P}" if self.is_exact else ""
+        P = f", P = {text(self.P)}" if self.is_exact else ""
         chi = str(self.factor).split("\n", maxsplit=1)[0]
-        return f"K = {K}{P}\n{chi}\nR_2 + B'PB = {self.factor.constant!r}"
+        return f"K = {text(K)}{P}\n{chi}\nR_2 + B'PB = {self.factor.constant!r}"
 
     def _repr_latex_(self) -> str:
         innovation = f"R_2 + B^TPB = {latex(self.factor.constant)}"

@@ -23,6 +23,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 if TYPE_CHECKING:

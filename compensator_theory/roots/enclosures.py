@@ -142,7 +142,7 @@ class PolynomialEnclosure(ExactValue):
         return written[3:] if written.startswith(" +") else "-" + written[3:]
 
     def __repr__(self) -> str:
-        return f"PolynomialEnclosure({self}, radius {sympy.N(self.radius, 2)})"
+        return f"PolynomialEnclosure({self}, radius {text(sympy.N(self.radius, 2))})"
 
     def _repr_latex_(self) -> str:
         return displayed(self.latex())

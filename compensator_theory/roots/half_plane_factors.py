@@ -12,6 +12,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import count_half_plane_roots, require_rational
 from compensator_theory.roots.enclosures import (
@@ -79,7 +80,7 @@ class HalfPlaneFactor(ExactValue):
             return tuple(enclosure_of_ball(c) for c in reversed(difference.coeffs()))
 
     def __str__(self) -> str:
-        return f"χ = {text_of(self.polynomial, self.enclosure)}\nc = {self.constant}"
+        return f"χ = {text_of(self.polynomial, self.enclosure)}\nc = {text(self.constant)}"
 
     def _repr_latex_(self) -> str:
         body = latex_of(self.polynomial, self.enclosure)

@@ -16,13 +16,7 @@ from compensator_theory.errors import InputError
 if sys.platform != "win32":
     import fcntl
 
-FLAGS = (
-    os.O_RDWR
-    | os.O_CREAT
-    | os.O_EXCL
-    | getattr(os, "O_NOFOLLOW", 0)
-    | getattr(os, "O_NOINHERIT", 0)
-)
+FLAGS = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 MARK = "rcac-"  # in the name of what is being written; nobody else's hidden file has it
 
 

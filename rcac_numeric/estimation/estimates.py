@@ -141,13 +141,13 @@ def estimate(
     >>> found.x[-1].round(2)
     array([9.8, 2. ])
     """
-    made = estimated(settings, y, u, measured, Q=Q, R=R, keep_covariances=keep_covariances)
+    made = estimated_record(settings, y, u, measured, Q=Q, R=R, keep_covariances=keep_covariances)
     if made.observability.unseen:
         warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
     return made
 
 
-def estimated(
+def estimated_record(
     settings: EKF | UKF,
     y: ArrayLike,
     u: ArrayLike | None = None,

@@ -24,6 +24,7 @@ from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
 from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
 from compensator_theory.roots.reflections import even_spectrum
@@ -90,8 +91,8 @@ class ContinuousRiccatiSolution(ExactValue):
 
     def __str__(self) -> str:
         K = self.K if self.is_exact else self.K_enclosure
-        P = f", P = {self.P}" if self.is_exact else ""
-        return f"K = {K}{P}\n" + str(self.factor).split("\n", maxsplit=1)[0]
+        P = f", P = {text(self.P)}" if self.is_exact else ""
+        return f"K = {text(K)}{P}\n" + str(self.factor).split("\n", maxsplit=1)[0]
 
     def _repr_latex_(self) -> str:
         if self.is_exact:

@@ -88,13 +88,13 @@ def refine(settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = Non
     >>> run.theta[-1].round(3)
     array([0.3])
     """
-    run = refined(settings, w, y, x)
+    run = refined_record(settings, w, y, x)
     if len(run.evidence.undetermined):
         warnings.warn(str(run.evidence), UnidentifiableWarning, stacklevel=2)
     return run
 
 
-def refined(
+def refined_record(
     settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = None
 ) -> RefinementRun:
     """As `refine`, without the warning: for who reads `evidence`."""

@@ -13,7 +13,7 @@ from compensator_theory.errors import CompensatorError, DivergedError, IllCondit
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import matrix, one_of, vector
-from rcac_numeric.estimation.estimates import estimated
+from rcac_numeric.estimation.estimates import estimated_record
 from rcac_numeric.estimation.models.symbolic import SymbolicModel
 from rcac_numeric.estimation.settings import EKF, UKF
 from rcac_numeric.experiments.estimation.runs import EstimatedRun, Estimation
@@ -104,7 +104,7 @@ class JointFilter(Estimation):
         """Estimate with the record of one seed."""
         record = system.record(steps, seed)
         try:
-            found = estimated(self.settings, record.y, record.w)
+            found = estimated_record(self.settings, record.y, record.w)
         except (DivergedError, IllConditionedError) as error:
             return _nothing(record.truth, error)
         return EstimatedRun(found.x[:, -1].copy(), record.truth, found.innovation)
