@@ -46,6 +46,7 @@ from .errors import NotControllableError as NotControllableError
 from .errors import NotCoprimeError as NotCoprimeError
 from .errors import NotObservableError as NotObservableError
 from .errors import NotReachableTargetError as NotReachableTargetError
+from .errors import PrecisionError as PrecisionError
 from .errors import RoundingWarning as RoundingWarning
 from .errors import UnitCircleError as UnitCircleError
 from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
@@ -163,6 +164,7 @@ from .placement.propositions import check_proposition_4 as check_proposition_4
 from .placement.solutions import PolePlacement as PolePlacement
 from .polynomial_matrices.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
 from .polynomial_matrices.polynomial_matrices import polynomial_matrix as polynomial_matrix
+from .polynomials.ball_precision import ball_precision as ball_precision
 from .polynomials.budget import Budget as Budget
 from .polynomials.budget import budget as budget
 from .polynomials.expressions import parse_expression as parse_expression

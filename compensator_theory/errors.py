@@ -88,6 +88,10 @@ class IllConditionedError(CompensatorError):
     """Rounding decides the answer, so that it is undecided; exact data or other units may help."""
 
 
+class PrecisionError(CompensatorError):
+    """Another thread set python-flint's precision while balls were computed at it."""
+
+
 class FunctionFailedError(CompensatorError):
     """A function that was passed in failed; `run` holds what was computed before."""
 

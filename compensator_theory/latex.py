@@ -7,6 +7,8 @@ from collections.abc import Iterable
 import sympy
 from sympy import Basic, Expr, MatrixBase, Poly
 
+from compensator_theory.printing import formula
+
 BEFORE, AFTER = r"$\displaystyle ", "$"
 ESCAPED = {"\\": r"\backslash ", "_": r"\_", "^": r"\^{}", "{": r"\{", "}": r"\}"}
 ESCAPED |= {sign: rf"\{sign}" for sign in "#$%&"} | {"~": r"\~{}", "\n": " "}
@@ -37,7 +39,7 @@ def latex(value: object) -> str:
     if isinstance(value, MatrixBase) and 0 in value.shape:
         return rf"0_{{{value.rows} \times {value.cols}}}"
     if isinstance(value, Basic | MatrixBase | int) and not isinstance(value, bool):
-        return str(sympy.latex(value))
+        return formula(value)
     show = getattr(value, "_repr_latex_", None)  # every result of ours has it
     if show is None:
         return words(str(value))
@@ -148,4 +150,4 @@ def _polynomial(poly: Poly) -> str:
         coefficient * poly.gen**power
         for (power,), coefficient in sorted(poly.as_dict().items(), reverse=True)
     ]
-    return str(sympy.latex(sympy.Add(*terms, evaluate=False), order="none")) if terms else "0"
+    return formula(sympy.Add(*terms, evaluate=False), order="none") if terms else "0"

@@ -15,6 +15,7 @@ from compensator_theory.polynomials.budget import quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
+from compensator_theory.printing import text
 
 Answer = TypeVar("Answer")  # what the construction returns; documented, it stops the pages
 
@@ -88,11 +89,11 @@ class ExceptionalCase(ExactValue, Generic[Answer]):
     @property
     def conditions(self) -> str:
         """The conditions in words, for instance "a = b**2, c != 0"."""
-        parts = [f"{symbol} = {value}" for symbol, value in self.values]
-        parts += [f"{factor} = 0" for factor in self.zero]
-        parts += [f"{factor} != 0" for factor in self.nonzero]
+        parts = [f"{symbol} = {text(value)}" for symbol, value in self.values]
+        parts += [f"{text(factor)} = 0" for factor in self.zero]
+        parts += [f"{text(factor)} != 0" for factor in self.nonzero]
         if self.not_all_zero:
-            parts.append(f"({', '.join(map(str, self.not_all_zero))}) not all 0")
+            parts.append(f"({', '.join(map(text, self.not_all_zero))}) not all 0")
         return ", ".join(parts) or "always"
 
     def __str__(self) -> str:

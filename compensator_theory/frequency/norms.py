@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 
-import flint
 import sympy
 from sympy import QQ, Expr, Poly, Symbol
 
@@ -10,7 +9,9 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.frequency.half_plane_matrices import HalfPlaneMatrix, half_plane_matrix
 from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.roots.counts import number_of_real_roots
 from compensator_theory.roots.enclosures import Enclosure, ball_of_enclosure, enclosure_of_ball
 from compensator_theory.stabilisation.critical_values import (
@@ -42,7 +43,7 @@ class HInfinityNorm(ExactValue):
     square_polynomial: Poly
 
     def __str__(self) -> str:
-        return f"{self.value} = {float(self.enclosure):.6g}"
+        return f"{text(self.value)} = {float(self.enclosure):.6g}"
 
     def _repr_latex_(self) -> str:
         return displayed(rf"\|G\|_\infty = {latex(self.value)} \approx {float(self.enclosure):.6g}")
@@ -96,7 +97,7 @@ def h_infinity_norm(G: TransferMatrixLike, variable: str | Symbol | None = None)
         )
     factors = _factors(source)
     best, polynomial = _supremum(factors)
-    with flint.ctx.workprec(80):
+    with ball_precision(80):
         ball = enclosure_of_ball(ball_of_enclosure(best.enclosure).sqrt())
     return HInfinityNorm(sympy.sqrt(best.value), ball, polynomial)
 

@@ -11,6 +11,7 @@ from compensator_theory.frequency.half_plane_matrices import HalfPlaneMatrix, ha
 from compensator_theory.latex import displayed, words
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.roots.counts import RootCount
 from compensator_theory.stabilisation.critical_values import number_between, real_roots
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -50,7 +51,7 @@ class RealnessDecision(ExactValue):
             return f"not {self.question}: det(G + I) = 0 for all s"
         if self.poles.stable < self.poles.total:
             return f"not {self.question}: {self.poles} poles"
-        return f"not {self.question}: the matrix is indefinite at omega^2 = {self.violated}"
+        return f"not {self.question}: the matrix is indefinite at omega^2 = {text(self.violated)}"
 
     def _repr_latex_(self) -> str:
         return displayed(words(str(self)))

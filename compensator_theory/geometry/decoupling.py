@@ -23,6 +23,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
@@ -64,7 +65,7 @@ class Decoupling(ExactValue):
 
     def __str__(self) -> str:
         parts = ", ".join(f"1/({format_polynomial(p)})" for p in self.polynomials)
-        return f"diag({parts}) with F = {self.F.tolist()}, W = {self.W.tolist()}"
+        return f"diag({parts}) with F = {text(self.F.tolist())}, W = {text(self.W.tolist())}"
 
     def _repr_latex_(self) -> str:
         loop = diagonal(fraction(1, poly) for poly in self.polynomials)

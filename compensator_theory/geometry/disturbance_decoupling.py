@@ -14,6 +14,7 @@ from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "(C + D F)(A + B F)^k E = 0 for all k < n"
@@ -43,7 +44,7 @@ class DisturbanceDecoupling(ExactValue):
     def __str__(self) -> str:
         if self.F is None:
             return "no state feedback hides the disturbance from the output"
-        return f"u = F x with F = {self.F.tolist()} hides the disturbance from the output"
+        return f"u = F x with F = {text(self.F.tolist())} hides the disturbance from the output"
 
     def _repr_latex_(self) -> str:
         if self.F is None:

@@ -15,6 +15,7 @@ from compensator_theory.polynomial_matrices.polynomial_matrices import Polynomia
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -47,7 +48,7 @@ class Interactor(ExactValue):
     certificate: Certificate
 
     def __str__(self) -> str:
-        return f"{self.matrix}, limit {self.limit.tolist()}"
+        return f"{self.matrix}, limit {text(self.limit.tolist())}"
 
     def _repr_latex_(self) -> str:
         s = latex(self.matrix.variable)

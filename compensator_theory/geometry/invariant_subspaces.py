@@ -15,6 +15,7 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
 )
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "(A + B F) V = V M, (C + D F) V = 0"
@@ -58,8 +59,8 @@ class ControlledInvariantSubspaces(ExactValue):
 
     def __str__(self) -> str:
         return (
-            f"V* = span {self.V.T.tolist()}, R* = span {self.R.T.tolist()}, "
-            f"zeros of {self.zero_polynomial.as_expr()}"
+            f"V* = span {text(self.V.T.tolist())}, R* = span {text(self.R.T.tolist())}, "
+            f"zeros of {text(self.zero_polynomial.as_expr())}"
         )
 
     def _repr_latex_(self) -> str:

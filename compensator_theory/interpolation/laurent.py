@@ -19,6 +19,7 @@ from compensator_theory.polynomials.budget import ask, decimal_digits, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -70,10 +71,10 @@ class LaurentExpansion(ExactValue):
 
     def __str__(self) -> str:
         parts = [
-            f"{c.tolist() if c.shape != (1, 1) else c[0, 0]} of power {k - self.order}"
+            f"{text(c.tolist() if c.shape != (1, 1) else c[0, 0])} of power {k - self.order}"
             for k, c in enumerate(self.coefficients)
         ]
-        return f"about {self.point}: " + ", ".join(parts)
+        return f"about {text(self.point)}: " + ", ".join(parts)
 
     def _repr_latex_(self) -> str:
         terms = [

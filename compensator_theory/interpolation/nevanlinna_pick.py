@@ -19,6 +19,7 @@ from compensator_theory.polynomials.budget import ask, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number, read_coefficients
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.enclosures import Enclosure
 from compensator_theory.stabilisation.critical_values import real_roots
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -128,7 +129,7 @@ class PickInterpolation(ExactValue):
     def __str__(self) -> str:
         verdict = "feasible" if self.is_feasible else "not feasible"
         least = sympy.sqrtdenest(sympy.sqrt(self.least_squared))
-        return f"{verdict} with bound {self.bound}; the least bound is {least}"
+        return f"{verdict} with bound {text(self.bound)}; the least bound is {text(least)}"
 
     def _repr_latex_(self) -> str:
         sign = r"\succeq" if self.is_feasible else r"\not\succeq"

@@ -21,6 +21,7 @@ from compensator_theory.polynomials.budget import ask, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -60,7 +61,7 @@ class ZeroDirectionTarget(ExactValue):
     certificate: Certificate
 
     def __str__(self) -> str:
-        lines = [f"{zero} in the direction {list(eta)}" for zero, eta in self.zeros]
+        lines = [f"{text(zero)} in the direction {text(list(eta))}" for zero, eta in self.zeros]
         return "\n".join([f"G_f = {self.transfer_matrix}", *lines])
 
     def _repr_latex_(self) -> str:

@@ -12,6 +12,7 @@ from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import text_of
 from compensator_theory.roots.half_plane_factors import (
@@ -162,7 +163,7 @@ class RegulatorLocus(ExactValue):
             except CompensatorError:  # the limit itself is not stable
                 ends.append(f"roots of {format_polynomial(poly)} on the boundary of stability")
         k = self.number_to_infinity
-        away = f", and {k} pole(s) to infinity at the distance {self.distance}" if k else ""
+        away = f", and {k} pole(s) to infinity at the distance {text(self.distance)}" if k else ""
         return (
             f"{format_polynomial(self.spectrum)}\nR_2 -> 0: {ends[0]}{away}\nR_2 -> oo: {ends[1]}"
         )

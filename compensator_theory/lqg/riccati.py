@@ -21,9 +21,11 @@ from compensator_theory.lqg.regulator_data import (
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import from_flint, to_flint
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
 from compensator_theory.roots.reflections import spectrum_of
 from compensator_theory.roots.spectral_factors import (
@@ -90,7 +92,7 @@ class RiccatiSolution(ExactValue):
             exact = left * self.A + self.E_1.T * self.E_1 - gain_row.T * gain_row / innovation
             return exact_rows(exact - self.P)
         finest = max(int(c.centre.q).bit_length() for row in self.P_enclosure for c in row)
-        with flint.ctx.workprec(64 + 2 * finest):
+        with ball_precision(64 + 2 * finest):
             A, B, E_1, E_2 = map(ball_matrix, (self.A, self.B, self.E_1, self.E_2))
             P = flint.arb_mat([[ball_of_enclosure(c) for c in row] for row in self.P_enclosure])
             gain_row = B.transpose() * P * A + E_2.transpose() * E_1
@@ -100,9 +102,9 @@ class RiccatiSolution(ExactValue):
 
     def __str__(self) -> str:
         K = self.K if self.is_exact else self.K_enclosure
-        P = f", P = {self.P}" if self.is_exact else ""
+        P = f", P = {text(self.P)}" if self.is_exact else ""
         chi = str(self.factor).split("\n", maxsplit=1)[0]
-        return f"K = {K}{P}\n{chi}\nR_2 + B'PB = {self.factor.constant!r}"
+        return f"K = {text(K)}{P}\n{chi}\nR_2 + B'PB = {self.factor.constant!r}"
 
     def _repr_latex_(self) -> str:
         innovation = f"R_2 + B^TPB = {latex(self.factor.constant)}"
@@ -192,7 +194,7 @@ def solve_riccati(
             return RiccatiSolution(
                 *matrices, factor, exact_K, exact_P, exact_rows(exact_K), exact_rows(exact_P)
             )
-        with flint.ctx.workprec(2 * working_bits(precision)):
+        with ball_precision(2 * working_bits(precision)):
             d, chi = open_loop.all_coeffs()[1:], factor.enclosure.coefficients[1:]
             right = [
                 [ball_of_number(x) - ball_of_enclosure(y)] for x, y in zip(d, chi, strict=True)

@@ -10,6 +10,7 @@ from sympy import Expr, Matrix, Rational
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.flint_matrices import is_rational_matrix
 from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.budget import quoted
 
 PRECISIONS = tuple(128 * 4**k for k in range(5))
@@ -41,7 +42,7 @@ def is_proven_nonsingular(matrix: Matrix) -> bool:
     if is_rational_matrix(matrix):
         return bool(rank(matrix) == matrix.rows)
     for precision in PRECISIONS:
-        with flint.ctx.workprec(precision):
+        with ball_precision(precision):
             entries = [[surd_ball(entry) for entry in row] for row in matrix.tolist()]
             if not flint.acb_mat(entries).det().contains(0):
                 return True

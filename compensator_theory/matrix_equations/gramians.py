@@ -15,6 +15,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.stability import decide_hurwitz, decide_schur
 from compensator_theory.stabilisation.conditions import stability_conditions
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
@@ -56,8 +57,9 @@ class Gramians(ExactValue):
 
     def __str__(self) -> str:
         return (
-            f"W_c = {self.controllability.tolist()}\nW_o = {self.observability.tolist()}\n"
-            f"H2 norm squared: {self.norm_squared}"
+            f"W_c = {text(self.controllability.tolist())}\n"
+            f"W_o = {text(self.observability.tolist())}\n"
+            f"H2 norm squared: {text(self.norm_squared)}"
         )
 
     def _repr_latex_(self) -> str:

@@ -12,6 +12,7 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrix_equations.solutions import solve_by_kronecker
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
 IDENTITY = "Pi S = A Pi + B Gamma + P, 0 = C Pi + D Gamma + Q"
@@ -55,7 +56,7 @@ class RegulatorSolution(ExactValue):
         return ImmutableMatrix((self.Gamma - gain * self.Pi).applyfunc(sympy.cancel))
 
     def __str__(self) -> str:
-        return f"Pi = {self.Pi.tolist()}, Gamma = {self.Gamma.tolist()}"
+        return f"Pi = {text(self.Pi.tolist())}, Gamma = {text(self.Gamma.tolist())}"
 
     def _repr_latex_(self) -> str:
         one, other = latex(self.Pi), latex(self.Gamma)

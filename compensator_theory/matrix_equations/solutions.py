@@ -18,6 +18,7 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
 )
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,9 @@ class MatrixSolution(ExactValue):
 
     def __str__(self) -> str:
         count = len(self.homogeneous)
-        return f"X = {self.X.tolist()}" + (f", one of a family of dimension {count}" * bool(count))
+        return f"X = {text(self.X.tolist())}" + (
+            f", one of a family of dimension {count}" * bool(count)
+        )
 
     def _repr_latex_(self) -> str:
         terms = [rf"\alpha_{{{k}}} {latex(part)}" for k, part in enumerate(self.homogeneous, 1)]

@@ -9,6 +9,7 @@ from sympy import ImmutableMatrix, Poly
 
 from compensator_theory.matrices.flint_matrices import to_flint
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.roots.certified import root_balls
 
@@ -79,7 +80,7 @@ def prove_forms(loop: ImmutableMatrix, Dtilde: Poly, n: int) -> BallProof:
     """
     minimal = from_flint_polynomial(to_flint(loop).minpoly(), Dtilde.gen)
     for precision in PRECISIONS:
-        with flint.ctx.workprec(precision):
+        with ball_precision(precision):
             balls = root_balls(Dtilde, precision)
             longest = [
                 next(length for other, length in root_balls(minimal, precision)

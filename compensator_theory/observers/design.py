@@ -12,6 +12,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -81,8 +82,8 @@ class ObserverBasedCompensator(ExactValue):
 
     def __str__(self) -> str:
         return (
-            f"K = {self.K.tolist()}: regulator {format_polynomial(self.regulator)}\n"
-            f"F = {self.F.T.tolist()}': observer {format_polynomial(self.observer)}\n"
+            f"K = {text(self.K.tolist())}: regulator {format_polynomial(self.regulator)}\n"
+            f"F = {text(self.F.T.tolist())}': observer {format_polynomial(self.observer)}\n"
             f"u = G_c y, G_c = {self.transfer_function}"
         )
 

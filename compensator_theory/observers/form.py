@@ -12,6 +12,7 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.systems.realisations import Realisation
 
 
@@ -121,13 +122,14 @@ class ObserverForm(ExactValue):
         return ObserverForm(self.plant, self.compensator, T, self.regulator, self.observer)
 
     def __str__(self) -> str:
-        gains = f"K = {self.K.tolist()}"
+        gains = f"K = {text(self.K.tolist())}"
         if (F := self.F) is not None:
-            gains += f", F = {F.tolist()}"
+            gains += f", F = {text(F.tolist())}"
         free = f", for all values of {self.parameters}" if self.parameters else ""
         return (
             f"regulator {format_polynomial(self.regulator)}; "
-            f"observer {format_polynomial(self.observer)}{free}\n  {gains}, T = {self.T.tolist()}"
+            f"observer {format_polynomial(self.observer)}{free}\n"
+            f"  {gains}, T = {text(self.T.tolist())}"
         )
 
     def _repr_latex_(self) -> str:

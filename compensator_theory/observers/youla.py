@@ -21,6 +21,7 @@ from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.subspaces.strata import continuum_size
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
@@ -101,8 +102,8 @@ class YoulaForm(ExactValue):
         parts = ("regulator", "observer", "parameter")
         spectra = [f"{part} {format_polynomial(getattr(self, part))}" for part in parts]
         return (
-            "; ".join(spectra) + f"\n  K = {self.K.tolist()}, F = {self.F.tolist()}, "
-            f"T = {self.T.tolist()}"
+            "; ".join(spectra) + f"\n  K = {text(self.K.tolist())}, F = {text(self.F.tolist())}, "
+            f"T = {text(self.T.tolist())}"
         )
 
     def _repr_latex_(self) -> str:

@@ -6,6 +6,7 @@ import flint
 from sympy import Poly
 
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import monic
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.roots.certified import root_balls
@@ -31,7 +32,7 @@ def stay_close(before: Poly, after: Poly) -> bool:
     discrete = is_discrete(before.gen, "the distance to the stability boundary")
     exact, moved = (to_flint_polynomial(monic(p)) for p in (before, after))
     balls = root_balls(before)
-    with flint.ctx.workprec(128):
+    with ball_precision(128):
         change, slope = flint.acb_poly(moved - exact), flint.acb_poly(exact.derivative())
         for ball, multiplicity in balls:
             room = abs(1 - abs(ball)) if discrete else abs(ball.real)
@@ -58,7 +59,7 @@ def are_far(before: Poly, after: Poly) -> bool:
     """
     if before.degree() != after.degree():
         return False
-    with flint.ctx.workprec(64):
+    with ball_precision(64):
         (old, new), n = (_magnitudes(p) for p in (before, after)), int(before.degree())
         reach = 1 + 2 * max((c.root(k) for k, c in enumerate(old, 1)), default=flint.arb(0))
         farthest = max(((c / comb(n, k)).root(k) for k, c in enumerate(new, 1)), default=reach)

@@ -19,11 +19,11 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
     exceptional_factors,
 )
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
-from compensator_theory.polynomials.budget import long_integers
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, scaled
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 if TYPE_CHECKING:
@@ -189,8 +189,7 @@ class PolePlacement(ExactValue):
     def __repr__(self) -> str:
         asked = f"polynomial {format_polynomial(self.target)}"
         if self.roots is not None:
-            with long_integers():
-                listed = ", ".join(map(str, self.roots))
+            listed = ", ".join(map(text, self.roots))
             asked = f"ROOTS {listed} (a list holds roots; coefficients go to polynomial=)"
         return f"<PolePlacement with feedback {self.feedback:+d} of the {asked}: {self}>"
 
@@ -199,7 +198,7 @@ class PolePlacement(ExactValue):
         degrees = f"deg N_c <= {self._numerator_bound()}, deg D_c = {self.denominator.degree()}"
         extent = "unique" if self.is_unique else f"one of a {count}-parameter family"
         sign = "-" if self.feedback == 1 else "+"
-        factor = "" if self.leading_coefficient == 1 else f"({self.leading_coefficient}) * "
+        factor = "" if self.leading_coefficient == 1 else f"({text(self.leading_coefficient)}) * "
         target = format_polynomial(self.target)
         target = f"({target})" if factor else target
         return (

@@ -12,6 +12,7 @@ from sympy import Expr, Poly, Rational, Symbol
 from sympy.polys.polyerrors import CoercionFailed, NotInvertible, PolynomialError
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.budget import ask, limit_of
 from compensator_theory.polynomials.sympy_trees import irrational_parts, square_root
 
@@ -43,7 +44,7 @@ class Algebraic:
 
     def refined(self, precision: int) -> flint.acb:
         """Return a smaller ball around the same root."""
-        with flint.ctx.workprec(precision):
+        with ball_precision(precision):
             (found,) = (r for r, _ in self.minimal.complex_roots() if r.overlaps(self.ball))
             return found
 
@@ -51,7 +52,7 @@ class Algebraic:
         return (
             isinstance(other, Algebraic)
             and self.minimal == other.minimal
-            and bool(self.ball.overlaps(other.refined(flint.ctx.prec + 64)))
+            and bool(self.ball.overlaps(other.refined(128)))
         )
 
     def __hash__(self) -> int:
@@ -71,7 +72,7 @@ class Algebraic:
     def conjugate(self) -> Algebraic:
         """The complex conjugate, a root of the same polynomial."""
         ball = self.refined(128)
-        with flint.ctx.workprec(1024):  # a sign is rounded, too, and the ball held two roots then
+        with ball_precision(1024):  # a sign is rounded, too, and the ball held two roots then
             return Algebraic(self.minimal, flint.acb(ball.real, -ball.imag))
 
     def __add__(self, other: Algebraic) -> Algebraic:
@@ -110,13 +111,14 @@ class Algebraic:
             lambda p: _principal_root(self.refined(p), index, is_real),
         )
 
+    @ball_precision(256)
     def expression(self) -> Expr:
         """Return a real one in SymPy: a rational number, a surd a + b sqrt(c), or a CRootOf."""
         c = [sympy.Integer(int(k)) for k in reversed(self.minimal.coeffs())]
         if len(c) == 2:
             return -c[1] / c[0]
-        upper = bool(self.refined(256).real > flint.arb(flint.fmpq(int(-c[1]), int(2 * c[0]))))
         if len(c) == 3:
+            upper = bool(self.refined(256).real > flint.arb(flint.fmpq(int(-c[1]), int(2 * c[0]))))
             root = square_root(c[1] ** 2 - 4 * c[0] * c[2]) * (1 if upper else -1)
             return sympy.expand((-c[1] + root) / (2 * c[0]))
         if not any(c[1:-1]):  # SymPy takes seconds for the value of an indexed root of these
@@ -219,7 +221,8 @@ def rational_number(number: Rational) -> Algebraic:
     2*x + (-1)
     """
     value = flint.fmpq(int(number.p), int(number.q))
-    return Algebraic(flint.fmpz_poly([-value.p, value.q]), flint.acb(value))
+    with ball_precision(64):
+        return Algebraic(flint.fmpz_poly([-value.p, value.q]), flint.acb(value))
 
 
 def _composed(
@@ -244,7 +247,7 @@ def _of(poly: flint.fmpz_poly, ball: Callable[[int], flint.acb]) -> Algebraic:
     factors = [factor for factor, _ in poly.factor()[1]]
     precision = 128
     while True:
-        with flint.ctx.workprec(precision):
+        with ball_precision(precision):
             value = ball(precision)
             left = [f for f in factors if flint.acb_poly(f)(value).contains(0)]
             if len(left) == 1:

@@ -3,7 +3,7 @@
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
 from itertools import islice
@@ -12,6 +12,7 @@ from typing import TypeVar
 from sympy import Poly
 
 from compensator_theory.errors import BudgetError, InputError
+from compensator_theory.printing import text
 
 
 @dataclass(frozen=True)
@@ -95,8 +96,7 @@ def budget(**limits: int) -> Iterator[Budget]:
     changed = replace(_current.get(), **limits)
     token = _current.set(changed)
     try:
-        with long_integers() if changed.digits > _USUAL.digits else nullcontext():
-            yield changed
+        yield changed
     finally:
         _current.reset(token)
 
@@ -113,29 +113,9 @@ def unlimited() -> Iterator[None]:
     """
     token = _current.set(Budget(*[sys.maxsize] * len(fields(Budget))))
     try:
-        with long_integers():
-            yield
-    finally:
-        _current.reset(token)
-
-
-@contextmanager
-def long_integers() -> Iterator[None]:
-    """Let Python read and print integers of any length, as exact results have them.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.budget import long_integers
-    >>> with long_integers():
-    ...     len(str(10**5000))
-    5001
-    """
-    usual = sys.get_int_max_str_digits()
-    sys.set_int_max_str_digits(0)
-    try:
         yield
     finally:
-        sys.set_int_max_str_digits(usual)
+        _current.reset(token)
 
 
 def quoted(obj: object) -> str:
@@ -165,13 +145,19 @@ def shown(value: object, most: int = 60) -> str:
 def _shortened(value: object, write: Callable[[object], str], most: int, last: int = 0) -> str:
     """Write a value and keep the beginning of the text, and its last characters."""
     try:
-        with long_integers():
-            text = write(value)
+        written = _written(value, write)
     except Exception:  # of a foreign object, or a number that fits nowhere
-        text = f"an object of type {type(value).__name__}"
-    if len(text) <= most:
-        return text
-    return f"{text[: most - 3 - last - (not last)]}...{text[len(text) - last :]}"
+        written = f"an object of type {type(value).__name__}"
+    if len(written) <= most:
+        return written
+    return f"{written[: most - 3 - last - (not last)]}...{written[len(written) - last :]}"
+
+
+def _written(value: object, write: Callable[[object], str]) -> str:
+    try:
+        return write(value)
+    except ValueError:  # an integer that is longer than Python writes
+        return text(value)
 
 
 def limit_of(name: str) -> int:

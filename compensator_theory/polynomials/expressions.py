@@ -3,7 +3,6 @@
 import keyword
 import re
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import NamedTuple, NoReturn
 
 import sympy
@@ -27,6 +26,7 @@ from compensator_theory.polynomials.sympy_trees import (
     square_root,
     tree_of,
 )
+from compensator_theory.printing import fraction_of
 
 _SMALL = "²³¹¼-¾⁰-₎⅐-↋①-⓿"  # not in names: s² is a square to who writes it
 _TOKEN = re.compile(
@@ -277,7 +277,7 @@ def _number(token: _Token) -> Tree:
     mantissa, _, exponent = token.text.lower().partition("e")
     size = abs(int(exponent)) if 0 < len(exponent) < 12 else 10 ** min(len(exponent), 300)
     ask("digits", len(mantissa) + (size if exponent else 0), "a number")
-    value = Fraction(token.text)
+    value = fraction_of(token.text)
     ask_for_number(value.numerator, value.denominator)
     real = Leaf(Rational(value.numerator, value.denominator))
     return Product((real, Leaf(sympy.I))) if token.is_imaginary else real

@@ -10,7 +10,8 @@ from sympy.polys.domains.domain import Domain
 from sympy.polys.polyclasses import DMP
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import long_integers, quoted
+from compensator_theory.polynomials.budget import quoted
+from compensator_theory.printing import text
 
 
 def format_polynomial(poly: Poly) -> str:
@@ -23,23 +24,18 @@ def format_polynomial(poly: Poly) -> str:
     >>> format_polynomial(polynomial("a - s/3 + (a + 1)*s**2"))
     '(a + 1)*s**2 - s/3 + a'
     """
-    with long_integers():
-        return _formatted(poly)
-
-
-def _formatted(poly: Poly) -> str:
-    text = ""
+    written = ""
     for power, coefficient in sorted(poly.as_dict().items(), reverse=True):
         unit = poly.gen ** power[0]
         if coefficient.is_Add:
-            term = f"({coefficient})" if power[0] == 0 else f"({coefficient})*{unit}"
+            term = f"({text(coefficient)})" if power[0] == 0 else f"({text(coefficient)})*{unit}"
         else:
-            term = str(coefficient * unit)
+            term = text(coefficient * unit)
         sign, term = ("-", term[1:]) if term.startswith("-") else ("+", term)
-        text += f" {sign} {term}"
-    if not text:
+        written += f" {sign} {term}"
+    if not written:
         return "0"
-    return text[3:] if text.startswith(" +") else "-" + text[3:]
+    return written[3:] if written.startswith(" +") else "-" + written[3:]
 
 
 def require_real(poly: Poly) -> None:

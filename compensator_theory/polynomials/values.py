@@ -5,8 +5,8 @@ from typing import Any
 
 from sympy import Poly
 
-from compensator_theory.polynomials.budget import long_integers
 from compensator_theory.polynomials.poly import canonical
+from compensator_theory.printing import representation
 
 
 class ExactValue:
@@ -27,9 +27,8 @@ class ExactValue:
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        for name in ("__str__", "_repr_latex_"):
-            if name in vars(cls):
-                setattr(cls, name, long_integers()(vars(cls)[name]))
+        if "__repr__" not in vars(cls):
+            cls.__repr__ = _representation
 
     def __getstate__(self) -> dict[str, object]:
         return {field.name: getattr(self, field.name) for field in fields(self)}  # type: ignore[arg-type]
@@ -37,6 +36,12 @@ class ExactValue:
     def __setstate__(self, state: dict[str, object]) -> None:
         for name, value in state.items():
             object.__setattr__(self, name, _restored(value))
+
+
+def _representation(value: Any) -> str:
+    """What a dataclass writes, with numbers of any length."""
+    parts = (f"{f.name}={representation(getattr(value, f.name))}" for f in fields(value) if f.repr)
+    return f"{type(value).__qualname__}({', '.join(parts)})"
 
 
 def _restored(value: Any) -> Any:

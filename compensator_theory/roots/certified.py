@@ -10,6 +10,7 @@ from sympy import Poly
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, words
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
@@ -85,7 +86,9 @@ def certified_roots(poly: PolynomialLike) -> tuple[Root, ...]:
     >>> [(r.value, r.multiplicity) for r in certified_roots(polynomial("s**2*(s**2 + 1)"))]
     [(0j, 2), (1j, 1), (-1j, 1)]
     """
-    found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(polynomial(poly))]
+    source = polynomial(poly)
+    with ball_precision(64):
+        found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(source)]
     return tuple(sorted(found, key=_order))
 
 
@@ -136,7 +139,7 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
         for root, multiplicity in flint.fmpq_poly(rest).roots():
             rational.append((root, int(multiplicity)))
             rest //= flint.fmpz_poly([-root.p, root.q]) ** int(multiplicity)
-    with flint.ctx.workprec(precision):
+    with ball_precision(precision):
         found = [(flint.acb(flint.arb(root)), multiplicity) for root, multiplicity in rational]
         return found + [(ball, int(multiplicity)) for ball, multiplicity in rest.complex_roots()]
 
@@ -173,7 +176,7 @@ def decided_balls(
     [False, True]
     """
     while True:
-        with flint.ctx.workprec(precision):
+        with ball_precision(precision):
             answered = [(ball, m, decide(ball)) for ball, m in root_balls(poly, precision)]
         if all(answer is not None for _, _, answer in answered):
             return answered  # type: ignore[return-value]

@@ -13,6 +13,7 @@ from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     to_flint_polynomial,
 )
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
@@ -241,7 +242,7 @@ def _unstable_in_balls(poly: flint.fmpz_poly) -> int | None:
     """Count changes of sign in the first column of Routh's array; None where balls cannot tell."""
     descending = poly.coeffs()[::-1]
     for precision in PRECISIONS:
-        with flint.ctx.workprec(precision):
+        with ball_precision(precision):
             signs = _first_column(descending)
         if signs is not None:
             return sum(a != b for a, b in pairwise(signs))

@@ -13,6 +13,7 @@ from compensator_theory.polynomials.budget import quoted, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 
 SHOWN_DIGITS = 20
 
@@ -63,7 +64,7 @@ class Enclosure(ExactValue):
 
     def __repr__(self) -> str:
         if self.radius == 0:
-            return str(self.centre)
+            return text(self.centre)
         first = _decade(abs(self.centre) + self.radius)
         last = max(_decade(self.radius), first - SHOWN_DIGITS)
         error = self.radius + (Rational(10) ** last / 2 if last > _decade(self.radius) else 0)
@@ -129,19 +130,19 @@ class PolynomialEnclosure(ExactValue):
 
     def __str__(self) -> str:
         digits = min(max(3, -_decade(self.radius)), SHOWN_DIGITS) if self.radius else SHOWN_DIGITS
-        text = ""
+        written = ""
         for power, ball in zip(range(self.degree, -1, -1), self.coefficients, strict=True):
             if ball.centre == 0 and ball.radius == 0:
                 continue
             size = abs(ball.centre)
-            number = str(size if ball.radius == 0 else sympy.N(size, digits))
+            number = text(size) if ball.radius == 0 else str(sympy.N(size, digits))
             unit = {0: "", 1: str(self.variable)}.get(power, f"{self.variable}**{power}")
             factors = [part for part in (number if number != "1" or not unit else "", unit) if part]
-            text += f" {'-' if ball.centre < 0 else '+'} {'*'.join(factors)}"
-        return text[3:] if text.startswith(" +") else "-" + text[3:]
+            written += f" {'-' if ball.centre < 0 else '+'} {'*'.join(factors)}"
+        return written[3:] if written.startswith(" +") else "-" + written[3:]
 
     def __repr__(self) -> str:
-        return f"PolynomialEnclosure({self}, radius {sympy.N(self.radius, 2)})"
+        return f"PolynomialEnclosure({self}, radius {text(sympy.N(self.radius, 2))})"
 
     def _repr_latex_(self) -> str:
         return displayed(self.latex())
@@ -152,7 +153,7 @@ class PolynomialEnclosure(ExactValue):
             (c.centre if c.radius == 0 else sympy.N(c.centre, 8)) * self.variable**k
             for k, c in enumerate(reversed(self.coefficients))
         )
-        return str(sympy.latex(sum(terms)))
+        return latex(sum(terms))
 
 
 def text_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:

@@ -7,10 +7,12 @@ from sympy import Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import count_half_plane_roots, require_rational
 from compensator_theory.roots.enclosures import (
@@ -69,7 +71,7 @@ class HalfPlaneFactor(ExactValue):
     def residual(self) -> tuple[Enclosure, ...]:
         r"""Coefficients of :math:`c\,\chi(s)\chi(-s) - p(s)`, computed anew; each contains 0."""
         finest = max(int(c.centre.q).bit_length() for c in self.enclosure.coefficients)
-        with flint.ctx.workprec(64 + 2 * finest):
+        with ball_precision(64 + 2 * finest):
             ascending = [ball_of_enclosure(c) for c in reversed(self.enclosure.coefficients)]
             mirrored = [-c if k % 2 else c for k, c in enumerate(ascending)]
             product = flint.arb_poly(ascending) * flint.arb_poly(mirrored)
@@ -78,7 +80,7 @@ class HalfPlaneFactor(ExactValue):
             return tuple(enclosure_of_ball(c) for c in reversed(difference.coeffs()))
 
     def __str__(self) -> str:
-        return f"χ = {text_of(self.polynomial, self.enclosure)}\nc = {self.constant}"
+        return f"χ = {text_of(self.polynomial, self.enclosure)}\nc = {text(self.constant)}"
 
     def _repr_latex_(self) -> str:
         body = latex_of(self.polynomial, self.enclosure)
@@ -183,7 +185,7 @@ def factor_even(spectrum: Poly, digits: int = 30) -> HalfPlaneFactor:
         return HalfPlaneFactor(spectrum, exact, exact_enclosure(exact), constant)
     while True:
         balls = decided_balls(spectrum, _is_left, bits)
-        with flint.ctx.workprec(bits):
+        with ball_precision(bits):
             left = product_of_roots(((b, m) for b, m, inside in balls if inside), spectrum.gen)
         if left.radius <= Rational(1, 10**digits):
             return HalfPlaneFactor(spectrum, None, left, constant)

@@ -3,6 +3,7 @@
 import flint
 from sympy import QQ, Expr, Poly
 
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
@@ -143,7 +144,7 @@ def _is_schur(poly: flint.fmpz_poly) -> bool:
     """Whether every root is inside, where none is on the circle."""
     descending = [int(c) for c in reversed(poly.coeffs())]
     for precision in PRECISIONS:
-        with flint.ctx.workprec(precision):
+        with ball_precision(precision):
             answer = _schur_in_balls([flint.arb(c) for c in descending])
         if answer is not None:
             return answer

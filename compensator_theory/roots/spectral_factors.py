@@ -7,6 +7,7 @@ from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.reading import PolynomialLike
@@ -72,7 +73,7 @@ class SpectralFactor(ExactValue):
     def residual(self) -> tuple[Enclosure, ...]:
         r"""Coefficients of :math:`c\,\chi\chi^* - z^{n-m}p`, computed anew; each contains 0."""
         finest = max(int(c.centre.q).bit_length() for c in self.enclosure.coefficients)
-        with flint.ctx.workprec(64 + 2 * finest):
+        with ball_precision(64 + 2 * finest):
             descending = [ball_of_enclosure(c) for c in self.enclosure.coefficients]
             product = flint.arb_poly(descending) * flint.arb_poly(descending[::-1])
             spectrum = [ball_of_number(c) for c in reversed(self.palindrome.all_coeffs())]
@@ -206,7 +207,7 @@ def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> Spectr
             palindrome, degree, chi, exact_enclosure(chi), constant.coefficients[0]
         )
     enclosed, _ = enclose_split_at_unit_circle(stripped, digits)
-    with flint.ctx.workprec(2 * bits):
+    with ball_precision(2 * bits):
         constant_ball = ball_of_number(stripped.LC()) / ball_of_enclosure(enclosed.coefficients[-1])
         zeros = exact_enclosure(power).coefficients[1:]
         chi_ball = PolynomialEnclosure(enclosed.coefficients + zeros, palindrome.gen)

@@ -8,6 +8,7 @@ import flint
 from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.roots.certified import decided_balls
@@ -76,7 +77,7 @@ def enclose_split_at_unit_circle(
     require_none_on_circle(poly)
     while True:
         balls = decided_balls(poly, is_inside, bits)
-        with flint.ctx.workprec(bits):
+        with ball_precision(bits):
             factors = [
                 product_of_roots(
                     ((ball, m) for ball, m, inside in balls if inside is side), poly.gen
@@ -162,7 +163,7 @@ def multiply_enclosures(*factors: PolynomialEnclosure) -> PolynomialEnclosure:
     if all(factor.radius == 0 for factor in factors):
         return exact_enclosure(reduce(operator.mul, (factor.centre for factor in factors)))
     finest = max(int(c.centre.q).bit_length() for factor in factors for c in factor.coefficients)
-    with flint.ctx.workprec(64 + 2 * finest):
+    with ball_precision(64 + 2 * finest):
         product = flint.arb_poly([1])
         for factor in factors:
             product *= flint.arb_poly([ball_of_enclosure(c) for c in reversed(factor.coefficients)])
@@ -197,7 +198,7 @@ def monic_reciprocal_enclosure(factor: PolynomialEnclosure) -> PolynomialEnclosu
     if factor.radius == 0:
         return exact_enclosure(monic_reciprocal_polynomial(factor.centre))
     finest = max(int(c.centre.q).bit_length() for c in factor.coefficients)
-    with flint.ctx.workprec(64 + finest):
+    with ball_precision(64 + finest):
         divisor = ball_of_enclosure(last)
         rest = tuple(
             enclosure_of_ball(ball_of_enclosure(c) / divisor) for c in factor.coefficients[-2::-1]

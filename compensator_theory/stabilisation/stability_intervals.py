@@ -12,6 +12,7 @@ from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.counts import RootCount, count_half_plane_roots
 from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.stabilisation.critical_values import (
@@ -188,5 +189,5 @@ def _cells(
 
 def _written(end: Expr) -> str:
     if end.is_Rational or not end.is_finite:
-        return str(end)
-    return f"{end} = {float(end):.6g}"
+        return text(end)
+    return f"{text(end)} = {float(end):.6g}"

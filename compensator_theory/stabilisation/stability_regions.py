@@ -14,6 +14,7 @@ from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.printing import text
 from compensator_theory.stabilisation.critical_values import cells_between, even_and_odd, real_roots
 from compensator_theory.stabilisation.half_plane import half_plane_polynomial
 from compensator_theory.stabilisation.stability_intervals import (
@@ -88,7 +89,8 @@ class StabilityRegion(ExactValue):
         k_1, k_2 = self.parameters
         stable = [slab for slab in self.slabs if slab.section.intervals]
         lines = [
-            f"{k_1} in ({slab.lower}, {slab.upper}), for instance {slab.sample}: {k_2} in "
+            f"{k_1} in ({text(slab.lower)}, {text(slab.upper)}), "
+            f"for instance {text(slab.sample)}: {k_2} in "
             + " or ".join(map(str, slab.section.intervals))
             for slab in stable
         ]

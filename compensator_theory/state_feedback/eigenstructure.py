@@ -16,6 +16,7 @@ from compensator_theory.polynomial_matrices.exceptional_factors import exception
 from compensator_theory.polynomials.budget import listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 
 IDENTITY = "(A + B K) V = V Lambda"
 
@@ -46,7 +47,7 @@ class Eigenstructure(ExactValue):
     certificate: Certificate
 
     def __str__(self) -> str:
-        return f"K = {self.K.tolist()}"
+        return f"K = {text(self.K.tolist())}"
 
     def _repr_latex_(self) -> str:
         return displayed(

@@ -7,9 +7,9 @@ parts of a draw elsewhere in it. It varies each draw a few times, so that the sh
 scatter by about 0.1 around those that are stated, more than independent ones would.
 """
 
-from compensator_theory.libraries import needed
+from compensator_theory.libraries import require_library
 
-with needed("hypothesis"):
+try:
     from compensator_theory.strategies.compensators import compensators
     from compensator_theory.strategies.corners import (
         derogatory_loops,
@@ -32,6 +32,16 @@ with needed("hypothesis"):
         rationals,
     )
     from compensator_theory.strategies.spectra import hurwitz_spectra, schur_spectra, spectra
+except ModuleNotFoundError as error:
+    if (error.name or "").partition(".")[0] != "hypothesis":
+        raise
+
+    def __getattr__(name: str) -> object:
+        """Where Hypothesis is missing, whoever takes a strategy is told what brings it."""
+        if name in __all__:
+            require_library("hypothesis")
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __all__ = [
     "compensators",

@@ -13,6 +13,7 @@ from compensator_theory.polynomial_matrices.polynomial_matrices import Polynomia
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 from compensator_theory.roots.certified import Root, certified_roots
 
 IDENTITY = "the matrix at each zero times its directions"
@@ -44,7 +45,7 @@ class ZeroDirection(ExactValue):
     def __str__(self) -> str:
         names = ("state", "input", "costate", "output")
         vectors = [(name, list(getattr(self, name))) for name in names]
-        shown = ", ".join(f"{name} {vector}" for name, vector in vectors if vector)
+        shown = ", ".join(f"{name} {text(vector)}" for name, vector in vectors if vector)
         return f"{format_polynomial(self.factor)} = 0: {shown}"
 
     def _repr_latex_(self) -> str:

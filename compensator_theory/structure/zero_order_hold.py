@@ -23,6 +23,7 @@ from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.sympy_trees import rational_floats, require_readable
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
+from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -61,7 +62,7 @@ class SampledPlant(ExactValue):
         return self.realisation.transfer_function().reduced()
 
     def __str__(self) -> str:
-        meaning = ", ".join(f"{x} = {value}" for x, value in self.exponentials)
+        meaning = ", ".join(f"{x} = {text(value)}" for x, value in self.exponentials)
         return f"{self.realisation}" + (f"\n{meaning}" if meaning else "")
 
     def _repr_latex_(self) -> str:

@@ -7,13 +7,14 @@ from sympy import Expr, Poly, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
-from compensator_theory.polynomials.budget import long_integers, unlimited
+from compensator_theory.polynomials.budget import unlimited
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.quotients import Product, Quotient, multiplied_out
 from compensator_theory.polynomials.reading import is_list, polynomial
 from compensator_theory.polynomials.sympy_trees import tree_of
+from compensator_theory.printing import text
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.realisations import Realisation
@@ -52,18 +53,18 @@ def canonical(obj: TransferFunctionLike, variable: str | Symbol | None = None) -
     """
     first, is_plain = _written(obj, variable)
     is_text = is_plain or (isinstance(obj, str) and variable is None)
-    text = first
+    written = first
     for _ in range(5):  # SymPy has several forms for roots of rational numbers
         with unlimited():
-            quotient = read_text(text)
-            again = "" if is_text else _form(text, quotient, variable)[0]
+            quotient = read_text(written)
+            again = "" if is_text else _form(written, quotient, variable)[0]
         if is_text:  # within the budget, as its reader will look at it: q/q - s is no system, -s is
-            again, _ = _form(text, quotient, variable)
-        if again == text:
-            return text
-        if len(again) > 2 * len(text) > 4 * len(first):  # each pass brings in new products
+            again, _ = _form(written, quotient, variable)
+        if again == written:
+            return written
+        if len(again) > 2 * len(written) > 4 * len(first):  # each pass brings in new products
             break
-        text = again
+        written = again
     if (whole := _with_whole_coefficients(obj, variable)) is not None:
         return whole
     raise InputError(f"{first[:60]} has no form here that reads back to itself; write symbols")
@@ -107,7 +108,7 @@ def _with_whole_coefficients(
     Its coefficients are divided by sums with roots of symbols, or by powers of symbols: here they
     are multiplied by what they are divided by, and what all of them share is taken out.
     """
-    text, known = "", obj
+    written, known = "", obj
     for _ in range(5):
         with unlimited():
             try:
@@ -123,11 +124,10 @@ def _with_whole_coefficients(
                 )
                 quotient = multiplied_out(tree, least_denominators=True)
             top, bottom = _shared_taken_out(quotient, system.variable).sides()
-        with long_integers():
-            text, before = f"({top})/({bottom})", text
-        if text == before:
-            return text
-        known = text
+        written, before = f"({text(top)})/({text(bottom)})", written
+        if written == before:
+            return written
+        known = written
     return None
 
 
@@ -149,8 +149,7 @@ def _shared_taken_out(quotient: Quotient, variable: Symbol) -> Quotient:
 
 
 def _plain(quotient: Quotient) -> str:
-    with long_integers():
-        return str(quotient.value())
+    return text(quotient.value())
 
 
 def _number(value: Expr) -> str:
@@ -160,13 +159,15 @@ def _number(value: Expr) -> str:
         if found is not None:
             value = _in_parts(found)
         elif value.atoms(sympy.exp, sympy.cos, sympy.sin):
-            raise InputError(f"the number {str(value)[:60]} has no exact text here; write a symbol")
+            raise InputError(
+                f"the number {text(value)[:60]} has no exact text here; write a symbol"
+            )
     if value.atoms(sympy.NumberSymbol) - {sympy.pi}:
-        raise InputError(f"{str(value)[:60]} would read back as a symbol; write one in its place")
-    with long_integers(), unlimited():
-        text = str(value)
-        read_text(text)
-    return text
+        raise InputError(f"{text(value)[:60]} would read back as a symbol; write one in its place")
+    written = text(value)
+    with unlimited():
+        read_text(written)
+    return written
 
 
 def _has_branches(value: Expr) -> bool:

@@ -14,6 +14,7 @@ from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
+from compensator_theory.printing import text
 from compensator_theory.systems.connections import (
     Matrices,
     in_feedback,
@@ -276,7 +277,7 @@ class Realisation(ExactValue):
 
     def __str__(self) -> str:
         names = ("A", "B", "C") if self.is_strictly_proper else ("A", "B", "C", "D")
-        return "\n".join(f"{name} = {getattr(self, name).tolist()}" for name in names)
+        return "\n".join(f"{name} = {text(getattr(self, name).tolist())}" for name in names)
 
     def _repr_latex_(self) -> str:
         return displayed(table([[self.A, self.B], [self.C, self.D]]))

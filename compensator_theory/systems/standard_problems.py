@@ -12,6 +12,7 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
+from compensator_theory.printing import text
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 from compensator_theory.transfer_functions.sample_times import control_state_space, time_base
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -231,7 +232,9 @@ class StandardProblem(ExactValue):
     def __str__(self) -> str:
         lines = [f"n={self.n}, l_u={self.l_u}, l_y={self.l_y}, l_w={self.l_w}, l_z={self.l_z}"]
         names = [f.name for f in fields(self) if f.name in _SHAPES]
-        return "\n".join(lines + [f"{name} = {getattr(self, name).tolist()}" for name in names])
+        return "\n".join(
+            lines + [f"{name} = {text(getattr(self, name).tolist())}" for name in names]
+        )
 
     def _repr_latex_(self) -> str:
         return displayed(*(f"{name} = {latex(getattr(self, name))}" for name in _SHAPES))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
+from flint import arb, arb_mat, fmpq, fmpq_mat
 
+from compensator_theory.polynomials.ball_precision import ball_precision
 from rcac_numeric.arrays.array_types import Array
 
 # Bits that ball arithmetic takes in turn, and doublings: more than any float64 matrix asks for.
@@ -78,7 +79,7 @@ def enclosed_gramians(
     >>> float(X[0, 0]), float(Y[0, 0])
     (1.3333333333333333, 4.0)
     """
-    with ctx.workprec(precision):
+    with ball_precision(precision):
         power, X, Y = arb_mat(A), arb_mat(Q), arb_mat(R)
         for _ in range(DOUBLINGS):
             squared = sum((entry**2 for entry in power.entries()), arb(0)).abs_upper()

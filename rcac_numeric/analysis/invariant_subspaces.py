@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import flint
 import numpy as np
 from numpy.typing import NDArray
 
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.roots.certified import root_balls
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 
@@ -18,7 +18,7 @@ Choice = list[tuple[list[int], list[int]]]
 def rounded_roots(Dtilde: Any) -> list[tuple[complex, int]]:
     """Return real roots and those of the upper half plane, correctly rounded, with multiplicity."""
     found = []
-    with flint.ctx.workprec(128):
+    with ball_precision(128):
         for ball, multiplicity in root_balls(Dtilde, 128):
             if ball.imag == 0:
                 found.append((complex(float(ball.real.mid()), 0.0), multiplicity))

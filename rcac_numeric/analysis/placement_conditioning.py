@@ -127,10 +127,23 @@ def placement_conditioning(
     condition number 4.0e+00; the float64 solve keeps 16.0 digits and its closed loop is stable
     (largest real part -1, largest modulus 2)
     """
-    exact = place_poles(plant, target, n_c, feedback=feedback)
+    found = compared_solves(place_poles(plant, target, n_c, feedback=feedback))
+    if (found.target_is_stable and not found.float64_is_stable) or found.digits < 3:
+        warnings.warn(
+            f"{found}. Use the exact answer, which to_control() rounds once",
+            RoundingWarning,
+            stacklevel=2,
+        )
+    return found
+
+
+def compared_solves(exact: PolePlacement) -> PlacementConditioning:
+    """As `placement_conditioning`, of a problem that is solved, and without the warning."""
     G, order = exact.plant, int(exact.denominator.degree())
     m_hat = min(G.order - 1, order)
-    M = sylvester_m(G.denominator, scaled(G.numerator, exact_number(-feedback)), order + 1, m_hat)
+    M = sylvester_m(
+        G.denominator, scaled(G.numerator, exact_number(-exact.feedback)), order + 1, m_hat
+    )
     if M.rows != M.cols:
         raise InputError(
             f"with n_c = {order} below n - 1 = {G.order - 1} the equations are {M.rows} x {M.cols} "
@@ -149,7 +162,7 @@ def placement_conditioning(
     )
     float64 = TransferFunction(numerator, denominator)
     closed = exact.closed_loop_polynomial(float64)
-    found = PlacementConditioning(
+    return PlacementConditioning(
         exact,
         matrix,
         float(np.linalg.cond(matrix)),
@@ -159,13 +172,6 @@ def placement_conditioning(
         is_stable(exact.target),
         is_stable(closed),
     )
-    if (found.target_is_stable and not found.float64_is_stable) or found.digits < 3:
-        warnings.warn(
-            f"{found}. Use the exact answer, which to_control() rounds once",
-            RoundingWarning,
-            stacklevel=2,
-        )
-    return found
 
 
 def _solve(matrix: Array, right: Array) -> Array:

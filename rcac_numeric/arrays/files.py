@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import os
+import secrets
 import stat
 import sys
-import tempfile
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -16,6 +16,7 @@ from compensator_theory.errors import InputError
 if sys.platform != "win32":
     import fcntl
 
+FLAGS = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 MARK = "rcac-"  # in the name of what is being written; nobody else's hidden file has it
 
 
@@ -50,12 +51,12 @@ def replacing(path: str | Path) -> Iterator[Path]:
         if target.exists() and not target.is_file():
             yield target
             return
-        mode = _mode(target)
+        kept = stat.S_IMODE(target.stat().st_mode) if target.exists() else None
         _remove_abandoned(target)
-        handle, name = _locked(target)
+        handle, name = _locked(target, 0o666 if kept is None else 0o600)
         try:
             yield Path(name)
-            _settle(name, mode)
+            _settle(name, kept)
             os.replace(name, target)
         finally:
             with suppress(OSError):
@@ -73,11 +74,21 @@ def _prefix(target: Path) -> str:
     return f".{target.stem[:40]}.{MARK}"
 
 
-def _locked(target: Path) -> tuple[int | None, str]:
-    """A new file beside `target`, and the lock on it, which ends with this process."""
+def _created(target: Path, mode: int) -> tuple[int, str]:
+    """A new file beside `target`; the system takes the umask off `mode`, which nobody here asks."""
     while True:
         # The suffix stays: writers of pictures and arrays choose their format by it.
-        handle, name = tempfile.mkstemp(target.suffix, _prefix(target), target.parent)
+        name = os.path.abspath(
+            target.with_name(f"{_prefix(target)}{secrets.token_hex(4)}{target.suffix}")
+        )
+        with suppress(FileExistsError):
+            return os.open(name, FLAGS, mode), name
+
+
+def _locked(target: Path, mode: int) -> tuple[int | None, str]:
+    """A new file beside `target`, and the lock on it, which ends with this process."""
+    while True:
+        handle, name = _created(target, mode)
         if sys.platform == "win32":  # an open file cannot be renamed there
             os.close(handle)
             return None, name
@@ -123,17 +134,9 @@ def _remove_abandoned(target: Path) -> None:
                     os.close(handle)
 
 
-def _mode(target: Path) -> int:
-    """The permissions of the file that is replaced, or those of any new file."""
-    if target.exists():
-        return stat.S_IMODE(target.stat().st_mode)
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask
-
-
-def _settle(name: str, mode: int) -> None:
+def _settle(name: str, mode: int | None) -> None:
     """On disk before it is renamed, so that a loss of power leaves one of the two files."""
-    os.chmod(name, mode)
+    if mode is not None:
+        os.chmod(name, mode)
     with open(name, "rb") as written:
         os.fsync(written.fileno())

@@ -141,6 +141,23 @@ def estimate(
     >>> found.x[-1].round(2)
     array([9.8, 2. ])
     """
+    made = estimated_record(settings, y, u, measured, Q=Q, R=R, keep_covariances=keep_covariances)
+    if made.observability.unseen:
+        warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
+    return made
+
+
+def estimated_record(
+    settings: EKF | UKF,
+    y: ArrayLike,
+    u: ArrayLike | None = None,
+    measured: ArrayLike | None = None,
+    *,
+    Q: ArrayLike | None = None,
+    R: ArrayLike | None = None,
+    keep_covariances: bool = False,
+) -> StateEstimates:
+    """As `estimate`, without the warning: for who reads `observability`."""
     kernel, compiled = compiled_filter(settings)
     model = settings.model
     values = _with_gaps(y, model.l_y, measured)
@@ -184,10 +201,7 @@ def estimate(
         if isinstance(failure, FunctionFailedError):
             failure.run = result(kernel.k) if kernel.k else None
         raise failure from error
-    made = result(steps)
-    if made.observability.unseen:
-        warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
-    return made
+    return result(steps)
 
 
 def _roots(

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from flint import arb, arb_mat, ctx, fmpq_mat
+from flint import arb, arb_mat, fmpq_mat
 
 from compensator_theory.errors import IllConditionedError
+from compensator_theory.polynomials.ball_precision import ball_precision
 from rcac_numeric.analysis.gramians import PRECISIONS, enclosed_gramians, rational
 from rcac_numeric.analysis.stability import EPS, counted_stable
 from rcac_numeric.arrays.array_types import Array
@@ -101,7 +102,7 @@ def enclosed_cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) ->
             if not counted_stable(A):
                 return None
             continue
-        with ctx.workprec(precision):
+        with ball_precision(precision):
             each, terms = _balls(B, maps, gramians)
             total = sum(each, arb(0))
             if float(total.rad()) <= NARROW * abs(float(total.mid())) or total == 0:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import compensator_theory as exact
-from compensator_theory.errors import CompensatorError, RoundingWarning
+from compensator_theory.errors import CompensatorError
 from compensator_theory.polynomials.poly import is_rational
-from rcac_numeric.analysis.placement_conditioning import (
-    PlacementConditioning,
-    placement_conditioning,
-)
+from rcac_numeric.analysis.placement_conditioning import PlacementConditioning, compared_solves
 from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
 
 
@@ -68,14 +64,10 @@ def _of_zero(placement: exact.PolePlacement) -> str:
 
 def _conditioning(placement: exact.PolePlacement) -> PlacementConditioning | None:
     """What the float64 solve is worth; None where the question makes no sense."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RoundingWarning)  # the report says it itself
-        try:
-            return placement_conditioning(
-                placement.plant, placement.target, feedback=placement.feedback
-            )
-        except CompensatorError:
-            return None
+    try:
+        return compared_solves(placement)
+    except CompensatorError:
+        return None
 
 
 def _written(polynomial: Any) -> list[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import warnings
 from array import array
 from pathlib import Path
 from typing import TextIO
@@ -51,7 +50,7 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
         skipped = head if is_head else head - 1
         with _opened(file) as stream:
             for _ in range(skipped):
-                next(stream)
+                stream.readline()
             table = _table(stream, delimiter)
         if table is None or table.shape[1] != len(row):  # slower, but it knows what is wrong
             labels = names or [str(i) for i in range(1, len(row) + 1)]
@@ -104,10 +103,13 @@ def _names(file: Path, line: int, row: list[str]) -> list[str]:
 
 def _table(stream: TextIO, delimiter: str) -> Array | None:
     """The rest of the file by NumPy's own reader; None where an entry or a row is not right."""
+    place = stream.tell()
+    while not (line := stream.readline()).strip("\r\n"):
+        if not line:
+            return np.empty((0, 0))  # NumPy would warn
+    stream.seek(place)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # no row at all is said by the caller
-            table = np.loadtxt(stream, delimiter=delimiter, comments=None, ndmin=2, quotechar='"')
+        table = np.loadtxt(stream, delimiter=delimiter, comments=None, ndmin=2, quotechar='"')
     except ValueError:
         return None
     return np.asarray(table, dtype=np.float64)

@@ -98,3 +98,24 @@ print("all of them")
 """
     )
     assert out.stdout == "all of them\n", out.stderr
+
+
+def test_packages_are_walked_and_names_taken_without_any_extra():
+    out = run(
+        """
+import importlib, pkgutil
+import compensator_theory, rcac_numeric
+sys.modules.update(dict.fromkeys(["distributed", "dask", "IPython", "ipykernel"]))
+exec("from compensator_theory import *\\nfrom rcac_numeric import *")
+for package in (compensator_theory, rcac_numeric):
+    for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
+        try:
+            importlib.import_module(module.name)
+        except ModuleNotFoundError as error:
+            assert error.name == "hypothesis", (module.name, error)
+            assert module.name.startswith("compensator_theory.strategies."), module.name
+assert not hasattr(compensator_theory.strategies, "nothing")
+print("all of them")
+"""
+    )
+    assert out.stdout == "all of them\n", out.stderr

@@ -12,6 +12,7 @@ from compensator_theory.lqg.locus import R_2
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class ButterworthPattern(ExactValue):
         return tuple(distance * sympy.exp(sympy.I * angle) for angle in self.angles)
 
     def __str__(self) -> str:
-        return f"{self.order} pole(s) to infinity at the distance {self.distance}"
+        return f"{self.order} pole(s) to infinity at the distance {text(self.distance)}"
 
     def _repr_latex_(self) -> str:
         k = self.order

@@ -20,9 +20,11 @@ from compensator_theory.lqg.regulator_data import (
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import from_flint, to_flint
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.printing import text
 from compensator_theory.roots.enclosures import ball_of_enclosure, ball_of_number
 from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
 from compensator_theory.roots.reflections import even_spectrum
@@ -83,14 +85,14 @@ class ContinuousRiccatiSolution(ExactValue):
                 from_flint(_residual([to_flint(m) for m in matrices], to_flint(self.P)))
             )
         finest = max(int(c.centre.q).bit_length() for row in self.P_enclosure for c in row)
-        with flint.ctx.workprec(64 + 2 * finest):
+        with ball_precision(64 + 2 * finest):
             P = flint.arb_mat([[ball_of_enclosure(c) for c in row] for row in self.P_enclosure])
             return enclosed_rows(_residual([ball_matrix(m) for m in matrices], P))
 
     def __str__(self) -> str:
         K = self.K if self.is_exact else self.K_enclosure
-        P = f", P = {self.P}" if self.is_exact else ""
-        return f"K = {K}{P}\n" + str(self.factor).split("\n", maxsplit=1)[0]
+        P = f", P = {text(self.P)}" if self.is_exact else ""
+        return f"K = {text(K)}{P}\n" + str(self.factor).split("\n", maxsplit=1)[0]
 
     def _repr_latex_(self) -> str:
         if self.is_exact:
@@ -179,7 +181,7 @@ def solve_continuous_riccati(
             return ContinuousRiccatiSolution(
                 *matrices, factor, K, P, exact_rows(K), exact_rows(P)
             )  # fmt: skip
-        with flint.ctx.workprec(2 * working_bits(precision)):
+        with ball_precision(2 * working_bits(precision)):
             pairs = zip(open_loop.all_coeffs()[1:], factor.enclosure.coefficients[1:], strict=True)
             column = flint.arb_mat([[ball_of_number(x) - ball_of_enclosure(y)] for x, y in pairs])
             found = _gain_and_cost([ball_matrix(m) for m in matrices], ball_matrix(W), column)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, signal_array
@@ -91,11 +92,8 @@ def simulate_reference(
     require_supported(plant, settings)
     require_fit(plant, settings)
     w = signal_array(w, "w", plant.l_w)
-    precision, ctx.prec = ctx.prec, int(integer(digits, "digits", at_least=16) * 3.33) + 8
-    try:
-        return _run(plant, settings, w, x_0)
-    finally:
-        ctx.prec = precision
+    bits = int(integer(digits, "digits", at_least=16) * 3.33) + 8
+    return _run(plant, settings, w, x_0, bits)
 
 
 def require_supported(
@@ -135,34 +133,43 @@ def require_supported(
 
 
 def _run(
-    plant: Plant | PlantSchedule, settings: ControllerSettings, w: Array, x_0: ArrayLike | None
+    plant: Plant | PlantSchedule,
+    settings: ControllerSettings,
+    w: Array,
+    x_0: ArrayLike | None,
+    bits: int,
 ) -> ReferenceRun:
-    controller, body = BallController(settings), BallPlant(plant, x_0)
+    with ball_precision(bits):
+        controller, body = BallController(settings), BallPlant(plant, x_0)
     position, l_r = command_position(plant, settings.structure.l_r), settings.structure.l_r
     filter_form = settings.form == "filter"
     y_first = settings.measures_first or filter_form
     record: dict[str, list[arb_mat]] = {name: [] for name in ("u", "y", "z", "theta")}
     unknown = arb_mat(plant.l_u, 1)  # in place of u(k) where nothing depends on it
     for k, row in enumerate(w):
-        w_k, r_k = balls(row.reshape(-1, 1)), balls(row[position : position + l_r].reshape(-1, 1))
-        body.begin(k)
-        if y_first:
-            y = body.y(unknown, w_k)
-            controller.measure(y, r_k)
-        if filter_form:
-            controller.adapt(body.z(unknown, w_k))
-        record["theta"].append(controller.theta)
-        u = controller.control()
-        if not y_first:
-            y = body.y(u, w_k)
-            controller.measure(y, r_k)
-        z = body.z(u, w_k)
-        if not filter_form:
-            controller.adapt(z)
-        controller.finish()
-        body.advance(u, w_k)
-        for name, value in (("u", u), ("y", y), ("z", z)):
-            record[name].append(value)
+        with ball_precision(bits):  # of this step only, so that other threads have theirs, too
+            w_k, r_k = (
+                balls(row.reshape(-1, 1)),
+                balls(row[position : position + l_r].reshape(-1, 1)),
+            )
+            body.begin(k)
+            if y_first:
+                y = body.y(unknown, w_k)
+                controller.measure(y, r_k)
+            if filter_form:
+                controller.adapt(body.z(unknown, w_k))
+            record["theta"].append(controller.theta)
+            u = controller.control()
+            if not y_first:
+                y = body.y(u, w_k)
+                controller.measure(y, r_k)
+            z = body.z(u, w_k)
+            if not filter_form:
+                controller.adapt(z)
+            controller.finish()
+            body.advance(u, w_k)
+            for name, value in (("u", u), ("y", y), ("z", z)):
+                record[name].append(value)
 
     widths = {"u": plant.l_u, "y": plant.l_y, "z": plant.l_z, "theta": settings.structure.l_theta}
     rounded = {
@@ -174,6 +181,8 @@ def _run(
     final = controller.theta.entries()
     size = max(abs(float(b.mid())) for b in final) or 1.0
     worst = max(b.rad() for b in final)  # as a ball: it may be below every float
+    with ball_precision(bits):
+        correct = float("inf") if worst == 0 else -float((worst / size).log() / arb(10).log())
     return ReferenceRun(
         plant=plant,
         settings=settings,
@@ -189,5 +198,5 @@ def _run(
         guard_first_step=-1,
         u_applied=rounded["u"],
         x_0=None if x_0 is None else real_array(x_0, "x_0").reshape(-1),
-        digits=float("inf") if worst == 0 else -float((worst / size).log() / arb(10).log()),
+        digits=correct,
     )

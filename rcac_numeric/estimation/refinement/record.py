@@ -88,6 +88,16 @@ def refine(settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = Non
     >>> run.theta[-1].round(3)
     array([0.3])
     """
+    run = refined_record(settings, w, y, x)
+    if len(run.evidence.undetermined):
+        warnings.warn(str(run.evidence), UnidentifiableWarning, stacklevel=2)
+    return run
+
+
+def refined_record(
+    settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = None
+) -> RefinementRun:
+    """As `refine`, without the warning: for who reads `evidence`."""
     kernel = compiled_refinement(settings)
     outputs = signal_array(y, "y", settings.l_y)
     steps = len(outputs)
@@ -104,6 +114,4 @@ def refine(settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = Non
         ) from None
     P = np.asarray(kernel.P)
     found = evidence(settings, P, kernel.k)
-    if len(found.undetermined):
-        warnings.warn(str(found), UnidentifiableWarning, stacklevel=2)
     return RefinementRun(settings, theta, z, u, P, found, kernel.guard_count)

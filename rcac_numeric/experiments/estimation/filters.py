@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,9 +13,8 @@ from compensator_theory.errors import CompensatorError, DivergedError, IllCondit
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import matrix, one_of, vector
-from rcac_numeric.estimation.estimates import estimate
+from rcac_numeric.estimation.estimates import estimated_record
 from rcac_numeric.estimation.models.symbolic import SymbolicModel
-from rcac_numeric.estimation.observability import UnobservableWarning
 from rcac_numeric.estimation.settings import EKF, UKF
 from rcac_numeric.experiments.estimation.runs import EstimatedRun, Estimation
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem, columns_of, rows_of
@@ -106,9 +104,7 @@ class JointFilter(Estimation):
         """Estimate with the record of one seed."""
         record = system.record(steps, seed)
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UnobservableWarning)  # it is in the result
-                found = estimate(self.settings, record.y, record.w)
+            found = estimated_record(self.settings, record.y, record.w)
         except (DivergedError, IllConditionedError) as error:
             return _nothing(record.truth, error)
         return EstimatedRun(found.x[:, -1].copy(), record.truth, found.innovation)

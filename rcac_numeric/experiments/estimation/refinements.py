@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -14,8 +13,7 @@ from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.estimation.refinement.evidence import UnidentifiableWarning
-from rcac_numeric.estimation.refinement.record import refine
+from rcac_numeric.estimation.refinement.record import refined_record
 from rcac_numeric.estimation.refinement.settings import RCMR
 from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, RepeatedParameters
 from rcac_numeric.estimation.riccati.indirect import IndirectSettings
@@ -52,9 +50,7 @@ class Refinement(Estimation):
         """Estimate with the record of one seed."""
         record = system.record(steps, seed)
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UnidentifiableWarning)  # it is in the result
-                found = refine(self.model, record.w, record.y)
+            found = refined_record(self.model, record.w, record.y)
         except DivergedError:
             none = np.full(steps, np.nan)
             return EstimatedRun(none, record.truth, none[:, None], outcome="diverged")

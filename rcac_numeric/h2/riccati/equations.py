@@ -146,16 +146,13 @@ def _from_scipy(
     A: Array, B: Array, weights: tuple[Array, Array, Array], *, balanced: bool, shifted: bool
 ) -> Array:
     """SciPy's P; `shifted` by way of P + cI, which solves the equation with other weights."""
-    import warnings
-
     from scipy.linalg import solve_discrete_are
 
     R_1, R_12, R_2 = weights
     c = norm(R_1) / (1 + norm(A) ** 2) if shifted else 0.0
     if shifted:
         R_1, R_12, R_2 = R_1 + c * (np.eye(len(A)) - A.T @ A), R_12 - c * A.T @ B, R_2 - c * B.T @ B
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
+    with np.errstate(all="ignore"):
         P = solve_discrete_are(A, B, R_1, R_2, s=R_12, balanced=balanced)
     return np.asarray(P - c * np.eye(len(A)))
 

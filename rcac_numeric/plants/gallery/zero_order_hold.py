@@ -5,10 +5,11 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from flint import arb, arb_mat, ctx, fmpq
+from flint import arb, arb_mat, fmpq
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from compensator_theory.polynomials.ball_precision import ball_precision
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import matrix, number, real_array
 
@@ -71,13 +72,13 @@ def _exponential(generator: Array, h: float, precision: int) -> Array:
     period = _decimal(h)
     rows = [[_decimal(entry) * period for entry in row] for row in generator.tolist()]
     while True:
-        with ctx.workprec(precision):
+        with ball_precision(precision):
             found = arb_mat([[arb(entry) for entry in row] for row in rows]).exp()
             entries = [found[i, j] for i in range(len(rows)) for j in range(len(rows))]
-        tiny = arb(2) ** -1100  # below float64 nothing is left to decide
-        if all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
-            values = [float(x.mid()) for x in entries]
-            return np.reshape(np.array(values, dtype=np.float64), generator.shape)
+            tiny = arb(2) ** -1100  # below float64 nothing is left to decide
+            if all(x.rel_accuracy_bits() > 113 or abs(x) < tiny for x in entries):
+                values = [float(x.mid()) for x in entries]
+                return np.reshape(np.array(values, dtype=np.float64), generator.shape)
         precision *= 2
 
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-import sympy
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED
 
 COLUMNS = 25
