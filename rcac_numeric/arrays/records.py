@@ -18,7 +18,6 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import equal
 
 PLAIN = (str, bool, int, type(None))
-EXACT = ("StandardProblem", "TransferFunction", "TransferMatrix")
 LEFT_OUT = ("certificate",)  # of a conversion: evidence, which no comparison reads
 FORMS = frozenset(
     frozenset(form.split())
@@ -86,7 +85,7 @@ class Records:
             pairs = [[self._tree(k, arrays), self._tree(v, arrays)] for k, v in value.items()]
             return {"dict": pairs}
         name = type(value).__name__
-        if is_dataclass(value) and type(value) in (*self._classes.values(), *_exact()):
+        if is_dataclass(value) and type(value) in (*self._classes.values(), *_exact().values()):
             parts = {
                 f.name: self._tree(getattr(value, f.name), arrays)
                 for f in fields(value)
@@ -137,8 +136,8 @@ class Records:
         raise ValueError(f"{str(tree)[:80]!r} stands for nothing")
 
     def _made(self, name: str, parts: dict[str, Any]) -> Any:
-        if name in EXACT:
-            return getattr(exact, name)(**parts)
+        if name in _exact():
+            return _exact()[name](**parts)
         if name not in self._classes:
             raise ValueError(f"a {name[:60]!r} is nothing that belongs here")
         made = self._classes[name](**parts)
@@ -214,8 +213,11 @@ def _name(text: str) -> str:
     return text
 
 
-def _exact() -> tuple[type, ...]:
-    return tuple(getattr(exact, name) for name in EXACT)
+@cache
+def _exact() -> dict[str, type]:
+    """Classes of the exact half, whose constructors read exact numbers; imported when needed."""
+    classes = (exact.StandardProblem, exact.TransferFunction, exact.TransferMatrix)
+    return {one.__name__: one for one in classes}
 
 
 def _symbolic(value: Any) -> Any:
