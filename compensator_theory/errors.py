@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterable
 from typing import Self
 
+from compensator_theory.wording import printable
+
 _LONG_NUMBER = re.compile(r"\d{80,}")
 
 
@@ -39,9 +41,9 @@ class CompensatorError(ValueError):
         return self
 
     def __str__(self) -> str:
-        """Return the message; long numbers in it, and what is longer than a page, are shortened."""
+        """Return the message, shortened to a page; control characters in it are written out."""
         text = _LONG_NUMBER.sub(lambda m: f"{m[0][:20]}...", super().__str__())
-        return text if len(text) <= 1600 else f"{text[:1000]} ... {text[-500:]}"
+        return printable(text if len(text) <= 1600 else f"{text[:1000]} ... {text[-500:]}")
 
 
 class InputError(CompensatorError):

@@ -14,7 +14,16 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.records import Records
+from rcac_numeric.arrays.untrusted import (
+    MOST_CHARACTERS,
+    MOST_NUMBERS,
+    names_in,
+    parsed_json,
+    read_npz,
+    require_readable,
+)
 from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.arrays.wording import shortened
 
 KEY = "rcac_record"
 VERSION = 1
@@ -28,7 +37,8 @@ def write_record(path: str | Path, kind: str, parts: Mapping[str, Any], records:
     Raises
     ------
     InputError
-        Where the file cannot be written, or its name does not end in .npz.
+        Where the file cannot be written, its name does not end in .npz, or it would hold more than
+        is read.
     """
     if Path(path).suffix.lower() != ".npz":
         raise InputError(f"{path}: the name of a saved {kind} must end in .npz.")
@@ -42,18 +52,36 @@ def write_record(path: str | Path, kind: str, parts: Mapping[str, Any], records:
                 tree[name] = {"left out": fingerprint(part), "words": repr(part)[:200]}
     arrays = {name: np.ascontiguousarray(part) for name, part in arrays.items()}
     text = json.dumps({"kind": kind, "version": VERSION, "parts": tree})
+    _require_readable_again(path, kind, text, arrays)
     signed = json.dumps({"checksum": _checksum(text, arrays), "record": text})
     stored: dict[str, Any] = {KEY: np.array(signed), **arrays}
     with replacing(path) as file, file.open("wb") as stream:
         np.savez(stream, **stored)
 
 
-def is_record(path: str | Path) -> bool:
-    """Whether a file is one that `write_record` wrote, damaged or not."""
+def _require_readable_again(
+    path: str | Path, kind: str, text: str, arrays: Mapping[str, Array]
+) -> None:
+    """Refuse to write what the budget of reading has no room for."""
     try:
-        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
-            return KEY in data.files
-    except Exception:  # zipfile, zlib and NumPy each have their own
+        parsed_json(text)
+    except ValueError as error:
+        raise InputError(f"{path}: this {kind} would not be read again: {error}.") from None
+    numbers = sum(part.nbytes // 8 for part in arrays.values())
+    if numbers > MOST_NUMBERS or 2 * len(text) > MOST_CHARACTERS:
+        raise InputError(
+            f"{path}: this {kind} would not be read again: it holds {numbers} numbers and a text "
+            f"of {len(text)} characters; {MOST_NUMBERS} and {MOST_CHARACTERS // 2} are read. Run "
+            "it in pieces with start=, or keep theta less often with stride=."
+        )
+
+
+def is_record(path: str | Path) -> bool:
+    """Whether a file is an archive with a record in it, damaged or not; nothing of it is read."""
+    try:
+        require_readable(Path(path))
+        return KEY in names_in(Path(path))
+    except (InputError, OSError):
         return False
 
 
@@ -65,33 +93,38 @@ def read_record(
     Raises
     ------
     InputError
-        Where the file cannot be read, is damaged or of another kind, or a part was left out and is
-        not given, or is given and another one.
+        Where the file cannot be read, is damaged or of another kind, holds more than may be read
+        or what the constructor of a class refuses, or a part was left out and is not given, or is
+        given and another one.
     """
     try:
-        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
-            signed = json.loads(str(data[KEY][()]))
-            arrays = {name: data[name] for name in data.files if name != KEY}
-        text, checksum = signed["record"], signed["checksum"]
+        arrays = read_npz(Path(path))
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except Exception as error:  # zipfile, zlib and NumPy each have their own
-        raise InputError(f"{path} holds no saved {kind}, or is damaged: {error}.") from None
-    if checksum != _checksum(text, arrays):
-        raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
+    except InputError as error:
+        raise InputError(f"{path} holds no saved {kind}, or is damaged: {error}") from None
     try:
-        whole = json.loads(text)
-        if whole["kind"] != kind or whole["version"] != VERSION:
-            raise InputError(
-                f"{path} holds a {whole['kind']}, version {whole['version']}; a {kind}, version "
-                f"{VERSION}, is needed."
-            )
+        signed = parsed_json(_text(arrays.pop(KEY)))
+        text, checksum = signed["record"], signed["checksum"]
+        if checksum != _checksum(text, arrays):
+            raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
+        whole = parsed_json(text)
+        if (whole["kind"], whole["version"]) != (kind, VERSION):
+            held = f"{whole['kind']!r:.60}, version {whole['version']!r:.20}"
+            raise InputError(f"{path} holds {held}; a {kind}, version {VERSION}, is needed.")
         parts: dict[str, Any] = {
             name: _part(path, name, tree, records, arrays, given)
             for name, tree in whole["parts"].items()
         }
-    except (LookupError, TypeError, ValueError) as error:
-        raise InputError(f"{path} holds no {kind} that this version can read: {error}.") from None
+    except InputError as error:
+        words = str(error)
+        raise InputError(words if str(path) in words else f"{path}: {words}") from None
+    except KeyError as error:
+        raise InputError(f"{path} holds no saved {kind}: it has no {error}.") from None
+    # The constructors are those of the packages, and what is handed to them is anything at all.
+    except Exception as error:
+        words = shortened(str(error) or type(error).__name__, 200)
+        raise InputError(f"{path} holds no {kind} that this version can read: {words}.") from None
     used = {name for name in arrays if not name.startswith("part_")}
     return {**parts, **{name: arrays[name] for name in used}}
 
@@ -104,11 +137,14 @@ def _part(
     arrays: Mapping[str, Array],
     given: Mapping[str, Any],
 ) -> Any:
-    if "is" in tree:
+    if set(tree) == {"is"}:
         return records.value(tree["is"], arrays)
+    if set(tree) != {"left out", "words"}:
+        raise ValueError(f"its {name!r:.60} is nothing that can be read")
     if given.get(name) is None:
         raise InputError(
-            f"{path}: its {name} is made of functions, which a file cannot hold: {tree['words']}. "
+            f"{path}: its {name} is made of functions, which a file cannot hold: "
+            f"{str(tree['words'])[:200]}. "
             f"Give it with {name}=."
         )
     if fingerprint(given[name]) != tree["left out"]:
@@ -116,10 +152,16 @@ def _part(
     return given[name]
 
 
+def _text(array: Array) -> str:
+    if array.ndim or array.dtype.kind != "U":
+        raise ValueError("its record is no text")
+    return str(array[()])
+
+
 def _checksum(text: str, arrays: Mapping[str, Array]) -> str:
     digest = hashlib.sha256(text.encode())
     for name in sorted(arrays):
         part = arrays[name]
         digest.update(f"{name} {part.dtype.str} {part.shape}".encode())
-        digest.update(np.ascontiguousarray(part).tobytes())
+        digest.update(np.ascontiguousarray(part).reshape(-1).view(np.uint8))
     return digest.hexdigest()

@@ -5,8 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-# Control characters but the newline and the tab; a terminal obeys them.
-CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069\ud800-\udfff]")
+from compensator_theory.wording import in_a_line, printable
+
+__all__ = [
+    "in_a_line",
+    "matrix_latex",
+    "number_latex",
+    "polynomial_latex",
+    "printable",
+    "shortened",
+    "spreadsheet_text",
+    "sum_latex",
+]
+
+FORMULA = re.compile(r"\s*(?:[=@]|[+-](?![\w+\-*/^(). ]*$))")
 
 
 def shortened(text: str, at_most: int = 400) -> str:
@@ -28,16 +40,21 @@ def shortened(text: str, at_most: int = 400) -> str:
     return f"{text[: room - end]}{cut}{text[len(text) - end :]}"
 
 
-def printable(text: str) -> str:
-    r"""The text with control characters written out, so that no terminal obeys them.
+def spreadsheet_text(text: str) -> str:
+    """The text as a cell of a table that a spreadsheet may open: never a formula.
+
+    Control characters and ends of lines are written out. What begins as a formula does, with = or
+    @, or with + or - where more follows than an expression in numbers and names, gets an
+    apostrophe in front, which spreadsheets do not show.
 
     Examples
     --------
-    >>> from rcac_numeric.arrays.wording import printable
-    >>> print(printable("a\x1b[31m title"))
-    a\x1b[31m title
+    >>> from rcac_numeric.arrays.wording import spreadsheet_text
+    >>> spreadsheet_text("=HYPERLINK(A1)"), spreadsheet_text("-1/(q - 0.5)")
+    ("'=HYPERLINK(A1)", '-1/(q - 0.5)')
     """
-    return CONTROL.sub(lambda found: found[0].encode("unicode_escape").decode(), text)
+    plain = in_a_line(text)
+    return f"'{plain}" if FORMULA.match(plain) else plain
 
 
 def matrix_latex(rows: Iterable[Iterable[float]], digits: int = 4) -> str:

@@ -8,20 +8,22 @@ from pathlib import Path
 
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import DataFrame, Dataset, imported
 from rcac_numeric.arrays.record_files import read_record, write_record
-from rcac_numeric.arrays.records import Records
-from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.records import Records, require_declared
+from rcac_numeric.arrays.validation import integer, one_of, real_array, signal_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.updates.forgetting import (
     ScheduledForgetting,
@@ -34,7 +36,12 @@ from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
 from rcac_numeric.controllers.updates.sliding_window import SlidingWindow
 from rcac_numeric.controllers.weights import SignalWeight
-from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.compatibility import (
+    AnyController,
+    controllers_of,
+    require_fit,
+    require_stepwise_fits,
+)
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -61,7 +68,9 @@ OUTCOMES = (
     "plant not finite",
     "plant failed",
     "unsupported R_theta",
-)  # and "weight failed", which the kernel does not tell from "overflow", and "interrupted"
+)
+# The first of which the kernel does not tell from "overflow".
+OTHER_OUTCOMES = ("weight failed", "interrupted")
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +256,13 @@ def load_run(
     Raises
     ------
     InputError
-        Where the file cannot be read, holds no run, or is damaged.
+        Where the file cannot be read, holds no run or more than is read, is damaged, or holds what
+        no run can be.
+
+    Notes
+    -----
+    Nothing of the file is executed, and functions come from `plant` and `settings` alone. The
+    checksum finds damage; it does not say who wrote the file.
 
     Examples
     --------
@@ -259,4 +274,75 @@ def load_run(
     >>> load_run(file) == run
     True
     """
-    return Run(**read_record(path, "run", RECORDS, {"plant": plant, "settings": settings}))
+    parts = read_record(path, "run", RECORDS, {"plant": plant, "settings": settings})
+    try:
+        run = Run(**parts)
+        require_declared(run)
+        require_consistent(run)
+    except (CompensatorError, TypeError) as error:
+        words = shortened(str(error).rstrip("."), 300)
+        raise InputError(f"{path} holds no run that could have been made: {words}.") from None
+    return run
+
+
+def require_consistent(run: Run) -> None:
+    """Raise where the parts of a run do not fit together, as those of a file may not.
+
+    Raises
+    ------
+    InputError
+        Which part it is.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.engine.runs import require_consistent
+    >>> run = load_example("4.7").main_run.execute().first.run
+    >>> require_consistent(run)
+    >>> require_consistent(replace(run, u=run.u[:3]))
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: u has shape (3, 1); (100, 1) is needed.
+    """
+    plant, settings = run.plant, run.settings
+    if isinstance(settings, StepwiseController):
+        require_stepwise_fits(plant, settings)
+        l_theta = settings.l_theta
+    else:
+        require_fit(plant, settings)
+        l_theta = sum(one.l_theta for one in controllers_of(settings))
+    integer(run.stride, "stride", at_least=1)
+    integer(run.first_step, "first_step", at_most=2**53)
+    integer(run.guard_first_step, "guard_first_step", at_least=-1)
+    for name in ("guard_count", "reflections", "resets", "bounded"):
+        integer(getattr(run, name), name)
+    one_of(run.outcome, "outcome", (*OUTCOMES, *OTHER_OUTCOMES))
+    if not run.divergence_limit > 0:
+        raise InputError(f"divergence_limit = {run.divergence_limit} must be positive.")
+    steps = len(signal_array(run.w, "w", plant.l_w))
+    shapes = {
+        "u": (steps, plant.l_u),
+        "u_applied": (steps, plant.l_u),
+        "y": (steps, plant.l_y),
+        "z": (steps, plant.l_z),
+        "theta": (-(-steps // run.stride), l_theta),
+        "theta_final": (l_theta,),
+    }
+    if run.x_0 is not None:
+        real_array(run.x_0, "x_0")
+        shapes["x_0"] = (plant.n,)
+    if run.D_f is not None:
+        update = settings.update if isinstance(settings, ControllerSettings) else None
+        n_d = update.n_d if isinstance(update, JointUD) else -1
+        shapes["D_f"] = (n_d + 1,)
+    for name, shape in shapes.items():
+        if getattr(run, name).shape != shape:
+            raise InputError(f"{name} has shape {getattr(run, name).shape}; {shape} is needed.")
+    if run.saturation is not None:
+        run.saturation.bounds(plant.l_u)
+    if run.state is not None and (run.state.kind, run.state.k) != ("loop", run.first_step + steps):
+        raise InputError(
+            f"its state is one of a {run.state.kind} after {run.state.k} steps; that of a loop "
+            f"after {run.first_step + steps} is needed."
+        )

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.untrusted import read_npz
+from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.arrays.values import Value, fingerprint
 
 Counter = Callable[[], int]
+_WORDS = re.compile(r"[a-z ]{1,40}")
+_HEX = re.compile(r"[0-9a-f]{16}")
 
 
 class Restorable(Protocol):
@@ -46,6 +51,11 @@ class SavedState(Value):
         The largest size of w and x_0 up to here, on which the divergence limit of a run that goes
         on depends, as that of the whole run does.
 
+    Raises
+    ------
+    InputError
+        Where one of them is of another kind.
+
     Examples
     --------
     >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
@@ -65,6 +75,16 @@ class SavedState(Value):
     fingerprint: str = field(repr=False)
     checksum: str = field(repr=False)
     scale: float = field(default=0.0, repr=False)
+
+    def __post_init__(self) -> None:
+        if not _WORDS.fullmatch(instance_of(self.kind, "kind", str)):
+            raise InputError(f"kind = {self.kind!r:.60} is no kind of state.")
+        integer(self.k, "k")
+        for name in ("fingerprint", "checksum"):
+            if not _HEX.fullmatch(instance_of(getattr(self, name), name, str)):
+                raise InputError(f"{name} = {getattr(self, name)!r:.60} is no fingerprint.")
+        if number(self.scale, "scale") < 0:
+            raise InputError(f"scale = {self.scale} must not be negative.")
 
     @classmethod
     def taken(cls, kind: str, k: int, values: Array, of: str, scale: float = 0.0) -> SavedState:
@@ -98,26 +118,30 @@ class SavedState(Value):
         Raises
         ------
         InputError
-            Where the file cannot be read, holds no saved state, or is damaged.
+            Where the file cannot be read, holds no saved state or more than is read, or is damaged.
         """
         try:
-            with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as data:
-                bits, k = data["bits"], data["k"]
-                if bits.dtype != np.int64 or bits.ndim != 1:
-                    raise ValueError(f"bits are of type {bits.dtype}, shape {bits.shape}")
-                if k.dtype.kind != "i" or k.ndim != 0:
-                    raise ValueError(f"k = {k!r} is no integer")
-                values = np.ascontiguousarray(bits).view(np.float64)
-                words = (str(data[name]) for name in ("kind", "fingerprint", "checksum"))
-                kind, of, checksum = words
-                scale = float(data["scale"]) if "scale" in data else 0.0
+            data = read_npz(Path(path))
         except OSError as error:
-            raise InputError(f"{path} cannot be read: {error}.") from None
-        except Exception as error:  # zipfile, zlib, tokenize and NumPy each have their own
-            raise InputError(f"{path} holds no saved state: {error}.") from None
-        if checksum != _checksum(kind, int(k), values, of, scale):
+            raise InputError(f"{path} cannot be read: {error.strerror or error}.") from None
+        except InputError as error:
+            raise InputError(f"{path} holds no saved state: {error}") from None
+        try:
+            bits = data["bits"]
+            if bits.dtype != np.int64 or bits.ndim != 1:
+                raise ValueError(f"bits are of type {bits.dtype}, shape {bits.shape}")
+            values = np.ascontiguousarray(bits).view(np.float64)
+            kind, of, checksum = (_text(data[n], n) for n in ("kind", "fingerprint", "checksum"))
+            k = _entry(data["k"], "k", "i")
+            scale = _entry(data["scale"], "scale", "f") if "scale" in data else 0.0
+            found = cls(kind, k, values, of, checksum, scale)
+        except KeyError as error:
+            raise InputError(f"{path} holds no saved state: it has no {error}.") from None
+        except ValueError as error:
+            raise InputError(f"{path} holds no saved state: {str(error).rstrip('.')}.") from None
+        if checksum != _checksum(kind, k, values, of, scale):
             raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
-        return cls(kind, int(k), values, of, checksum, scale)
+        return found
 
     def restore_into(self, compiled: Restorable, kind: str, of: str, steps: Counter) -> None:
         """Put the state into an object; raise where it does not belong there.
@@ -150,6 +174,17 @@ class SavedState(Value):
         except (ValueError, IndexError) as error:
             compiled.restore(before)
             raise InputError(f"the state of this {kind} is damaged: {error}.") from None
+
+
+def _entry(array: Array, name: str, kind: str) -> Any:
+    """The one entry of an array of a kind of NumPy's types."""
+    if array.ndim or array.dtype.kind != kind:
+        raise ValueError(f"{name} is of type {array.dtype}, shape {array.shape}")
+    return array.item()
+
+
+def _text(array: Array, name: str) -> str:
+    return str(_entry(array, name, "U"))
 
 
 def _checksum(kind: str, k: int, values: Array, of: str, scale: float) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.signals.budget import Budget
+from rcac_numeric.arrays.untrusted import Budget
 
 PRECISIONS = ("f8", "f4", "i4", "i2", "u2", "u1")
 FULL, SPARSE = 0, 2

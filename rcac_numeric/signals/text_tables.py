@@ -12,7 +12,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.signals.budget import Budget
+from rcac_numeric.arrays.untrusted import Budget
 
 
 def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 import unicodedata
 from collections.abc import Iterator, Mapping
@@ -10,11 +11,23 @@ from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays.untrusted import require_readable
 from rcac_numeric.experiments.format.places import DEEPEST, brief, shortened
 
 Raw = dict[str, Any]
 
 LARGEST_FILE = 10 * 2**20  # bytes
+MOST_KEYS = 100_000
+# Strings as TOML has them, to their end or that of the text, and comments. Nothing is tried twice,
+# whatever the text is.
+_STRINGS = re.compile(
+    r'"""[^"\\]*+(?:(?:\\.|"(?!""))[^"\\]*+)*+(?:"{3,5}|\\?\Z)'
+    r"|'''[^']*+(?:'(?!'')[^']*+)*+(?:'{3,5}|\Z)"
+    r'|"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*+"?'
+    r"|'[^'\n]*+'?|\#[^\n]*+",
+    re.DOTALL,
+)
+_PIECES = re.compile(r"([^\n=,\[\]{}]*+)([\n=,\[\]{}]|\Z)")
 # What changes the direction of the text around it could show a reader another file than is run.
 REORDERING = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 
@@ -87,28 +100,55 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
     Raises
     ------
     InputError
-        If it cannot be read, is larger than 10 MiB, is not TOML, or holds control characters.
+        If it cannot be read, is no ordinary file, is larger than 10 MiB or has keys of more parts
+        than it may, is not TOML, or holds control characters.
     """
     try:
+        require_readable(Path(path))
         with Path(path).open("rb") as file:
             text = file.read(LARGEST_FILE + 1)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from None
-    except ValueError as error:  # a path with a null character
-        raise InputError(f"{brief(str(path))} cannot be read: {error}.") from None
     if len(text) > LARGEST_FILE:
         raise InputError(
             f"{path} is larger than {LARGEST_FILE // 2**20} MiB. Long records belong in a .csv or "
             '.npy file of their own: recorded = "flight.csv".'
         )
     try:
-        table = tomllib.loads(text.decode())
+        decoded = text.decode()
+        _require_short_keys(decoded, str(path))
+        table = tomllib.loads(decoded)
+    except InputError:
+        raise
     except RecursionError:
         raise InputError(f"{path} is nested more than {DEEPEST} deep.") from None
     except ValueError as error:  # also an integer of thousands of digits
         raise InputError(f"{path} is not valid TOML: {error}.") from None
     require_plain(table, str(path))
     return table, str(path)
+
+
+def _require_short_keys(text: str, file: str) -> None:
+    """Refuse keys with more dots than tables may be deep, and more keys than a person writes.
+
+    tomllib pays for a dotted key by the square of its length, and for any key a kilobyte. Asked in
+    one pass over the text, in which strings and comments are blanks.
+    """
+    keys = text.count("=") + text.count("[") + text.count("{")
+    if text.count(".") + keys <= MOST_KEYS and text.count(".") <= DEEPEST:
+        return
+    keys = 0
+    for piece in _PIECES.finditer(_STRINGS.sub(" ", text)):
+        dots = piece[1].count(".")
+        if dots > DEEPEST:
+            raise InputError(f"{file} is nested more than {DEEPEST} deep: a key has {dots} dots.")
+        # A number has one dot, and is no key.
+        keys += (piece[2] in ("=", "[", "{")) + (dots if dots > 1 or piece[2] == "=" else 0)
+        if keys > MOST_KEYS:
+            raise InputError(
+                f"{file} has more than {MOST_KEYS} keys and lists. Long records belong in a .csv "
+                'or .npy file of their own: recorded = "flight.csv".'
+            )
 
 
 def require_plain(table: Raw, file: str) -> None:
