@@ -210,6 +210,9 @@ from .sweeps.running.progress import Progress as Progress
 from .sweeps.running.progress import ProgressLine as ProgressLine
 from .sweeps.running.sweep import StudyInterrupted as StudyInterrupted
 from .sweeps.running.sweep import run_study as run_study
+from .sweeps.store.care import StoreCheck as StoreCheck
+from .sweeps.store.care import check_store as check_store
+from .sweeps.store.care import repair_store as repair_store
 from .sweeps.store.problems import StoreError as StoreError
 from .sweeps.study.axes import Axis as Axis
 from .sweeps.study.axes import RandomAxis as RandomAxis

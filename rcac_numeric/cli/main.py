@@ -36,6 +36,7 @@ COMMANDS = {
         "rcac_numeric.cli.studies.show:show_store",
         "Show an example's file, or what a study came to.",
     ),
+    "store": ("rcac_numeric.cli.studies.store:store", "Check the store of a study; repair it."),
     "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }

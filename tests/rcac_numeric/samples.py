@@ -362,6 +362,7 @@ SAMPLES = {
         "plain",
         "",
         {},
+        (),
         seed,
         2,
         {"gain": ("plant.gain", 2)},
@@ -373,6 +374,7 @@ SAMPLES = {
     rcac.ReplayedRun: lambda seed: rcac.ReplayedRun(
         seed, 1, {"gain": 1}, AnalysedRun(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
     ),
+    rcac.StoreCheck: lambda seed: rcac.StoreCheck("store", seed, SEEDS, 1, ((8, 15),), ("why",)),
     rcac.SweepSummary: lambda seed: rcac.summarise(sweep_table(seed), "rms"),
     # experiments, checks
     rcac.FigureRequest: lambda seed: rcac.FigureRequest("responses", "", first=seed),

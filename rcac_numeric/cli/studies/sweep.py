@@ -33,6 +33,13 @@ from rcac_numeric.sweeps.study.files import load_study
     "--journal", type=click.Choice(["wal", "rollback"]), default="wal", show_default=True,
     help="rollback: for a store on a network file system, and one process at a time.",
 )  # fmt: skip
+@click.option(
+    "--time-limit", type=click.FloatRange(0, min_open=True), metavar="SECONDS",
+    help="What one run may take; one that takes longer has failed.",
+)  # fmt: skip
+@click.option("--retries", type=click.IntRange(0), default=0, show_default=True,
+              help="How often a run that failed is run again at once.")  # fmt: skip
+@click.option("--retry-failed", is_flag=True, help="Run those again that had failed before.")
 @as_json_option
 def sweep(
     *,
@@ -42,12 +49,16 @@ def sweep(
     yes: bool,
     mixed: bool,
     journal: str,
+    time_limit: float | None,
+    retries: int,
+    retry_failed: bool,
     as_json: bool,
 ) -> int:
     """Run the study FILE, a TOML file with a table [study], and store each run when it ends.
 
-    Stopped by whatever, the same command goes on. Loops that diverge are results; where a run has
-    an error recorded, a measure that failed for instance, the status is 1.
+    Stopped by whatever, the same command goes on. Loops that diverge are results; where a run
+    failed (time or memory ran out, its process died, a function raised), or a result has an error
+    recorded, the status is 1.
     """
     study = load_study(file)
     line = ProgressLine() if sys.stderr.isatty() else None
@@ -60,6 +71,9 @@ def sweep(
             many=yes,
             mixed=mixed,
             journal=journal,
+            time_limit=time_limit,
+            retries=retries,
+            retry_failed=retry_failed,
         )
     except KeyboardInterrupt as stopped:
         if isinstance(stopped, StudyInterrupted):
@@ -74,7 +88,7 @@ def sweep(
             line.end()
     overview = sweep_overview(store)
     show(sweep_sheet(overview), as_json)
-    return NO if overview.errors else DONE
+    return NO if overview.errors or overview.failed else DONE
 
 
 def _silence(progress: Progress) -> None:

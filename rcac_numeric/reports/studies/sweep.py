@@ -40,7 +40,12 @@ def sweep_sheet(overview: SweepOverview) -> Sheet:
 
 
 def _health(overview: SweepOverview) -> tuple[Text, ...]:
-    said = []
+    said: list[Text] = []
+    results = len(overview.table)
+    if overview.failed:
+        words = f"{overview.failed} of {overview.total} runs failed"
+        how = "and are in no number below; --retry-failed (retry_failed=True) runs them again."
+        said.append(Text(f"{words} {how}", "bad"))
     if overview.done < overview.total:
         said.append(
             Text(
@@ -49,13 +54,16 @@ def _health(overview: SweepOverview) -> tuple[Text, ...]:
                 "warning",
             )
         )
-    failed = overview.done - overview.outcomes.get("completed", 0)
-    if failed:
-        said.append(Text(f"{failed} of {overview.done} runs did not complete.", "warning"))
-    elif overview.done:
-        said.append(Text(f"All {overview.done} runs completed.", "good"))
-    if wrong := sum(overview.errors.values()):
-        said.append(Text(f"{wrong} runs have an error recorded.", "bad"))
+    others = results - overview.outcomes.get("completed", 0)
+    if others:
+        said.append(Text(f"{others} of {results} runs did not complete.", "warning"))
+    elif results and not overview.failed:
+        said.append(Text(f"All {results} runs completed.", "good"))
+    if noted := sum(overview.errors.values()):
+        said.append(Text(f"{noted} runs have an error recorded.", "bad"))
+    if overview.mixed:
+        words = f"Not all runs were made with the same: {'; '.join(overview.mixed)}."
+        said.append(Text(words, "warning"))
     return tuple(said)
 
 
@@ -81,10 +89,12 @@ def _study(overview: SweepOverview) -> Section:
             "seed": overview.seed,
             "fingerprint": overview.fingerprint,
             "versions": overview.versions,
+            "mixed": list(overview.mixed),
             "instruction_set": overview.instruction_set,
             "created": overview.created,
             "runs": overview.total,
             "stored": overview.done,
+            "failed": overview.failed,
         }
     }
     return Section("The study", tuple(facts), record)
@@ -93,10 +103,10 @@ def _study(overview: SweepOverview) -> Section:
 def _outcomes(overview: SweepOverview) -> Section:
     rows = []
     for outcome, count in overview.outcomes.items():
-        low, high = wilson_interval(count, overview.done)
+        low, high = wilson_interval(count, len(overview.table))
         level: Level = "plain" if outcome == "completed" else "warning"
         interval = f"{_percent(low)} to {_percent(high)}"
-        share = _percent(count / overview.done)
+        share = _percent(count / len(overview.table))
         rows.append(cells(Text(outcome, level), str(count), share, interval))
     table = Table(("outcome", "runs", "share", "95 % interval"), tuple(rows))
     return Section("How the runs ended", (table,) if rows else (), {"outcomes": overview.outcomes})
@@ -113,7 +123,9 @@ def _groups(overview: SweepOverview) -> Section:
         measured = ["median", *(f"q{q:g}" for q in summary.quantiles)]
         if (summary["measured"] != summary["runs"] - summary["not_completed"]).any():
             measured.insert(0, "measured")
-    heads = [*summary.axes, "runs", "failed", "share", *measured]
+    if summary["failed"].any():
+        measured.insert(0, "failed")
+    heads = [*summary.axes, "runs", "not completed", "share", *measured]
     rows = [_row(summary, i, measured) for i in range(min(len(summary), LONGEST_TABLE))]
     blocks: list[Block] = [Table(tuple(heads), tuple(rows))]
     if len(summary) > LONGEST_TABLE:
@@ -138,13 +150,18 @@ def _row(summary: SweepSummary, i: int, measured: list[str]) -> Any:
 
 
 def _errors(overview: SweepOverview) -> Section:
-    blocks: list[Block] = [
-        Text(f"{count} times: {shortened(words, 300)}", "bad")
-        for words, count in list(overview.errors.items())[:MOST_ERRORS]
-    ]
-    if (more := len(overview.errors) - MOST_ERRORS) > 0:
-        blocks.append(Text(f"and {more} others; the column failure of the table has them all."))
-    record = {"errors": [{"error": e, "runs": n} for e, n in overview.errors.items()]}
+    blocks: list[Block] = []
+    for errors, column in ((overview.failures, "failed"), (overview.errors, "failure")):
+        blocks += [
+            Text(f"{count} times: {shortened(words, 300)}", "bad")
+            for words, count in list(errors.items())[:MOST_ERRORS]
+        ]
+        if (more := len(errors) - MOST_ERRORS) > 0:
+            blocks.append(Text(f"and {more} others; `{column}` of the table has them all."))
+    record = {
+        "failures": [{"error": e, "runs": n} for e, n in overview.failures.items()],
+        "errors": [{"error": e, "runs": n} for e, n in overview.errors.items()],
+    }
     return Section("Errors" if blocks else "", tuple(blocks), record)
 
 

@@ -1,16 +1,21 @@
-"""What is sent to a worker, and what comes back."""
+"""What is sent to a worker, and what comes back: results, and failures, which are none."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.sweeps.chunks.failures import (
+    FAILED,
+    OUT_OF_MEMORY,
+    TIMED_OUT,
+    TimeLimitReached,
+    error_text,
+    storable,
+)
 from rcac_numeric.sweeps.study.study import Coordinates
-
-# What a study knows beside the outcomes of the engine: values that make no run, a function of the
-# study that raised, and a run that took its worker with it.
-REFUSED, FUNCTION_FAILED, WORKER_DIED = "refused", "function failed", "worker died"
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,29 +25,32 @@ class ChunkTask(Value):
     Attributes
     ----------
     study : bytes
-        The study, pickled; a worker reads it once.
+        The study, pickled by who runs it; a worker reads it once.
     fingerprint : str
         What the worker knows it by.
     instruction_set : str
         The instructions that all runs of the study use; empty for whatever there are.
     runs : list of (coordinates, list of (run, repetition))
         Cell by cell.
+    at_once : int
+        Runs in memory at a time.
     """
 
     study: bytes
     fingerprint: str
     instruction_set: str
     runs: list[tuple[Coordinates, list[tuple[int, int]]]]
+    at_once: int = 256
 
     @property
     def numbers(self) -> list[int]:
         """The numbers of the runs, in their order."""
         return [run for _, some in self.runs for run, _ in some]
 
-    def only(self, number: int) -> ChunkTask:
-        """The same with one of its runs."""
+    def only(self, numbers: Collection[int]) -> ChunkTask:
+        """The same with some of its runs."""
         runs = [
-            (coordinates, [pair for pair in some if pair[0] == number])
+            (coordinates, [pair for pair in some if pair[0] in numbers])
             for coordinates, some in self.runs
         ]
         return ChunkTask(
@@ -50,6 +58,7 @@ class ChunkTask(Value):
             self.fingerprint,
             self.instruction_set,
             [(coordinates, some) for coordinates, some in runs if some],
+            self.at_once,
         )
 
 
@@ -63,7 +72,7 @@ class RunRecord(Value):
         Its number in the store.
     outcome, error : str
     values : list of float
-        One for each measure; NaN where there is none.
+        One for each measure, NaN where a result has none; none at all where the run failed.
     signals : dict from names to arrays
         Those that were asked for.
     """
@@ -74,6 +83,11 @@ class RunRecord(Value):
     values: list[float]
     signals: dict[str, Array]
 
+    @property
+    def failed(self) -> bool:
+        """Whether it is no result."""
+        return self.outcome in FAILED
+
 
 @dataclass(frozen=True, eq=False)
 class ChunkResult(Value):
@@ -81,3 +95,14 @@ class ChunkResult(Value):
 
     records: list[RunRecord]
     seconds: float
+
+
+def failure(run: int, outcome: str, error: BaseException | str) -> RunRecord:
+    """The record of a run of which nothing is known but what went wrong."""
+    if isinstance(error, MemoryError):
+        outcome = OUT_OF_MEMORY
+    elif isinstance(error, TimeLimitReached):
+        outcome = TIMED_OUT
+    return RunRecord(
+        run, outcome, storable(error) if isinstance(error, str) else error_text(error), [], {}
+    )

@@ -3,32 +3,94 @@
 from __future__ import annotations
 
 import math
+import signal
+import threading
 from collections.abc import Callable
+from types import FrameType
 from typing import Any
 
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import CompensatorError
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.measures.cost_measures import h2_cost, high_authority_cost
+from rcac_numeric.sweeps.chunks.failures import TimeLimitReached
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cell
 from rcac_numeric.sweeps.study.measures import Kept
 
 
-def measured(cell: Cell, run: AnalysedRun) -> tuple[list[float], str]:
-    """One number for each measure of the study, NaN where there is none, and what failed.
+class MeasureFailed(Exception):
+    """A measure raised what is no property of its run."""
 
-    A measure that raises leaves the others alone. After a run that did not complete there may be
-    nothing to measure; that is no failure.
+    def __init__(self, name: str, cause: BaseException) -> None:
+        super().__init__(name)
+        self.name, self.cause = name, cause
+
+
+class KeyWatch:
+    """Sees Ctrl-C while it is entered, so that a measure's own KeyboardInterrupt is told from it.
+
+    It takes the place of Python's handler of SIGINT in the main thread, and hands on to it.
     """
-    values, failures = [], []
+
+    def __init__(self) -> None:
+        self.pressed = False
+        self._previous: Callable[[int, FrameType | None], Any] | None = None
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        """What Python calls when the key was pressed."""
+        self.pressed = True
+        if self._previous is not None:
+            self._previous(number, frame)
+
+    def __enter__(self) -> KeyWatch:
+        previous = signal.getsignal(signal.SIGINT)
+        if threading.current_thread() is threading.main_thread() and callable(previous):
+            self._previous = previous
+            signal.signal(signal.SIGINT, self)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        handler: object = signal.getsignal(signal.SIGINT)
+        if self._previous is not None and handler is self:
+            signal.signal(signal.SIGINT, self._previous)
+
+
+def is_of_a_key(error: BaseException) -> bool:
+    """Whether somebody pressed Ctrl-C here; otherwise whoever runs here raised it himself."""
+    if not isinstance(error, KeyboardInterrupt):
+        return False
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or handler is signal.SIG_IGN:
+        return False
+    return handler.pressed if isinstance(handler, KeyWatch) else True
+
+
+def measured(cell: Cell, run: AnalysedRun) -> tuple[list[float], str]:
+    """One number for each measure of the study, NaN where the run has none, and why.
+
+    That a run has none is a property of it: a measure says so by a `CompensatorError`, which after
+    a run that did not complete is not even worth a word.
+
+    Raises
+    ------
+    MeasureFailed
+        Where a measure raised anything else.
+    """
+    values, notes = [], []
     for kept in cell.study.keep:
         try:
             values.append(_value(cell, kept, run))
-        except Exception as error:  # of the user's own function too
+        except CompensatorError as error:
             values.append(math.nan)
-            if run.run.outcome == "completed" or not isinstance(error, CompensatorError):
-                failures.append(f"measure {kept.name}: {type(error).__name__}: {error}")
-    return values, "; ".join(failures)
+            if run.run.outcome == "completed":
+                notes.append(f"measure {kept.name}: {type(error).__name__}: {error}")
+        except TimeLimitReached:
+            raise
+        except BaseException as error:  # of the user's own function: SystemExit too
+            if is_of_a_key(error):
+                raise
+            raise MeasureFailed(kept.name, error) from None
+    return values, "; ".join(notes)
 
 
 def _value(cell: Cell, kept: Kept, run: AnalysedRun) -> float:
@@ -36,8 +98,8 @@ def _value(cell: Cell, kept: Kept, run: AnalysedRun) -> float:
     value = quick(cell, run, **kept.arguments) if quick else kept.function(run, **kept.arguments)
     try:
         return float(value)
-    except (TypeError, ValueError):
-        raise InputError(f"it returned {value!r}, which is no number.") from None
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"it returned a {type(value).__name__}, which is no number") from None
 
 
 def _least_cost(cell: Cell, run: AnalysedRun, **arguments: Any) -> float:

@@ -6,7 +6,7 @@ import math
 import os
 import pickle
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -17,25 +17,32 @@ from rcac_numeric.engine.reference.run import require_supported, simulate_refere
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.streams import simulate_stream
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
-from rcac_numeric.sweeps.chunks.chunk import (
+from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask, RunRecord, failure
+from rcac_numeric.sweeps.chunks.failures import (
+    FAILED,
     FUNCTION_FAILED,
+    MEASURE_FAILED,
     REFUSED,
-    ChunkResult,
-    ChunkTask,
-    RunRecord,
+    TimeLimitReached,
+    error_text,
+    storable,
 )
-from rcac_numeric.sweeps.chunks.measuring import measured
+from rcac_numeric.sweeps.chunks.measuring import MeasureFailed, is_of_a_key, measured
 from rcac_numeric.sweeps.study.cells import Cell, Cells
 from rcac_numeric.sweeps.study.study import Coordinates, Study
 
 # The study that this process has read last, by its fingerprint.
 _KNOWN: dict[str, Cells] = {}
-# Runs in memory at a time.
-AT_ONCE = 256
 
 
-def run_chunk(task: ChunkTask) -> ChunkResult:
+def _silence() -> None:
+    """Tell nobody that a run has ended."""
+
+
+def run_chunk(task: ChunkTask, progress: Callable[[], None] = _silence) -> ChunkResult:
     """Run some runs of a study; none of them can fail but as a record.
+
+    `progress` is called when it begins, and whenever a run has ended.
 
     Raises
     ------
@@ -44,8 +51,10 @@ def run_chunk(task: ChunkTask) -> ChunkResult:
     """
     start = time.perf_counter()
     _use(task.instruction_set)
+    cells = _cells(task)
+    progress()
     with np.errstate(all="ignore"):  # a loop that leaves float64 is an outcome, not a warning
-        records = _records(_cells(task), task)
+        records = _records(cells, task, progress)
     return ChunkResult(sorted(records, key=lambda record: record.run), time.perf_counter() - start)
 
 
@@ -90,10 +99,26 @@ def _use(instructions: str) -> None:
         instruction_set()
 
 
-def _records(cells: Cells, task: ChunkTask) -> list[RunRecord]:
+def _records(cells: Cells, task: ChunkTask, progress: Callable[[], None]) -> list[RunRecord]:
+    """The records of all runs: together, and one by one where that ends in an error."""
+    try:
+        return _together(cells, task, progress)
+    except BaseException as error:  # out of memory, too slow, or whatever a function raises
+        if is_of_a_key(error):
+            raise
+        numbers = task.numbers
+        if len(numbers) == 1:
+            return [failure(numbers[0], FUNCTION_FAILED, error)]
+    records = []
+    for number in numbers:
+        progress()
+        records += _records(cells, task.only([number]), progress)
+    return records
+
+
+def _together(cells: Cells, task: ChunkTask, progress: Callable[[], None]) -> list[RunRecord]:
     study, records = cells.study, []
     under_way: list[tuple[int, Cell]] = []
-    nothing = [math.nan] * len(study.keep)
 
     def cases() -> Iterator[SimulationCase]:
         for coordinates, pairs in task.runs:
@@ -101,35 +126,53 @@ def _records(cells: Cells, task: ChunkTask) -> list[RunRecord]:
                 try:
                     cell = cells.cell(coordinates)
                     if cell.is_reference:
-                        found = _reference(cell, repetition)
-                        records.append(_record(run, cell, found, ""))
+                        records.append(_record(run, cell, _reference(cell, repetition), ""))
+                        progress()
                         continue
                     case = cell.case(repetition)
-                except Exception as error:  # of the user's own function too
-                    records.append(RunRecord(run, *_refusal(error), nothing, {}))
+                except TimeLimitReached:
+                    raise
+                except BaseException as error:  # of the user's own function too
+                    if is_of_a_key(error):
+                        raise
+                    records.append(_refusal(study, run, error))
                     continue
                 under_way.append((run, cell))
                 yield case
 
     def reduced(number: int, found: Run) -> RunRecord:
         run, cell = under_way[number]
-        return _record(run, cell, found, found.failure)
+        record = _record(run, cell, found, found.failure)
+        progress()
+        return record
 
     for result in simulate_stream(
-        cases(), reduce=reduced, threads=1, lanes=study.lanes, at_once=AT_ONCE
+        cases(), reduce=reduced, threads=1, lanes=study.lanes, at_once=task.at_once
     ):
-        if result.value is None:
-            number = under_way[result.number][0]
-            records.append(RunRecord(number, result.outcome, result.failure, nothing, {}))
-        else:
+        if result.value is not None:
             records.append(result.value)
+            continue
+        number = under_way[result.number][0]
+        if result.outcome in FAILED:
+            records.append(failure(number, result.outcome, result.failure))
+        else:
+            records.append(_refused(study, number, result.outcome, result.failure))
     return records
 
 
-def _record(run: int, cell: Cell, found: Run, failure: str) -> RunRecord:
-    values, failed = measured(cell, AnalysedRun(found, cell.target))
+def _record(run: int, cell: Cell, found: Run, words: str) -> RunRecord:
+    if found.outcome in FAILED:
+        if words.startswith(TimeLimitReached.__name__):
+            raise TimeLimitReached(words)
+        return failure(run, found.outcome, words)
+    try:
+        values, note = measured(cell, AnalysedRun(found, cell.target))
+    except MeasureFailed as failed:
+        text = f"measure {failed.name}: {error_text(failed.cause)}"
+        record = failure(run, MEASURE_FAILED, failed.cause)
+        return RunRecord(run, record.outcome, storable(text), [], {})
     signals = {name: np.array(getattr(found, name)) for name in cell.study.keep_signals}
-    error = "; ".join(part for part in (failure, failed) if part)
+    error = storable("; ".join(part for part in (words, note) if part))
     return RunRecord(run, found.outcome, error, values, signals)
 
 
@@ -140,7 +183,12 @@ def _reference(cell: Cell, repetition: int) -> Run:
     return simulate_reference(plant, settings, cell.w(repetition))
 
 
-def _refusal(error: Exception) -> tuple[str, str]:
+def _refusal(study: Study, run: int, error: BaseException) -> RunRecord:
     if isinstance(error, CompensatorError):
-        return REFUSED, str(error)
-    return FUNCTION_FAILED, f"{type(error).__name__}: {error}"
+        return _refused(study, run, REFUSED, str(error))
+    return failure(run, FUNCTION_FAILED, error)
+
+
+def _refused(study: Study, run: int, outcome: str, words: str) -> RunRecord:
+    """A result without a number: these values make no run."""
+    return RunRecord(run, outcome, storable(words), [math.nan] * len(study.keep), {})

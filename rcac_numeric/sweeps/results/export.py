@@ -6,21 +6,24 @@ import csv
 import json
 import math
 from collections.abc import Callable, Iterator
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.frames import imported
+from rcac_numeric.sweeps.chunks.failures import FAILED
 from rcac_numeric.sweeps.results.table import Columns
-from rcac_numeric.sweeps.store.reading import cell_columns, stored_runs
 from rcac_numeric.sweeps.store.store import Store
 
 AT_ONCE = 50_000  # rows of a piece of Parquet
 
 
 def export_table(store: str | Path, path: str | Path) -> None:
-    """Write the runs of a store to a .csv or a .parquet file, a row each.
+    """Write the results in a store to a .csv or a .parquet file, a row for each run.
+
+    Runs that failed are no results, and are not in the file.
 
     Floats are written in full, and where there is no value, nothing; coordinates that are lists
     or tables as JSON. Parquet needs pyarrow, which `compensator-theory[pandas]` brings.
@@ -66,7 +69,7 @@ def _write_csv(store: Store, path: Path) -> None:
 def _write_parquet(store: Store, path: Path) -> None:
     arrow, parquet = imported("pyarrow"), imported("pyarrow.parquet")
     names, rows = _rows(store)
-    axes = cell_columns(store)
+    axes = store.cell_columns([])
     kinds = [_arrow_type(arrow, axes, name) for name in names]
     schema = arrow.schema(list(zip(names, kinds, strict=True)))
     with parquet.ParquetWriter(str(path), schema) as writer:
@@ -80,14 +83,17 @@ def _write_parquet(store: Store, path: Path) -> None:
 
 def _rows(store: Store) -> tuple[list[str], Iterator[list[tuple[Any, ...]]]]:
     """The names of the columns, and their rows chunk by chunk, coordinates put in."""
-    cells = cell_columns(store)
-    kept = [kept["name"] for kept in store.study.resolved["keep"]]
-    names = ["run", "cell", "repetition", *cells, "outcome", "failure", *kept]
+    axes = store.study.axes
+    names = ["run", "cell", "repetition", *axes, "outcome", "failure", *store.study.measures]
 
     def rows() -> Iterator[list[tuple[Any, ...]]]:
-        for some in stored_runs(store):
+        for some in store.all_rows():
+            results = [row for row in some if row[3] not in FAILED]
+            columns = store.cell_columns([row[1] for row in results]).values()
+            coordinates = zip(*columns, strict=True) if axes else repeat(())
             yield [
-                (*row[:3], *(column[row[1]] for column in cells.values()), *row[3:]) for row in some
+                (*row[:3], *where, *row[3:5], *row[6:])
+                for row, where in zip(results, coordinates, strict=False)
             ]
 
     return names, rows()

@@ -16,14 +16,19 @@ from rcac_numeric.sweeps.store.store import Store
 class SweepOverview(Value):
     """What a store holds.
 
+    Of the runs that have ended, those that failed are in `table.failed` and in no number else.
+
     Attributes
     ----------
     path, title, fingerprint, instruction_set, created : str
     versions : dict from names to str
+        What it was begun with.
+    mixed : tuple of str
+        What differed when it was gone on with by `mixed`.
     seed, repetitions : int
     axes : dict from names to (path, number of values)
     done, total : int
-        Runs that are stored, and runs of the study.
+        Runs that have ended, and runs of the study.
     table : SweepTable
     summary : SweepSummary
         Group by group.
@@ -35,6 +40,7 @@ class SweepOverview(Value):
     instruction_set: str
     created: str
     versions: dict[str, str]
+    mixed: tuple[str, ...]
     seed: int
     repetitions: int
     axes: dict[str, tuple[str, int]]
@@ -44,8 +50,20 @@ class SweepOverview(Value):
     summary: SweepSummary
 
     @property
+    def failed(self) -> int:
+        """How many of the runs that have ended failed."""
+        return self.table.failures
+
+    @property
+    def failures(self) -> dict[str, int]:
+        """What was wrong with the runs that failed, and how often, the most frequent first."""
+        outcomes, texts = (self.table.failed.get(name, ()) for name in ("outcome", "failure"))
+        words = (f"{outcome}: {text}" for outcome, text in zip(outcomes, texts, strict=True))
+        return dict(Counter(words).most_common())
+
+    @property
     def outcomes(self) -> dict[str, int]:
-        """How many runs ended how, the most frequent first."""
+        """How many results there are of which kind, the most frequent first."""
         return dict(Counter(self.table["outcome"].tolist()).most_common())
 
     @property
@@ -98,7 +116,8 @@ def sweep_overview(
     (2, {'completed': 2})
     """
     with Store(store, read_only=True) as opened:
-        row, (done, total), table = opened.study, opened.counts(), table_in(opened)
+        row, table = opened.study, table_in(opened)
+        done, total, _ = opened.counts()
     first = table.measures[0] if table.measures else ""
     return SweepOverview(
         path=str(store),
@@ -107,6 +126,7 @@ def sweep_overview(
         instruction_set=row.instruction_set,
         created=row.created,
         versions=row.versions,
+        mixed=row.mixed,
         seed=row.resolved["seed"],
         repetitions=row.resolved["repetitions"],
         axes={a["name"]: (a["sets"], len(a["values"])) for a in row.resolved["axes"]},

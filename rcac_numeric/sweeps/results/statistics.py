@@ -78,7 +78,8 @@ class SweepSummary(Value):
     quantiles : tuple of float
         Which ones.
     columns : dict from names to arrays
-        The axes; runs; not_completed, with its share, share_low and share_high (Wilson, 95 %);
+        The axes; runs, the number of results; not_completed of them, with its share, share_low
+        and share_high (Wilson, 95 %); failed, the number of runs that are no results;
         measured, the number of completed runs with a finite value; then median and q0.05, ... of
         those, NaN where there is none.
     """
@@ -151,29 +152,31 @@ def summarise(
     wanted = tuple(number(q, "a quantile") for q in items(quantiles, "quantiles"))
     if any(not 0 <= q <= 1 for q in wanted):
         raise InputError(f"the quantiles {wanted} must lie between 0 and 1.")
-    firsts, group, count = _groups(table, axes)
+    everything = {
+        name: np.concatenate([table[name], table.failed.get(name, np.zeros(0, table[name].dtype))])
+        for name in axes
+    }
+    firsts, groups, count = _groups(everything, len(table) + table.failures)
+    group, of_failed = groups[: len(table)], groups[len(table) :]
     failed = np.asarray(table["outcome"] != "completed", dtype=bool)
     runs = np.bincount(group, minlength=count)
     not_completed = np.bincount(group, weights=failed, minlength=count).astype(np.int64)
     low, high = wilson_interval(not_completed, runs)
-    columns: Columns = {name: table[name][firsts] for name in axes}
+    columns: Columns = {name: values[firsts] for name, values in everything.items()}
     columns |= {"runs": runs, "not_completed": not_completed}
     columns |= {"share": not_completed / np.maximum(runs, 1), "share_low": low, "share_high": high}
+    columns["failed"] = np.bincount(of_failed, minlength=count)
     if measure:
         columns |= _quantiles(table[measure], group, count, failed, wanted)
     return SweepSummary(tuple(axes), measure, wanted, columns)
 
 
-def _groups(
-    table: SweepTable, axes: Sequence[str]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
+def _groups(axes: Columns, length: int) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
     """The first row of each group, the group of each row, and how many there are."""
-    group = np.zeros(len(table), dtype=np.int64)
-    for name in axes:
-        values = table[name]
-        if values.dtype == object:
-            values = np.array([repr(value) for value in values])
-        distinct, place = np.unique(values, return_inverse=True)
+    group = np.zeros(length, dtype=np.int64)
+    for values in axes.values():
+        comparable = np.array([repr(v) for v in values]) if values.dtype == object else values
+        distinct, place = np.unique(comparable, return_inverse=True)
         group = group * len(distinct) + place
     _, firsts, group = np.unique(group, return_index=True, return_inverse=True)
     return firsts, group, len(firsts)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,8 +14,8 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays import frames
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.sweeps.store.reading import cell_columns, column, stored_runs
-from rcac_numeric.sweeps.store.store import Store
+from rcac_numeric.sweeps.chunks.failures import FAILED
+from rcac_numeric.sweeps.store.store import Row, Store
 
 Columns = dict[str, NDArray[Any]]
 
@@ -28,22 +28,28 @@ class SweepTable(Value):
     ----------
     columns : dict from names to arrays
         run, cell, repetition, then the coordinates, outcome, failure, and the measures (NaN where
-        there is none).
+        the result has none).
     axes, measures : tuple of str
         Which columns are coordinates, and which measures.
+    failed : dict from names to arrays
+        Of the runs that failed, of which no number is known and which stand in no other column:
+        run, cell, repetition, the coordinates, outcome and failure.
     """
 
     columns: Columns
     axes: tuple[str, ...]
     measures: tuple[str, ...]
+    failed: Columns
 
     def __init__(
         self,
         columns: Mapping[str, NDArray[Any]],
         axes: tuple[str, ...],
         measures: tuple[str, ...],
+        failed: Mapping[str, NDArray[Any]] | None = None,
     ) -> None:
         object.__setattr__(self, "columns", dict(columns))
+        object.__setattr__(self, "failed", dict(failed or {}))
         object.__setattr__(self, "axes", tuple(axes))
         object.__setattr__(self, "measures", tuple(measures))
 
@@ -58,8 +64,13 @@ class SweepTable(Value):
             )
         return self.columns[name]
 
+    @property
+    def failures(self) -> int:
+        """How many runs failed."""
+        return len(self.failed.get("run", ()))
+
     def where(self, **coordinates: Any) -> SweepTable:
-        """The rows at these coordinates.
+        """The rows at these coordinates, and what failed there.
 
         Examples
         --------
@@ -70,11 +81,16 @@ class SweepTable(Value):
         >>> table.where(n_c=2)["run"]
         array([2, 3])
         """
-        chosen = np.ones(len(self), dtype=bool)
-        for name, value in coordinates.items():
-            chosen &= np.asarray(self[name] == value)
-        columns = {name: values[chosen] for name, values in self.columns.items()}
-        return SweepTable(columns, self.axes, self.measures)
+        for name in coordinates:
+            self[name]  # a name that is none is refused
+
+        def chosen(columns: Columns) -> Columns:
+            rows = np.ones(len(columns.get("run", ())), dtype=bool)
+            for name, value in coordinates.items():
+                rows &= np.asarray(columns[name] == value) if name in columns else False
+            return {name: values[rows] for name, values in columns.items()}
+
+        return SweepTable(chosen(self.columns), self.axes, self.measures, chosen(self.failed))
 
     def to_pandas(self) -> frames.DataFrame:
         """The table as a `pandas.DataFrame`, indexed by the run."""
@@ -87,16 +103,17 @@ class SweepTable(Value):
         return xarray.Dataset.from_dataframe(frame.set_index([*self.axes, "repetition"]))
 
     def __repr__(self) -> str:
-        return f"SweepTable({len(self)} runs; {', '.join([*self.axes, *self.measures])})"
+        failed = f", {self.failures} more failed" if self.failures else ""
+        return f"SweepTable({len(self)} runs{failed}; {', '.join([*self.axes, *self.measures])})"
 
 
 def read_table(store: str | Path) -> SweepTable:
-    """The runs of a store that have ended, by increasing number; see `run_study`.
+    """The results in a store, by increasing number of the run; what failed stands apart.
 
     Raises
     ------
     StoreError
-        Where the file is no store, or any number in it is not what was written.
+        Where the file is no store, or anything in the table is not what was written.
 
     Examples
     --------
@@ -113,36 +130,38 @@ def read_table(store: str | Path) -> SweepTable:
 
 def table_in(store: Store) -> SweepTable:
     """The table of an open store."""
-    resolved = store.study.resolved
-    axes = tuple(axis["name"] for axis in resolved["axes"])
-    measures = tuple(kept["name"] for kept in resolved["keep"])
-    pieces = list(_pieces(stored_runs(store), measures))
-    columns: Columns = {
+    about = store.study
+    results: list[Columns] = []
+    failures: list[Columns] = []
+    for rows in store.all_rows():
+        # Chunk by chunk as arrays, so that a large table is never held as Python's objects.
+        results.append(_piece([row for row in rows if row[3] not in FAILED], about.measures))
+        failures.append(_piece([row for row in rows if row[3] in FAILED], ()))
+    return SweepTable(
+        _joined(results, store, about.measures), about.axes, about.measures,
+        _joined(failures, store, ()),
+    )  # fmt: skip
+
+
+def _piece(rows: list[Row], measures: tuple[str, ...]) -> Columns:
+    by_column = list(zip(*rows, strict=True)) or [()] * (6 + len(measures))
+    piece: Columns = {}
+    for name, values in zip(("run", "cell", "repetition"), by_column[:3], strict=True):
+        piece[name] = np.array(values, dtype=np.int64)
+    for name, values in zip(("outcome", "failure"), by_column[3:5], strict=True):
+        piece[name] = np.array(values, dtype=object)
+    for name, values in zip(measures, by_column[6 : 6 + len(measures)], strict=True):
+        piece[name] = np.array(values, dtype=np.float64)
+    return piece
+
+
+def _joined(pieces: list[Columns], store: Store, measures: tuple[str, ...]) -> Columns:
+    """The columns in their order, the coordinates put in."""
+    joined = {
         name: np.concatenate([piece[name] for piece in pieces])
+        for name in _piece([], measures)
         if pieces
-        else np.zeros(0, dtype=object if name in ("outcome", "failure") else np.float64)
-        for name in ("run", "cell", "repetition", "outcome", "failure", *measures)
-    }
-    cells = columns["cell"].astype(np.int64)
-    coordinates = {name: values[cells] for name, values in cell_columns(store).items()}
-    ordered = {name: columns[name] for name in ("run", "cell", "repetition")}
-    ordered |= coordinates
-    ordered |= {name: columns[name] for name in ("outcome", "failure", *measures)}
-    return SweepTable(ordered, axes, measures)
-
-
-def _pieces(
-    chunks: Iterator[list[tuple[Any, ...]]], measures: tuple[str, ...]
-) -> Iterator[Columns]:
-    """Chunk by chunk as arrays, so that a large table is never held as Python's objects."""
-    for rows in chunks:
-        by_column = list(zip(*rows, strict=True))
-        piece: Columns = {
-            name: column(list(values))
-            for name, values in zip(("run", "cell", "repetition"), by_column[:3], strict=True)
-        }
-        for name, values in zip(("outcome", "failure"), by_column[3:5], strict=True):
-            piece[name] = np.array(values, dtype=object)
-        for name, values in zip(measures, by_column[5:], strict=True):
-            piece[name] = np.array(values, dtype=np.float64)
-        yield piece
+    } or _piece([], measures)
+    ordered = {name: joined[name] for name in ("run", "cell", "repetition")}
+    ordered |= store.cell_columns(joined["cell"])
+    return ordered | {name: joined[name] for name in ("outcome", "failure", *measures)}

@@ -22,8 +22,10 @@ class Progress:
         Runs, those of earlier times and other processes included.
     rate : float
         Runs per second lately; 0 where it is not known yet.
-    diverged, failed : int
-        Runs of this process that did not complete; and those with an error.
+    diverged : int
+        Runs of this process that did not complete.
+    failed : int
+        Runs in the store of which nothing is known but an error; `retry_failed` runs them again.
     """
 
     done: int
@@ -40,11 +42,13 @@ class Progress:
     def __str__(self) -> str:
         share = 100 * self.done / self.total if self.total else 100.0
         words = f"{self.done} of {self.total} runs ({share:.0f} %)"
+        if self.failed:
+            words += f", {self.failed} failed"
         if self.rate and self.done < self.total:
             words += f", {self.rate:.3g} a second, {_duration(self.seconds_left)} left"
         if self.diverged:
             words += f", {self.diverged} did not complete"
-        return words + (f", {self.failed} with an error" if self.failed else "")
+        return words
 
 
 @dataclass

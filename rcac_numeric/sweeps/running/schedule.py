@@ -2,24 +2,40 @@
 
 from __future__ import annotations
 
-import math
+import os
 import time
-from collections.abc import Callable
+from collections import Counter, deque
+from collections.abc import Callable, Collection
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
+from dataclasses import dataclass, field
 
-from compensator_theory.errors import CompensatorError
-from rcac_numeric.sweeps.chunks.chunk import WORKER_DIED, ChunkResult, ChunkTask, RunRecord
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask, RunRecord, failure
+from rcac_numeric.sweeps.chunks.failures import TIMED_OUT, WORKER_DIED
 from rcac_numeric.sweeps.chunks.worker import run_chunk
-from rcac_numeric.sweeps.running.pools import InProcess, WorkerPool, ready
+from rcac_numeric.sweeps.running.pools import InProcess, WorkerLost, WorkerPool
 from rcac_numeric.sweeps.running.progress import Meter, Progress
 from rcac_numeric.sweeps.store.claims import Claim, Claims
 from rcac_numeric.sweeps.store.problems import StoreError
 
-# A chunk that was lost so often is taken apart, to find the run that ends its worker.
-TRIES = 3
-# Seconds between looks at what others do, and at Ctrl-C.
-PATIENCE = 0.25
-InFlight = dict[Future[ChunkResult], tuple[Claim, ChunkTask]]
+# A chunk that was lost so often is taken apart, to find the run that ends its worker; and a run
+# that is by itself is given up when it was lost so often.
+TRIES, ALONE = 3, 2
+# Seconds between looks at what others do, and at Ctrl-C; and those that an executor of others has
+# to answer at all after it lost a run.
+PATIENCE, ANSWER = 0.25, 60.0
+
+
+@dataclass
+class Work:
+    """A chunk that is being run, and what there is of it so far."""
+
+    claim: Claim
+    missing: set[int]
+    records: list[RunRecord] = field(default_factory=list)
+    seconds: float = 0.0
+    lost: Counter[int] = field(default_factory=Counter)  # how often, by the number of the run
+    failed: Counter[int] = field(default_factory=Counter)
 
 
 class Schedule:
@@ -28,12 +44,13 @@ class Schedule:
     Parameters
     ----------
     claims : Claims
+    executor : Executor
     task_of : callable
         What is sent to a worker for a claim.
-    make : callable
-        Makes an executor; again where one broke.
     window : int
         Chunks under way at a time.
+    retries : int
+        How often a run that failed is run again at once.
     meter, progress
         What counts, and who is told.
     """
@@ -41,22 +58,23 @@ class Schedule:
     def __init__(
         self,
         claims: Claims,
+        executor: Executor,
         task_of: Callable[[Claim], ChunkTask],
-        make: Callable[[], Executor],
         window: int,
+        retries: int,
         meter: Meter,
         progress: Callable[[Progress], None],
     ) -> None:
-        self.claims, self.task_of, self.make = claims, task_of, make
-        self.window, self.meter, self.progress = window, meter, progress
-        self.executor: Executor = InProcess()  # until there is something to run
-        self.in_flight: InFlight = {}
-        self.lost: list[Claim] = []
+        self.claims, self.executor, self.task_of = claims, executor, task_of
+        self.window, self.retries = window, retries
+        self.meter, self.progress = meter, progress
+        self.in_flight: dict[Future[ChunkResult], tuple[Work, ChunkTask]] = {}
+        self.waiting: deque[tuple[Work, ChunkTask]] = deque()  # what goes once more
+        # Workers of others may share a fate: there what is suspected runs alone.
+        self.shared = not isinstance(executor, WorkerPool | InProcess)
 
     def run(self) -> None:
         """Until the store has nothing left to do."""
-        self.executor = self.make()
-        ready(self.executor)
         while True:
             again = self._fill()
             if not self.in_flight:
@@ -74,110 +92,122 @@ class Schedule:
         """Let go of the executor at once."""
         for future in self.in_flight:
             future.cancel()
-        if isinstance(self.executor, WorkerPool):
-            self.executor.leave()
 
     def _fill(self) -> bool:
         """Submit what may be; whether there is something to wait for."""
         while len(self.in_flight) < self.window:
-            suspects = [claim for claim in self.lost if claim.tries >= TRIES]
-            if suspects:
-                if self.in_flight:  # what is suspected runs alone
+            if self.shared and any(_is_alone(task) and work.lost
+                                   for work, task in self.in_flight.values()):  # fmt: skip
+                return True
+            if self.waiting:
+                work, task = self.waiting[0]
+                if self.shared and _is_alone(task) and work.lost and self.in_flight:
                     return True
-                self.lost.remove(suspects[0])
-                self._take_apart(suspects[0])
-                continue
-            claim = self.lost.pop() if self.lost else self.claims.take()
-            if claim is None and self.claims.take_over():
-                continue
-            if claim is None:
-                return bool(self.in_flight) or self.claims.others
-            self._submit(claim)
+                self.waiting.popleft()
+                self._submit(work, task)
+            else:
+                claim = self.claims.take()
+                if claim is None and self.claims.take_over():
+                    continue
+                if claim is None:
+                    return bool(self.in_flight) or self.claims.others
+                task = self.task_of(claim)
+                work = Work(claim, set(task.numbers))
+                if claim.tries >= TRIES:  # it has taken workers with it before
+                    work.lost.update(task.numbers)
+                    self._again(work, task, apart=True)
+                    continue
+                self._submit(work, task)
             if isinstance(self.executor, InProcess):
                 return True
         return True
 
-    def _submit(self, claim: Claim) -> None:
-        task = self.task_of(claim)
+    def _submit(self, work: Work, task: ChunkTask) -> None:
         try:
-            self.in_flight[self.executor.submit(run_chunk, task)] = (claim, task)
-        except BrokenExecutor:
-            self._lose(claim)
-            self._renew()
+            self.in_flight[self.executor.submit(run_chunk, task)] = work, task
+        except Exception as error:
+            raise self._broken(error) from None
+
+    def _broken(self, error: Exception) -> Exception:
+        if isinstance(self.executor, WorkerPool):
+            return InputError(
+                f"worker processes cannot be started: {error} workers=0 does all in one process."
+            )
+        return StoreError(
+            f"the executor broke: it takes nothing more ({type(error).__name__}). What had ended "
+            "is kept; go on with a new one."
+        )
 
     def _end(self, future: Future[ChunkResult]) -> None:
-        if future not in self.in_flight:
-            return
-        claim, _ = self.in_flight.pop(future)
+        work, task = self.in_flight.pop(future)
         try:
             result = future.result()
-        except BrokenExecutor:
-            self._lose(claim)
-            for other in list(self.in_flight):  # they were lost with it, or have just ended
-                if not (other.done() and other.exception() is None):
-                    self._lose(self.in_flight.pop(other)[0])
-            self._renew()
+        except BrokenExecutor as error:
+            raise self._broken(error) from None
         except CompensatorError:  # this worker, and so every worker, cannot run the study
             raise
-        except Exception:  # what the executor says of a worker that was lost
-            self._lose(claim)
+        except WorkerLost as lost:
+            self._lose(work, task, lost.outcome, str(lost))
+        except Exception as error:  # what an executor of others says of a worker that was lost
+            self._lose(work, task, WORKER_DIED, f"its worker was lost ({type(error).__name__})")
         else:
-            self._store(claim, result)
+            work.seconds += result.seconds
+            self._keep(work, task, result.records)
 
-    def _lose(self, claim: Claim) -> None:
-        self.lost.append(self.claims.failed(claim))
+    def _lose(self, work: Work, task: ChunkTask, outcome: str, words: str) -> None:
+        """Run it again; a run by itself is given up, with what was said of its end."""
+        work.lost.update(task.numbers)
+        if not _is_alone(task):
+            work.claim = self.claims.failed(work.claim)
+            self._again(work, task, apart=outcome == TIMED_OUT or work.claim.tries >= TRIES)
+            return
+        (number,) = task.numbers
+        if outcome != TIMED_OUT and work.lost[number] < ALONE:
+            self._again(work, task)
+            return
+        if self.shared:
+            self._require_answer()
+        self._keep(work, task, [failure(number, outcome, words)])
 
-    def _renew(self) -> None:
-        if not isinstance(self.executor, WorkerPool):
-            raise StoreError(
-                "the executor broke: a worker died, and it takes nothing more. What had ended is "
-                "kept; go on with a new one."
-            )
-        self.executor.leave()
-        self.executor = self.make()
-        ready(self.executor)
+    def _again(self, work: Work, task: ChunkTask, apart: bool = False) -> None:
+        tasks = [task.only([number]) for number in task.numbers] if apart else [task]
+        self.waiting.extend((work, one) for one in tasks)
 
-    def _take_apart(self, claim: Claim) -> None:
-        """Run the runs of a chunk one by one; who ends its worker twice is recorded as such."""
-        whole, records, seconds = self.task_of(claim), [], 0.0
-        for number in whole.numbers:
-            result = self._alone(whole.only(number))
-            if result is None:
-                result = self._alone(whole.only(number))
-            if result is None:
-                nothing = [math.nan] * self._width(whole)
-                why = "the process that ran it ended without a word, each time it was tried"
-                records.append(RunRecord(number, WORKER_DIED, why, nothing, {}))
-            else:
-                records += result.records
-                seconds += result.seconds
-        self._store(claim, ChunkResult(records, seconds))
-
-    def _alone(self, task: ChunkTask) -> ChunkResult | None:
+    def _require_answer(self) -> None:
+        """Refuse to call a run deadly where the executor as a whole is dead."""
         try:
-            future = self.executor.submit(run_chunk, task)
-            while not future.done():
-                wait([future], timeout=PATIENCE)
-            return future.result()
-        except BrokenExecutor:
-            self._renew()
-        except CompensatorError:
-            raise
-        except Exception:
-            return None
-        return None
+            future, end = self.executor.submit(os.getpid), time.monotonic() + ANSWER
+            while not wait([future], timeout=PATIENCE).done:
+                if time.monotonic() > end:
+                    raise TimeoutError
+            future.result()
+        except Exception as error:
+            raise self._broken(error) from None
 
-    def _width(self, task: ChunkTask) -> int:
-        return len(self.claims.store.study.resolved["keep"])
-
-    def _store(self, claim: Claim, result: ChunkResult) -> None:
-        if not self.claims.finish(claim, result.records, result.seconds):
-            return  # it took so long that another process was given the chunk
+    def _keep(self, work: Work, task: ChunkTask, records: list[RunRecord]) -> None:
+        self.claims.progressed()
+        again: Collection[int] = {
+            r.run for r in records if r.failed and work.failed[r.run] < self.retries
+        }
+        work.failed.update(again)
+        if again:
+            self._again(work, task.only(again))
+        kept = [record for record in records if record.run not in again]
+        work.records += kept
+        work.missing -= {record.run for record in kept}
+        if work.missing or not self.claims.finish(work.claim, work.records, work.seconds):
+            return  # or another process was quicker
         meter = self.meter
-        meter.done += len(result.records)
-        meter.diverged += sum(record.outcome != "completed" for record in result.records)
-        meter.failed += sum(bool(record.error) for record in result.records)
+        meter.done += len(work.records)
+        meter.failed += sum(record.failed for record in work.records)
+        meter.diverged += sum(
+            record.outcome != "completed" and not record.failed for record in work.records
+        )
 
     def _look(self) -> None:
-        self.meter.done, self.meter.total = self.claims.store.counts()
+        self.meter.done, self.meter.total, self.meter.failed = self.claims.store.counts()
         self.progress(self.meter.now())
+
+
+def _is_alone(task: ChunkTask) -> bool:
+    return len(task.numbers) == 1

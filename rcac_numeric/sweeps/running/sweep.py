@@ -5,27 +5,26 @@ from __future__ import annotations
 import math
 import os
 import pickle
-import time
 from collections.abc import Callable
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, Executor, Future, wait
 from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import instance_of, integer, one_of
+from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
-from rcac_numeric.sweeps.chunks.chunk import ChunkTask
+from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask
+from rcac_numeric.sweeps.chunks.measuring import KeyWatch
 from rcac_numeric.sweeps.chunks.worker import run_chunk
-from rcac_numeric.sweeps.running.pools import InProcess, WorkerPool
+from rcac_numeric.sweeps.running.pools import InProcess, WorkerLost, WorkerPool
 from rcac_numeric.sweeps.running.progress import Meter, Progress
 from rcac_numeric.sweeps.running.schedule import Schedule
 from rcac_numeric.sweeps.store.claims import Claim, Claims
 from rcac_numeric.sweeps.store.problems import StoreError
-from rcac_numeric.sweeps.store.reading import coordinates_in
-from rcac_numeric.sweeps.store.store import JOURNALS, Store
-from rcac_numeric.sweeps.store.versions import versions
+from rcac_numeric.sweeps.store.store import DONE, JOURNALS, Store
+from rcac_numeric.sweeps.store.versions import differing, versions
 from rcac_numeric.sweeps.study.cells import Cell
 from rcac_numeric.sweeps.study.study import Study, require_meant
 from rcac_numeric.sweeps.study.trials import tried
@@ -62,6 +61,9 @@ def run_study(
     many: bool = False,
     journal: str = "wal",
     mixed: bool = False,
+    time_limit: float | None = None,
+    retries: int = 0,
+    retry_failed: bool = False,
 ) -> Progress:
     """Run what a study asks for and its store has not, and store each run when its chunk ends.
 
@@ -70,6 +72,10 @@ def run_study(
     whatever stopped it, it goes on; several processes may work on one store at a time. A study
     with more repetitions or more values of an axis goes on in the store of the smaller one; any
     other change is refused.
+
+    A run that diverges or cannot be made is a result. A run has failed where its measure, or
+    another function of the study, raised anything but a `CompensatorError`, where memory or time
+    ran out, or its process died: it is counted, it is in no table, and it can be run again.
 
     Parameters
     ----------
@@ -92,7 +98,17 @@ def run_study(
         "rollback" for a store on a network file system, which one process alone may then use.
     mixed : bool
         Go on although the store was begun with other versions or instructions, so that its runs
-        agree up to rounding only.
+        agree up to rounding only; the store says so from then on.
+    time_limit : float, optional
+        Seconds that one run may take, its measures included. A process in which nothing ends for
+        so long is ended, what it was at is run again one by one, and a run that takes so long by
+        itself has failed. With workers=0 an exception (by SIGALRM) interrupts Python's code, and
+        compiled code that never returns is not reached. Workers of an executor of others cannot
+        be ended from here: it is refused there.
+    retries : int
+        How often a run that failed is run again at once.
+    retry_failed : bool
+        Run those again that had failed when they were run before.
 
     Raises
     ------
@@ -125,66 +141,126 @@ def run_study(
     one_of(journal, "journal", list(JOURNALS))
     require_meant(study, many)
     count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
+    limit = None if time_limit is None else number(time_limit, "time_limit")
+    if limit is not None and not 0 < limit < math.inf:
+        raise InputError(f"time_limit = {limit:g} must be a positive number of seconds.")
+    if limit is not None and executor is not None:
+        raise InputError(
+            "time_limit ends the process of a run that takes too long, and those of an executor "
+            "are not ours: leave out executor, or set its own limits."
+        )
+    again = integer(retries, "retries", at_least=0)
+    instance_of(retry_failed, "retry_failed", bool)
     first = tried(study)
-    with Store(store, journal) as opened:
-        made = opened.is_new and opened.create(study, instruction_set(), _chunk_size(study, first))
-        if not made:
-            _require_same(opened, mixed)
-            opened.grow(study)
-        usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
-        under_way = usual if window is None else integer(window, "window", at_least=1)
-        instructions = "" if mixed else opened.study.instruction_set
-        make = _maker(executor, count)
-        return _run(opened, study, instructions, make, under_way, progress or _silence)
+    with Store(store, journal) as opened, KeyWatch():
+        run = _Running(opened, study, executor, count, limit)
+        try:
+            if not (opened.is_new and run.create(first)):
+                differences = _require_same(opened, mixed)
+                opened.grow(study)
+                if differences:
+                    opened.note_mixed(differences)
+                if retry_failed:
+                    _free_failed(opened)
+            usual = WINDOW * max(count, 1) if executor is None else WINDOW_OF_OTHERS
+            under_way = usual if window is None else integer(window, "window", at_least=1)
+            instructions = "" if mixed else opened.study.instruction_set
+            return run.run(instructions, under_way, again, progress or _silence)
+        except KeyboardInterrupt:
+            run.leave()
+            counts = (0, study.runs) if opened.is_new else opened.counts()[:2]
+            raise StudyInterrupted(opened.path, *counts) from None
+        except BaseException:
+            run.leave()
+            raise
 
 
-def _run(
-    store: Store,
-    study: Study,
-    instructions: str,
-    make: Callable[[], Executor],
-    window: int,
-    progress: Callable[[Progress], None],
-) -> Progress:
-    done, total = store.counts()
-    meter = Meter(total, done)
-    progress(meter.now())
-    if done == total:
+class _Running:
+    """A study that is being run into its store, and the executor that does it."""
+
+    def __init__(
+        self,
+        store: Store,
+        study: Study,
+        executor: Executor | Callable[[], Executor] | None,
+        workers: int,
+        time_limit: float | None,
+    ) -> None:
+        self.store, self.study = store, study
+        self.pickled, self.fingerprint = pickle.dumps(study), study.fingerprint
+        # A clock that starts anew with every run is read between few of them.
+        self.at_once = 256 if time_limit is None else 8
+        self._make = _maker(executor, workers, time_limit, self._progressed)
+        self._executor: Executor | None = None
+        self.claims: Claims | None = None
+        self.schedule: Schedule | None = None
+
+    @property
+    def executor(self) -> Executor:
+        """Made when the first run is to be run."""
+        if self._executor is None:
+            self._executor = self._make()
+        return self._executor
+
+    def create(self, first: Cell) -> bool:
+        """Make the store; False where another process just did."""
+        return self.store.create(
+            self.study, instruction_set(), _chunk_size(self.study, first, self.executor)
+        )
+
+    def run(
+        self, instructions: str, window: int, retries: int, progress: Callable[[Progress], None]
+    ) -> Progress:
+        """Until the store has nothing left to do."""
+        store = self.store
+        ended = [chunk.state == DONE for chunk in store.chunks()]
+        done, total, failed = store.counts()
+        meter = Meter(total, done, failed=failed)
+        progress(meter.now())
+        if not all(ended):
+            self.claims = Claims(store)
+            self.claims.take_over()
+
+            def task_of(claim: Claim) -> ChunkTask:
+                plan = store.study.plan
+                places = plan.places(claim.first, claim.last)
+                by_cell = groupby(places, key=lambda place: place[1])
+                runs = [[(run, repetition) for run, _, repetition in some] for _, some in by_cell]
+                cells = plan.coordinates(range(places[0][1], places[-1][1] + 1))
+                return ChunkTask(
+                    self.pickled, self.fingerprint, instructions,
+                    list(zip(cells, runs, strict=True)), self.at_once,
+                )  # fmt: skip
+
+            self.schedule = Schedule(
+                self.claims, self.executor, task_of, window, retries, meter, progress
+            )
+            self.schedule.run()
+            self.claims.close()
+        if isinstance(self._executor, WorkerPool):
+            self._executor.shutdown()
+        meter.done, meter.total, meter.failed = store.counts()
         return meter.now()
-    pickled, blocks = pickle.dumps(study), store.blocks
 
-    def task_of(claim: Claim) -> ChunkTask:
-        block = next(b for b in reversed(blocks) if b.first_run <= claim.first)
-        places = [(run, *block.place(run)) for run in range(claim.first, claim.last + 1)]
-        found = coordinates_in(store, range(places[0][1], places[-1][1] + 1))
-        runs = [
-            (found[cell], [(run, repetition) for run, _, repetition in some])
-            for cell, some in groupby(places, key=lambda place: place[1])
-        ]
-        return ChunkTask(pickled, study.fingerprint, instructions, runs)
+    def leave(self) -> None:
+        """Let go of everything at once."""
+        if self.schedule is not None:
+            self.schedule.leave()
+        if isinstance(self._executor, WorkerPool):
+            self._executor.leave()
+        if self.claims is not None:
+            self.claims.close_quietly()
 
-    claims = Claims(store)
-    schedule = Schedule(claims, task_of, make, window, meter, progress)
-    try:
-        claims.take_over()
-        schedule.run()
-    except KeyboardInterrupt:
-        schedule.leave()
-        claims.close()
-        raise StudyInterrupted(store.path, *store.counts()) from None
-    except BaseException:
-        schedule.leave()
-        claims.close_quietly()
-        raise
-    if isinstance(schedule.executor, WorkerPool):
-        schedule.executor.shutdown()
-    claims.close()
-    meter.done, meter.total = store.counts()
-    return meter.now()
+    def _progressed(self) -> None:
+        if self.claims is not None:
+            self.claims.progressed()
 
 
 def _maker(
-    executor: Executor | Callable[[], Executor] | None, workers: int
+    executor: Executor | Callable[[], Executor] | None,
+    workers: int,
+    time_limit: float | None,
+    on_progress: Callable[[], None],
 ) -> Callable[[], Executor]:
     if isinstance(executor, Executor):
         return lambda: executor
@@ -192,19 +268,40 @@ def _maker(
         if not callable(executor):
             raise InputError(f"executor = {executor!r} is no concurrent.futures.Executor.")
         return executor
-    return InProcess if workers == 0 else lambda: WorkerPool(workers)
+    if workers == 0:
+        return lambda: InProcess(time_limit, on_progress)
+    return lambda: WorkerPool(workers, time_limit, on_progress)
 
 
-def _chunk_size(study: Study, first: Cell) -> int:
-    """As many runs as take a fraction of a second, found by running a few; their memory too."""
+def _free_failed(store: Store) -> None:
+    """Let the chunks be run again in which a run has failed; all others of them come out alike."""
+    store.set_free([(c.chunk, c.first, c.last) for c in store.chunks() if c.failed])
+
+
+def _chunk_size(study: Study, first: Cell, executor: Executor) -> int:
+    """As many runs as take a fraction of a second, found by running a few; their memory too.
+
+    They are run where all others will be, as long as that is ours: they may end their process.
+    """
+    ours = executor if isinstance(executor, WorkerPool) else InProcess()
+    if isinstance(executor, InProcess):
+        ours = executor
     runs, seconds = 1, 0.0
     for _ in range(4):
         numbers = [(i, i % study.repetitions) for i in range(runs)]
         task = ChunkTask(pickle.dumps(study), study.fingerprint, instruction_set(),
                          [(first.coordinates, numbers)])  # fmt: skip
-        start = time.perf_counter()
-        run_chunk(task)
-        seconds = time.perf_counter() - start
+        future: Future[ChunkResult] = ours.submit(run_chunk, task)
+        while not wait([future], timeout=0.1).done:
+            pass  # here Ctrl-C is answered
+        try:
+            seconds = future.result().seconds
+        except BrokenExecutor as error:
+            raise InputError(
+                f"worker processes cannot be started: {error} workers=0 does all in one process."
+            ) from None
+        except WorkerLost:
+            seconds = CHUNK_SECONDS  # one by one, where it is recorded what is wrong with them
         if seconds > CHUNK_SECONDS / 8 or runs * 8 > study.runs:
             break
         runs *= 8
@@ -218,13 +315,12 @@ def _chunk_size(study: Study, first: Cell) -> int:
     return max(1, int(size) // 8 * 8 or int(size))
 
 
-def _require_same(store: Store, mixed: bool) -> None:
-    """Refuse to go on with what would give other bits, unless that is meant."""
-    row, now = store.study, versions()
+def _require_same(store: Store, mixed: bool) -> list[str]:
+    """What would give other bits; refuse to go on with it, unless that is meant."""
+    row = store.study
     differences = [
-        f"{name} {before} then, {now.get(name, 'absent')} now"
-        for name, before in row.versions.items()
-        if now.get(name) != before
+        f"{name} {before} then, {now} now"
+        for name, (before, now) in differing(row.versions, versions()).items()
     ]
     if instruction_set() != row.instruction_set:
         differences.append(
@@ -236,6 +332,7 @@ def _require_same(store: Store, mixed: bool) -> None:
             f"{store.path} was begun elsewhere: {'; '.join(differences)}. Its runs would agree up "
             "to rounding only. To go on all the same: mixed=True, or --mixed on the command line."
         )
+    return differences
 
 
 def _silence(progress: Progress) -> None:

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+import math
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rcac_numeric.sweeps.store.problems import StoreError
 from rcac_numeric.sweeps.study.canonical import canonical_json
@@ -43,26 +49,159 @@ class Block:
         return self.first_cell + cell, self.first_repetition + repetition
 
 
-def first_block(resolved: Resolved) -> Block:
-    """All runs of a new study."""
-    return Block(0, 0, number_of_cells(resolved), 0, resolved["repetitions"])
+@dataclass(frozen=True)
+class Stage:
+    """How large a study was at one time: the number of values of each axis, and repetitions."""
+
+    lengths: tuple[int, ...]
+    repetitions: int
+
+    @property
+    def cells(self) -> int:
+        """Number of combinations."""
+        return math.prod(self.lengths)
 
 
-def number_of_cells(resolved: Resolved) -> int:
-    """Number of combinations of the axes' values."""
-    count = 1
-    for axis in resolved["axes"]:
-        count *= len(axis["values"])
-    return count
+@dataclass(frozen=True)
+class Plan:
+    """All cells, runs and chunks of a study that may have grown, from what is in it alone.
+
+    Attributes
+    ----------
+    values : dict from axes to their values
+        In the order in which they came.
+    stages : tuple of Stage
+        From the first run on to what `values` are now.
+    chunk_size : int
+        Runs of a chunk; the last one of a block may have fewer.
+
+    Examples
+    --------
+    >>> from rcac_numeric.sweeps.store.plan import Plan, Stage
+    >>> plan = Plan({"a": [1, 2, 3]}, (Stage((2,), 1), Stage((3,), 2)), 64)
+    >>> plan.runs, [plan.place(run) for run in range(plan.runs)]
+    (6, [(0, 0), (1, 0), (0, 1), (1, 1), (2, 0), (2, 1)])
+    >>> plan.chunks, plan.coordinates([2])
+    (3, [{'a': 3}])
+    """
+
+    values: dict[str, list[Any]]
+    stages: tuple[Stage, ...]
+    chunk_size: int
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return self.stages[-1].cells
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """Which runs there are, by increasing number."""
+        blocks: list[Block] = []
+        cells = repetitions = runs = 0
+        for stage in self.stages:
+            more = (
+                Block(runs, 0, cells, repetitions, stage.repetitions - repetitions),
+                Block(0, cells, stage.cells - cells, 0, stage.repetitions),
+            )
+            for block in more:
+                if block.runs:
+                    blocks.append(Block(runs, *list(vars(block).values())[1:]))
+                    runs += block.runs
+            cells, repetitions = stage.cells, stage.repetitions
+        return tuple(blocks)
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return sum(block.runs for block in self.blocks)
+
+    @cached_property
+    def _first_chunks(self) -> list[int]:
+        """The number of the first chunk of each block, from 1 on; and one more than the last."""
+        sizes = [-(-block.runs // self.chunk_size) for block in self.blocks]
+        return [1, *itertools.accumulate(sizes, initial=1)][1:]
+
+    @property
+    def chunks(self) -> int:
+        """Number of chunks, which are numbered from 1 on."""
+        return self._first_chunks[-1] - 1
+
+    def chunk(self, number: int) -> tuple[int, int]:
+        """The first and the last run of a chunk."""
+        i = bisect_right(self._first_chunks, number) - 1
+        block = self.blocks[i]
+        first = block.first_run + (number - self._first_chunks[i]) * self.chunk_size
+        return first, min(first + self.chunk_size, block.first_run + block.runs) - 1
+
+    def chunk_of(self, run: int) -> int:
+        """The number of the chunk that a run is in."""
+        i = bisect_right([block.first_run for block in self.blocks], run) - 1
+        return self._first_chunks[i] + (run - self.blocks[i].first_run) // self.chunk_size
+
+    def place(self, run: int) -> tuple[int, int]:
+        """Cell and repetition of a run."""
+        i = bisect_right([block.first_run for block in self.blocks], run) - 1
+        return self.blocks[i].place(run)
+
+    def places(self, first: int, last: int) -> list[tuple[int, int, int]]:
+        """Run, cell and repetition of the runs of one chunk."""
+        i = bisect_right([block.first_run for block in self.blocks], first) - 1
+        block = self.blocks[i]
+        return [(run, *block.place(run)) for run in range(first, last + 1)]
+
+    def indices(self, cells: Sequence[int] | NDArray[np.int64]) -> NDArray[np.int64]:
+        """Which value of each axis some cells have, shape (axes, cells).
+
+        Those of one stage come in lexicographic order, each after those of the stages before.
+        """
+        numbers = np.asarray(cells, dtype=np.int64)
+        ends = [0, *(stage.cells for stage in self.stages)]
+        lengths = [(0,) * len(self.values), *(stage.lengths for stage in self.stages)]
+        found = np.zeros((len(self.values), len(numbers)), dtype=np.int64)
+        stages = np.searchsorted(ends, numbers, side="right")
+        for i in np.unique(stages).tolist():
+            rows = stages == i
+            left = numbers[rows] - ends[i - 1]
+            found[:, rows] = _new_combination(left, lengths[i - 1], lengths[i])
+        return found
+
+    def coordinates(self, cells: Sequence[int]) -> list[dict[str, Any]]:
+        """The coordinates of some cells."""
+        by_cell = self.indices(cells).T.tolist()
+        return [
+            {name: values[i] for (name, values), i in zip(self.values.items(), where, strict=True)}
+            for where in by_cell
+        ]
+
+    def all_cells(self, first: int = 0) -> Iterator[tuple[Any, ...]]:
+        """The coordinates of all cells from one on, in the order of their numbers."""
+        for start in range(first, self.cells, 1000):
+            for found in self.coordinates(range(start, min(start + 1000, self.cells))):
+                yield tuple(found.values())
 
 
-def cells_of(resolved: Resolved, old: Resolved | None = None) -> Iterator[tuple[Any, ...]]:
-    """The coordinates of all cells in the order of their numbers, or of those that are new."""
-    axes = [axis["values"] for axis in resolved["axes"]]
-    known = [len(axis["values"]) for axis in old["axes"]] if old else [0] * len(axes)
-    for places in itertools.product(*(range(len(values)) for values in axes)):
-        if old is None or any(i >= n for i, n in zip(places, known, strict=True)):
-            yield tuple(values[i] for values, i in zip(axes, places, strict=True))
+def _new_combination(
+    left: NDArray[np.int64], old: tuple[int, ...], new: tuple[int, ...]
+) -> NDArray[np.int64]:
+    """The `left`-th combination of `new` values, in their order, that `old` values do not make."""
+    fresh = np.full(len(left), not all(old) or not old)  # whether a new value was met already
+    found = np.empty((len(new), len(left)), dtype=np.int64)
+    for axis, known in enumerate(old):
+        of_all = math.prod(new[axis + 1 :])
+        of_new = of_all - math.prod(old[axis + 1 :])
+        within = ~fresh & (left < known * of_new)
+        beyond = ~fresh & ~within
+        left = left - np.where(beyond, known * of_new, 0)
+        i, left = np.divmod(left, np.where(within, max(of_new, 1), of_all))
+        found[axis] = i + np.where(beyond, known, 0)
+        fresh = ~within
+    return found
+
+
+def stage_of(resolved: Resolved) -> Stage:
+    """How large a study is."""
+    return Stage(tuple(len(axis["values"]) for axis in resolved["axes"]), resolved["repetitions"])
 
 
 def grown(path: object, old: Resolved, new: Resolved) -> Resolved:
@@ -98,18 +237,6 @@ def grown(path: object, old: Resolved, new: Resolved) -> Resolved:
         more = [v for v in named_new[axis["name"]]["values"] if canonical_json(v) not in known]
         axes.append({**axis, "values": [*axis["values"], *more]})
     return {**new, "axes": axes}
-
-
-def new_blocks(old: Resolved, new: Resolved, runs: int) -> list[Block]:
-    """The runs that a grown study adds to its `runs` runs."""
-    blocks = []
-    cells, before, now = number_of_cells(old), old["repetitions"], new["repetitions"]
-    if now > before:
-        blocks.append(Block(runs, 0, cells, before, now - before))
-        runs += blocks[-1].runs
-    if more := number_of_cells(new) - cells:
-        blocks.append(Block(runs, cells, more, 0, now))
-    return blocks
 
 
 def _axis_difference(name: str, old: Resolved, new: Resolved) -> list[str]:

@@ -1,4 +1,4 @@
-"""What SQLite says when a store cannot be read or written, in words that help."""
+"""What is wrong with a store, in words that help."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ class StoreError(InputError):
 
 @contextmanager
 def explained(path: Path) -> Iterator[None]:
-    """Turn SQLite's errors into ours.
+    """Turn SQLite's errors, and those of text that is none, into ours.
 
     Whatever went wrong, SQLite has rolled back what was being written: rows that were there stay.
     """
     try:
         yield
     except sqlite3.IntegrityError as error:
-        raise StoreError(
-            f"{path}: a result was to be stored twice ({error}); nothing was changed. Please "
-            "report it."
-        ) from error
+        raise StoreError(damaged(path, f"a result was to be stored twice ({error})")) from error
     except sqlite3.OperationalError as error:
         raise StoreError(_of_operation(path, error)) from None
-    except sqlite3.DatabaseError as error:
+    except (sqlite3.Error, UnicodeError, OverflowError) as error:
         raise StoreError(damaged(path, str(error))) from None
 
 
 def damaged(path: Path, what: str) -> str:
     """That a file is no longer what was written, and what can be done."""
     return (
-        f"{path} is damaged or no store of a study: {what}. Nothing was changed. Take it from a "
-        "copy, or run the study into a new file."
+        f"{path} is damaged or no store of a study: {what}. Nothing was changed. `rcac store "
+        f"check` (check_store) names all that is wrong with it, `rcac store repair` (repair_store) "
+        "keeps what is right and lets the rest be run again; or take it from a copy."
     )
 
 
 def _of_operation(path: Path, error: sqlite3.OperationalError) -> str:
     name = getattr(error, "sqlite_errorname", "") or ""
+    if name == "SQLITE_IOERR_SHORT_READ":
+        return damaged(path, str(error))
     if name == "SQLITE_FULL" or name.startswith("SQLITE_IOERR"):
         return (
             f"{path} cannot be written: the disk is full or does not answer ({error}). What had "

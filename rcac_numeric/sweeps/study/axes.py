@@ -19,7 +19,7 @@ from rcac_numeric.sweeps.study.canonical import canonical_json, plain
 LARGEST_AXIS = 10**6
 DISTRIBUTIONS = ("uniform", "log_uniform", "normal")
 # What the table that is read back calls its own columns.
-RESERVED = ("run", "cell", "repetition", "outcome", "failure")
+RESERVED = ("run", "cell", "repetition", "outcome", "failure", "signals_digest")
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib
 import inspect
 import json
 import math
@@ -52,7 +51,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
     if callable(value):
-        return {"function": name_of(value), "source": _source(value)}
+        return {"function": name_of(value), "source": source_of(value)}
     raise InputError(f"a study holds {value!r}, which is no number, text, list or table.")
 
 
@@ -79,21 +78,6 @@ def name_of(function: Callable[..., Any]) -> str:
     return f"{module}:{name}"
 
 
-def function_named(name: str) -> Callable[..., Any]:
-    """The function that `name_of` named."""
-    module, _, function = name.partition(":")
-    try:
-        found = getattr(importlib.import_module(module), function)
-    except (ImportError, AttributeError) as error:
-        raise InputError(
-            f"the function {name} of the study cannot be imported: {error}. Start from the folder "
-            "that its module is in."
-        ) from None
-    if not callable(found):
-        raise InputError(f"{name} is no function.")
-    return found  # type: ignore[no-any-return]
-
-
 def _merged(value: Any) -> Any:
     """Numbers that are equal are written alike."""
     if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
@@ -103,20 +87,29 @@ def _merged(value: Any) -> Any:
     return [_merged(entry) for entry in value] if isinstance(value, list) else value
 
 
+def data_files(value: Any) -> set[str]:
+    """Every text in `value` that may be the name of a data file."""
+    if isinstance(value, str):
+        is_name = len(value) < 1000 and "\0" not in value
+        return {value} if is_name and Path(value).suffix.lower() in DATA_FILES else set()
+    if isinstance(value, Mapping | list | tuple):
+        entries = value.values() if isinstance(value, Mapping) else value
+        return set().union(*map(data_files, entries))
+    return set()
+
+
 def file_digests(value: Any, folder: str) -> dict[str, str]:
     """Every data file that a text in `value` names, with what is in it in short."""
-    found: dict[str, str] = {}
-    if isinstance(value, str):
-        path = Path(folder) / value if len(value) < 1000 and "\0" not in value else Path()
-        if path.suffix.lower() in DATA_FILES and path.is_file():
-            found[value] = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-    elif isinstance(value, Mapping | list):
-        for entry in value.values() if isinstance(value, Mapping) else value:
-            found.update(file_digests(entry, folder))
-    return found
+    found = {name: Path(folder) / name for name in sorted(data_files(value))}
+    return {
+        name: hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+        for name, path in found.items()
+        if path.is_file()
+    }
 
 
-def _source(function: Callable[..., Any]) -> str:
+def source_of(function: Callable[..., Any]) -> str:
+    """The digest of the source of a function; empty where there is none."""
     try:
         return digest(inspect.getsource(function))
     except (OSError, TypeError):  # compiled, or typed in

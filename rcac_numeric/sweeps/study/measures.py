@@ -106,11 +106,7 @@ class Kept(Value):
         set_(self, "measure", measure)
         set_(self, "name", name or own)
         set_(self, "arguments", {key: plain(v) for key, v in (arguments or {}).items()})
-        if not self.name.isidentifier() or self.name.lower() in RESERVED:
-            raise InputError(
-                f"a column cannot be called {self.name!r}; give `name` in letters, digits and "
-                f"underscores, and none of {', '.join(RESERVED)}."
-            )
+        require_column(self.name)
         try:
             inspect.signature(self.function).bind(None, **self.arguments)
         except TypeError as error:
@@ -137,3 +133,12 @@ class Kept(Value):
         measure = self.measure if isinstance(self.measure, str) else self.measure.__name__
         arguments = ", ".join(f"{key}={value!r}" for key, value in self.arguments.items())
         return f"Kept({self.name} = {measure}({arguments}))"
+
+
+def require_column(name: str) -> None:
+    """Refuse what cannot be the name of a measure's column."""
+    if not isinstance(name, str) or not name.isidentifier() or name.lower() in RESERVED:
+        raise InputError(
+            f"a column cannot be called {name!r}; give `name` in letters, digits and "
+            f"underscores, and none of {', '.join(RESERVED)}."
+        )

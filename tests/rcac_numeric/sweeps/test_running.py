@@ -11,6 +11,7 @@ import time
 import warnings
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,12 +30,12 @@ from rcac_numeric import (
     replay_run,
     run_study,
     simulate,
+    sweep_overview,
 )
 from rcac_numeric.engine.compiled.instruction_sets import instruction_set
 from rcac_numeric.sweeps.chunks.chunk import ChunkTask
 from rcac_numeric.sweeps.chunks.worker import run_chunk
 from rcac_numeric.sweeps.running import sweep
-from rcac_numeric.sweeps.store.reading import stored_signals
 from rcac_numeric.sweeps.store.store import Store
 from rcac_numeric.sweeps.study.cells import Cells
 from tests.support import studies
@@ -53,7 +54,7 @@ def undisturbed(tmp_path_factory):
 @pytest.fixture
 def small_chunks(monkeypatch):
     """So that a small study has many of them."""
-    monkeypatch.setattr(sweep, "_chunk_size", lambda study, first: 7)
+    monkeypatch.setattr(sweep, "_chunk_size", lambda study, first, executor: 7)
 
 
 def test_each_run_is_the_one_that_its_coordinates_ask_for(undisturbed):
@@ -194,8 +195,9 @@ def test_other_versions_are_refused_unless_they_are_meant(tmp_path, monkeypatch,
     with pytest.raises(StoreError, match=r"numpy .* then, 0.1 now.*mixed=True"):
         run_study(studies.study(3), store, workers=0)
     assert run_study(studies.study(3), store, workers=0, mixed=True).done == 18
-    with Store(store) as opened, opened.writing() as connection:
-        connection.execute("UPDATE study SET instruction_set = 'of another machine'")
+    assert any("0.1 now" in words for words in sweep_overview(store).mixed)
+    with Store(store) as opened, opened.writing():
+        opened.write_study(replace(opened.refreshed(), instruction_set="of another machine"))
     with pytest.raises(StoreError, match="instructions of another machine then"):
         run_study(studies.study(4), store, workers=0)
     assert run_study(studies.study(4), store, workers=0, mixed=True).done == 24
@@ -217,16 +219,17 @@ def test_processes_give_the_same_table_though_one_dies(undisturbed, tmp_path, sm
     assert killed and read_table(tmp_path / "store.sqlite") == read_table(undisturbed)
 
 
-def test_a_run_that_ends_its_worker_is_one_recorded_run(tmp_path, small_chunks, monkeypatch):
+def test_a_run_that_ends_its_worker_is_one_run_that_failed(tmp_path, small_chunks, monkeypatch):
     monkeypatch.setattr("rcac_numeric.sweeps.running.schedule.TRIES", 1)
     values = [1.0, 2.0, studies.DEADLY, 4.0, 5.0]
     store = tmp_path / "store.sqlite"
-    run_study(studies.over_R_theta(values, studies.deadly), store, workers=1)
+    study = studies.over_R_theta(values, studies.deadly)
+    assert "1 failed" in str(run_study(study, store, workers=1))
     table = read_table(store)
-    died = table["outcome"] == "worker died"
-    assert (table["R_theta"][died] == studies.DEADLY).all() and died.sum() == 1
-    assert len(table) == 5 and np.isfinite(table["rms"][~died]).all()
-    assert all("ended without a word" in words for words in table["failure"][died])
+    assert table.failed["R_theta"].tolist() == [studies.DEADLY]
+    assert table.failed["outcome"].tolist() == ["worker died"]
+    assert "ended with signal 9" in table.failed["failure"][0]
+    assert len(table) == 4 and np.isfinite(table["rms"]).all()
 
 
 def test_an_executor_of_others_that_breaks_is_not_made_again(tmp_path, small_chunks):
@@ -239,19 +242,17 @@ def test_an_executor_of_others_that_breaks_is_not_made_again(tmp_path, small_chu
     assert run_study(studies.study(2), tmp_path / "store.sqlite", workers=0).done == 12
 
 
-def test_a_measure_that_raises_costs_its_own_number(tmp_path):
-    store = tmp_path / "store.sqlite"
-    for measure in (studies.raising, studies.no_number):
-        path = tmp_path / measure.__name__
-        run_study(studies.over_R_theta([1.0, studies.RAISING], measure), path, workers=0)
-    table = read_table(tmp_path / "raising")
-    assert np.isfinite(table["rms"]).all() and set(table["outcome"]) == {"completed"}
-    assert table["raising"][0] == 1.0 and np.isnan(table["raising"][1])
-    assert table["failure"].tolist() == [
-        "", "measure raising: ZeroDivisionError: there is no seventh root"
+def test_a_measure_that_raises_costs_its_run_and_no_other(tmp_path):
+    store = tmp_path / "raising"
+    run_study(studies.over_R_theta([1.0, studies.RAISING], studies.raising), store, workers=0)
+    table = read_table(store)
+    assert table["R_theta"].tolist() == [1.0] and table["raising"].tolist() == [1.0]
+    assert table.failed["outcome"].tolist() == ["measure failed"]
+    assert table.failed["failure"].tolist() == [
+        "measure raising: ZeroDivisionError: there is no seventh root"
     ]  # fmt: skip
-    assert "no number" in read_table(tmp_path / "no_number")["failure"][0]
-    assert not store.exists()
+    run_study(studies.over_R_theta([1.0], studies.no_number), tmp_path / "none", workers=0)
+    assert "no number" in read_table(tmp_path / "none").failed["failure"][0]
 
 
 def test_a_study_of_a_function(tmp_path):
@@ -261,19 +262,19 @@ def test_a_study_of_a_function(tmp_path):
     run_study(study, store, workers=0)
     table = read_table(store)
     assert set(table["outcome"]) <= {"completed", "diverged"} and len(table) == 16
-    replayed = replay_run(store, 6)
+    replayed = replay_run(store, 6, {"case_of_functions": studies.case_of_functions})
     assert replayed.is_identical and replayed.analysed.run.x_0 is not None
 
 
-def test_a_case_that_raises_is_an_outcome(tmp_path):
+def test_a_case_that_raises_is_a_run_that_failed(tmp_path):
     study = studies.study(
         12, base=studies.case_that_raises, axes=[Axis("gain", [1, 3])], keep=[Kept("steps")]
     )
     run_study(study, tmp_path / "store.sqlite", workers=0)
-    table = read_table(tmp_path / "store.sqlite")
-    failed = table["outcome"] == "function failed"
-    assert set(table["gain"][failed]) == {3} and 0 < failed.sum() < 12
-    assert all(words == "RuntimeError: no such gain" for words in table["failure"][failed])
+    failed = read_table(tmp_path / "store.sqlite").failed
+    assert set(failed["gain"]) == {3} and 0 < len(failed["run"]) < 12
+    assert set(failed["outcome"]) == {"function failed"}
+    assert set(failed["failure"]) == {"RuntimeError: no such gain"}
 
 
 def test_cells_that_cannot_be_made_are_outcomes(tmp_path):
@@ -298,7 +299,7 @@ def test_ball_arithmetic_and_signals_that_are_kept(tmp_path):
     table = read_table(store)
     assert table["rms"][0] == pytest.approx(table["rms"][1], rel=1e-10)
     with Store(store, read_only=True) as opened:
-        kept = [stored_signals(opened, run) for run in (0, 1)]
+        kept = [opened.signals(opened.row(run)) for run in (0, 1)]
     assert kept[0]["z"].shape == (30, 1) and kept[0]["theta"].shape == (30, 6)
     assert kept[0]["z"] == pytest.approx(kept[1]["z"], abs=1e-10)
     assert all(replay_run(store, run).is_identical for run in (0, 1))

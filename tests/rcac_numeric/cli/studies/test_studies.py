@@ -1,14 +1,13 @@
 """The commands sweep, show and replay: what they print, write and end with."""
 
 import json
-import sqlite3
-from contextlib import closing
 
 import pytest
 from click.testing import CliRunner
 
 from rcac_numeric import read_table
 from rcac_numeric.cli.main import main
+from rcac_numeric.sweeps.store.store import Store, chunk_digest
 from tests.support import studies
 
 
@@ -81,18 +80,19 @@ def test_a_run_is_replayed(store, tmp_path):
 
 def test_a_run_that_is_not_what_is_stored_ends_with_1(store, tmp_path):
     """As another version of the software might leave it: stored whole, with another number."""
-    from rcac_numeric.sweeps.store.claims import checksum
-
     path = tmp_path / "other.sqlite"
     path.write_bytes(store.read_bytes())
-    with closing(sqlite3.connect(path)) as connection:
-        connection.execute("UPDATE run SET rms = 2 * rms WHERE run = 0")
-        first, last = connection.execute("SELECT first, last FROM chunk").fetchone()
-        rows = connection.execute(
-            "SELECT * FROM run WHERE run BETWEEN ? AND ?", (first, last)
-        ).fetchall()
-        connection.execute("UPDATE chunk SET crc = ? WHERE first = 0", (checksum(rows),))
-        connection.commit()
+    with Store(path) as opened:
+        chunk = opened.chunks()[0]
+        rows = [(*row[:6], 2 * row[6], *row[7:]) for row in opened.rows(chunk)]
+        with opened.writing() as connection:
+            connection.execute(
+                "UPDATE run SET rms = 2 * rms WHERE run BETWEEN ? AND ?", (chunk.first, chunk.last)
+            )
+            connection.execute(
+                "UPDATE chunk SET digest = ? WHERE chunk = 1",
+                (chunk_digest(opened.study, chunk, rows),),
+            )
     result = rcac("replay", path, 0)
     assert result.exit_code == 1 and "Not the run that is stored: rms." in result.stdout
 
