@@ -1,7 +1,7 @@
 """Hypothesis profiles: `dev` by default, `ci` derandomised, `thorough` for long hunts.
 
-Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in full. `--perturb SEED`
-moves the last digits of all data, but for the tests marked `exact_data`.
+Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in full; `--perturb
+SEED` moves the last digits of all data, but in tests marked `exact_data`.
 """
 
 import os

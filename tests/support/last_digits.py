@@ -16,10 +16,11 @@ import numpy as np
 
 # In numpy.linalg and scipy.linalg: what factors, solves or searches.
 FACTORED = (
-    "cholesky cond det eig eigh eigvals eigvalsh inv lstsq matrix_rank pinv qr schur slogdet solve "
-    "solve_continuous_are solve_continuous_lyapunov solve_discrete_are solve_discrete_lyapunov "
-    "solve_sylvester svd svdvals"
-).split()
+    *("cholesky", "eig", "eigh", "eigvals", "eigvalsh", "qr", "schur", "svd", "svdvals"),
+    *("cond", "det", "inv", "lstsq", "matrix_rank", "pinv", "slogdet", "solve", "solve_sylvester"),
+    *("solve_continuous_are", "solve_continuous_lyapunov"),
+    *("solve_discrete_are", "solve_discrete_lyapunov"),
+)
 INTEGERS_FROM = 2.0**52  # every float64 is one from here on
 
 
