@@ -1,6 +1,7 @@
 """Hypothesis profiles: `dev` by default, `ci` derandomised, `thorough` for long hunts.
 
-Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in full.
+Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in full; `--perturb
+SEED` moves the last digits of all data, but in tests marked `exact_data`.
 """
 
 import os
@@ -8,6 +9,8 @@ import signal
 
 import hypothesis
 import pytest
+
+from tests.support.last_digits import LastDigits
 
 hypothesis.settings.register_profile("dev", max_examples=30, deadline=None)
 hypothesis.settings.register_profile("ci", max_examples=60, deadline=None, derandomize=True)
@@ -17,6 +20,26 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
 def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="run the long statistics in full")
+    parser.addoption("--perturb", type=int, metavar="SEED", help="move the last digits of all data")
+
+
+LAST_DIGITS = pytest.StashKey[LastDigits]()
+
+
+def pytest_configure(config):
+    """Before any test imports what it tests."""
+    seed = config.getoption("--perturb")
+    if seed is not None:
+        config.stash[LAST_DIGITS] = LastDigits(seed)
+        config.stash[LAST_DIGITS].install()
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    """A documented example prints what it was given; a test of exact data is about its digits."""
+    if last_digits := item.config.stash.get(LAST_DIGITS, None):
+        documented = isinstance(item, pytest.DoctestItem)
+        last_digits.active = not documented and not item.get_closest_marker("exact_data")
 
 
 @pytest.fixture

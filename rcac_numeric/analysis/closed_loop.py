@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.stability import decide_stability
+from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
 from rcac_numeric.arrays.recursions import linear_states
@@ -63,8 +64,7 @@ class ClosedLoop(Value):
                 f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}; the compensator has "
                 f"l_u = {compensator.l_u}, l_y = {compensator.l_y}."
             )
-        loop = np.eye(plant.l_u) - compensator.past_y[0] @ plant.D_0
-        if np.linalg.matrix_rank(loop) < plant.l_u:
+        if not closes(compensator.past_y[0], plant.D_0):
             raise ImproperError(
                 "I - Q_0 D_0 is singular: u and y depend on each other in a circle."
             )

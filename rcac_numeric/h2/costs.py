@@ -11,6 +11,7 @@ import numpy as np
 from compensator_theory.errors import IllConditionedError, ImproperError, InputError
 from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.analysis.stability import EPS, decide_stability
+from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.cost_evidence import (
@@ -204,9 +205,9 @@ def loop_matrices(
     """
     A_c, B_c, C_c, D_c = compensator
     n, n_c, l_noise = plant.n, len(A_c), len(inputs.names)
-    direct = np.eye(plant.l_u) - D_c @ plant.D_0
-    if np.linalg.matrix_rank(direct) < plant.l_u:
+    if not closes(D_c, plant.D_0):
         raise ImproperError("I - D_c D_0 is singular: u and y depend on each other in a circle.")
+    direct = np.eye(plant.l_u) - D_c @ plant.D_0
     K_x = np.asarray(np.linalg.solve(direct, np.hstack([D_c @ plant.C, C_c])), dtype=np.float64)
     K_w = np.asarray(np.linalg.solve(direct, D_c @ inputs.D_2), dtype=np.float64)
     y_x = np.hstack([plant.C, np.zeros((plant.l_y, n_c))]) + plant.D_0 @ K_x

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from compensator_theory.errors import ImproperError, InputError
+from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.h2.noise import NoiseInputs
 from rcac_numeric.h2.riccati.solutions import StabilisingSolution
@@ -52,12 +53,12 @@ def filter_gain(
 
 def controller_matrices(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> StateSpace:
     """(A.4) with the direct term; D_0 makes e depend on u, which is solved for u."""
-    loop = np.eye(plant.l_u) + D_f @ plant.D_0
-    if np.linalg.matrix_rank(loop) < plant.l_u:
+    if not closes(-D_f, plant.D_0):
         raise ImproperError(
             "I + D_f D_0 is singular, so that the filter form is no proper controller of y; use "
             'form = "predictor".'
         )
+    loop = np.eye(plant.l_u) + D_f @ plant.D_0
     C = np.asarray(np.linalg.solve(loop, C_c - D_f @ plant.C), dtype=np.float64)
     D = np.asarray(np.linalg.solve(loop, D_f), dtype=np.float64)
     through = plant.B - B_c @ plant.D_0

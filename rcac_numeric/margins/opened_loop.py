@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.stability import decide_stability
+from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, one_of, real_array
 from rcac_numeric.arrays.values import Value
@@ -212,11 +213,11 @@ def _opened(loop: ClosedLoop, at: str, channel: int) -> OpenedLoop:
     stays[i, i] = 0.0
     enters = np.eye(width)[:, [i]]
     # s = C_2 x_2 + D_2 (C_1 x_1 + D_1 (stays s + enters v)) is the whole signal, v the opened one.
-    closing = np.eye(width) - D_2 @ D_1 @ stays
-    if np.linalg.matrix_rank(closing) < width:
+    if not closes(D_2, D_1 @ stays):
         raise ImproperError(
             f"with {at}[{i}] opened, the other channels depend on each other in a circle."
         )
+    closing = np.eye(width) - D_2 @ D_1 @ stays
     s_x = np.asarray(np.linalg.solve(closing, np.hstack([D_2 @ C_1, C_2])), dtype=np.float64)
     s_v = np.asarray(np.linalg.solve(closing, D_2 @ D_1 @ enters), dtype=np.float64)
     in_x, in_v = stays @ s_x, stays @ s_v + enters

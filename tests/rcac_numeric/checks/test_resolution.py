@@ -40,6 +40,7 @@ def made_log(seed, steps=60, n_c=2, size=1.0):
     return ControllerLog(u=u, y=y, theta=theta)
 
 
+@pytest.mark.exact_data
 @given(seeds, st.sampled_from(sorted(WRITERS)), st.sampled_from([1.0, 30.0]))
 def test_a_log_of_any_digits_agrees_and_a_fault_beyond_them_does_not(seed, writer, size):
     log = made_log(seed, size=size)

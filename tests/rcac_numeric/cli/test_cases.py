@@ -41,6 +41,7 @@ def test_bad_input_is_refused_with_the_way_out(arguments, words):
     assert result.exit_code == 2 and words in result.output
 
 
+@pytest.mark.exact_data
 def test_a_value_that_is_set_is_run_and_kept_and_checked(tmp_path):
     file = str(tmp_path / "run.npz")
     values = ["--set", "controller.R_theta=0.125", "--set", "run.steps=80"]

@@ -145,6 +145,7 @@ def test_dialects_of_csv(tmp_path, change):
     assert found.theta.shape == (9, 2)
 
 
+@pytest.mark.exact_data
 def test_variables_that_the_check_does_not_need_do_not_matter(tmp_path):
     np.savez(tmp_path / "log.npz", u=np.ones(9), y=np.ones(9), theta=0.5, poles=1j * np.ones(3),
              note=np.array("hot day"))  # fmt: skip

@@ -18,6 +18,7 @@ def controller(**keys):
     return build(case, "case.toml").main_run.settings
 
 
+@pytest.mark.exact_data
 def test_every_addition_has_its_key():
     settings = controller(
         k_c=0,

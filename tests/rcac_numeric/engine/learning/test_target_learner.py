@@ -10,10 +10,13 @@ from rcac_numeric import (
     ModellingInformation,
     SignalWeight,
     TargetLearner,
+    aircraft_plant,
     aircraft_transition,
     fir_target,
     iir,
+    plant_zeros,
     simulate,
+    target_from_data,
 )
 
 STEPS = 8000
@@ -39,12 +42,20 @@ def flight(seed, *, dither=1e-4, noise=0.0, learns=True, steps=STEPS):
     return simulate(plant, SETTINGS, w, x_0=x_0, stride=steps, **hook), learner
 
 
+def zeros_before(run, k, window=70):
+    """The zeros that the window before step k shows, with their uncertainty."""
+    u, z = run.u_applied + run.w[:, 1:2], run.z - run.w[:, :1]
+    rows = slice(k - window, k)
+    return target_from_data(u[rows], z[rows], mu=10, n_mod=4, order=4).zeros
+
+
 def rms(values):
     return float(np.sqrt(np.mean(values**2)))
 
 
 def test_it_follows_through_the_transition_because_it_learns(in_full):
     """With a dither of 1e-4 rad on 3 initial states, on 20 with --long."""
+    true = plant_zeros(aircraft_plant("off-nominal", source="corrected"))
     for seed in range(20 if in_full else 3):
         run, learner = flight(seed)
         assert rms(run.z[2300:2500]) < 0.015 and rms(run.z[7000:]) < 1e-3
@@ -53,7 +64,11 @@ def test_it_follows_through_the_transition_because_it_learns(in_full):
         assert [change.k for change in run.changes] == [found.k for found in updates]
         before, after = (found.nmp_zeros for found in updates)
         assert len(before) == 0 and updates[1].k < 2800
-        assert after == pytest.approx([-1.0027, 1.1369], abs=1e-4)
+        found = zeros_before(run, updates[1].k)
+        assert np.array_equal(after, np.sort_complex(found.zeros[:2]))
+        # Without noise the data hold rounding alone, whose share in the zeros they say themselves.
+        for index, zero in enumerate(true[:2]):
+            assert found.contains(index, zero, level=1 - 1e-9)
     ignorant, _ = flight(0, learns=False)
     assert rms(ignorant.z[7000:]) > 0.2, "without the zeros it does not"
 
