@@ -190,4 +190,6 @@ def _cells(
 def _written(end: Expr) -> str:
     if end.is_Rational or not end.is_finite:
         return text(end)
-    return f"{text(end)} = {float(end):.6g}"
+    # SymPy's own value of an indexed root sets mpmath's precision, which all threads share.
+    near = {root: root.eval_rational(n=20) for root in end.atoms(sympy.CRootOf)}
+    return f"{text(end)} = {float(end.xreplace(near)):.6g}"

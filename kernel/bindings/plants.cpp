@@ -164,6 +164,12 @@ void begin(Plant& plant, std::int64_t k, const Array& u, const Array& w) {
     plant.receive(u.data());
 }
 
+// What `restore` reads into.
+struct WithinStep {
+    Plant& plant;
+    void visit(Archive& archive) { plant.visit_within_step(archive); }
+};
+
 }  // namespace
 
 void bind_plants(nb::module_& m) {
@@ -191,7 +197,19 @@ void bind_plants(nb::module_& m) {
                  begin(*self.plant, k, u, w);
                  return self.plant->advance();
              },
-             nb::arg("k"), nb::arg("u"), nb::arg("w"));
+             nb::arg("k"), nb::arg("u"), nb::arg("w"))
+        .def("save",
+             [](OwnedPlant& self) {
+                 const Hold hold(self.use);
+                 Archive archive;
+                 self.plant->visit_within_step(archive);
+                 return to_numpy(archive.values().data(), archive.values().size());
+             })
+        .def("restore", [](OwnedPlant& self, const Array& state) {
+            const Hold hold(self.use);
+            WithinStep plant{*self.plant};
+            restore(plant, copied(state, state.size(), "state"));
+        });
     m.def("linear_plant", &linear_plant, nb::arg("sizes"), nb::arg("segments"), nb::arg("x_0"));
     m.def("python_plant", &python_plant, nb::arg("sizes"), nb::arg("advance"), nb::arg("output"),
           nb::arg("x_0"));

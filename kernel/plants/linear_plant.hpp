@@ -101,6 +101,12 @@ public:
         std::copy(x_.begin(), x_.end(), input_.begin());
         if (past_u_) past_u_->visit(archive);
     }
+    void visit_within_step(Archive& archive) override {
+        visit(archive);
+        std::int64_t begun = begun_;
+        archive(begun, 0, 1);
+        begun_ = begun != 0;
+    }
 
 private:
     void enter(std::size_t number) {

@@ -32,6 +32,8 @@ public:
         archive(k_, 0, Archive::longest);
         archive(x_);
     }
+    // The same for a caller outside of a loop, who may stop within a step.
+    virtual void visit_within_step(Archive& archive) { visit(archive); }
 
 protected:
     Sizes sizes_;

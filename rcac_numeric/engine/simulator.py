@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import FunctionFailedError
@@ -39,7 +41,11 @@ class Simulator:
             plant = plant_of(plant)
         self._failures = Failures()
         self._body = compiled_plant(plant, x_0, self._failures)
-        self._l_u, self._l_w, self._k = plant.l_u, plant.l_w, 0
+        self._plant, self._l_u, self._l_w, self._k = plant, plant.l_u, plant.l_w, 0
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are plants of their own in the same state."""
+        return _rebuilt, (self._plant, self._k, self._body.save())
 
     @property
     def k(self) -> int:
@@ -90,3 +96,10 @@ class Simulator:
 
     def __repr__(self) -> str:
         return f"Simulator(k={self._k}, x={self.x})"
+
+
+def _rebuilt(plant: AnyPlant, k: int, state: Array) -> Simulator:
+    made = Simulator(plant)
+    made._body.restore(state)
+    made._k = k
+    return made

@@ -16,6 +16,6 @@ except ModuleNotFoundError as error:
         def __init__(self, *given: object, **named: object) -> None:
             require_library("matplotlib")
 
-    Figure = SymmetricalLogLocator = Axes  # type: ignore[misc]
+    Figure = SymmetricalLogLocator = Axes  # type: ignore[misc,assignment]
 
 __all__ = ["Axes", "Figure", "SymmetricalLogLocator"]

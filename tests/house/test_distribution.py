@@ -50,6 +50,23 @@ def test_the_wheel_has_our_two_packages_only():
     assert PROJECT["tool"]["scikit-build"]["wheel"]["packages"] == [*PACKAGES]
 
 
+@pytest.mark.parametrize(
+    ("name", "holder"),
+    [("nanobind", "Wenzel Jakob"), ("robin-map", "Thibaut Goetghebuer-Planchon")],
+)
+def test_the_wheel_holds_the_notices_of_what_is_compiled_in(name, holder):
+    """nanobind and the hash map inside it become part of the kernel; their licences ask it."""
+    (notice,) = (
+        path
+        for pattern in PROJECT["project"]["license-files"]
+        for path in ROOT.glob(pattern)
+        if path.stem == name
+    )
+    text = notice.read_text()
+    assert holder in text and "copyright notice" in text and "PROVIDED" in text
+    assert any(line.startswith("nanobind") for line in PROJECT["build-system"]["requires"])
+
+
 NOT_BUILT = """
 import sys
 sys.meta_path[:] = [f for f in sys.meta_path if isinstance(f, type)]  # no editable installation

@@ -10,11 +10,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import rcac_numeric as rcac
+from compensator_theory import DivergedError
 from rcac_numeric.arrays.values import equal
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 from tests.support.estimation_samples import ESTIMATORS
@@ -99,3 +101,116 @@ def test_it_is_equal_where_all_that_it_holds_is_equal(cls, seed, other):
         twin = copy.copy(value)
         object.__setattr__(twin, field.name, getattr(different, field.name))
         assert twin != value and value != twin, field.name
+
+
+def _fit(cls, **settings):
+    fit = cls(**settings)
+    fit.update(*_noise(60, 2))
+    return fit
+
+
+def _markov():
+    fit = rcac.RecursiveMarkov(l_u=1, l_y=1, mu=3, n_mod=2)
+    for u, z in _noise(2, 40):
+        fit.update(u, z)
+    return fit
+
+
+def _noise(steps, width):
+    return np.random.default_rng(3).standard_normal((width, steps))
+
+
+def _simulator():
+    after = rcac.standard_plant("1/(q*(q - 0.5))")
+    changes = [
+        rcac.PlantChange(start=start, plant=after, delay=delay, state_map=mapped)
+        for start, delay, mapped in ((0, 2, None), (4, 1, [[0, 1], [1, 0]]), (6, 0, None))
+    ]
+    body = rcac.Simulator(rcac.PlantSchedule(changes), x_0=[1.0, -1.0])
+    for u in range(4):
+        body.advance(u, 0)
+    return body
+
+
+def _controller():
+    plant = rcac.standard_plant("1/(q - 0.5)")
+    made = rcac.Controller(
+        rcac.ControllerSettings(
+            structure=rcac.iir(2), target=rcac.fir_target(plant), update=rcac.UD(1.0)
+        )
+    )
+    for y in range(5):
+        made.step(y, y)
+    return made
+
+
+def _learner():
+    return rcac.TargetLearner(mu=6, n_mod=2, order=2, window=40)
+
+
+# What holds a compiled object or moves: how it is made, and what the next steps of it say.
+LIVE = {
+    rcac.Simulator: (
+        _simulator,
+        lambda body: [(body.output(k, 0), body.advance(k, 0), body.x) for k in range(9)],
+    ),
+    rcac.RecursiveARX: (
+        lambda: _fit(rcac.RecursiveARX, order=3, lambda_=0.99),
+        lambda fit: (fit.update(*_noise(20, 2)), fit.k, fit.a, fit.b, fit.P, fit.variance),
+    ),
+    rcac.RecursiveMuMarkov: (
+        lambda: _fit(rcac.RecursiveMuMarkov, mu=3, n_mod=2),
+        lambda fit: (fit.update(*_noise(20, 2)), fit.k, fit.H, fit.a, fit.b, fit.P),
+    ),
+    rcac.RecursiveMarkov: (
+        _markov,
+        lambda fit: ([fit.update(u, z) for u, z in _noise(2, 30)], fit.H, fit.standard_error),
+    ),
+    rcac.Controller: (_controller, lambda made: [made.step(k, -k) for k in range(9)]),
+    rcac.TargetLearner: (_learner, lambda learner: (learner.windows, vars(learner))),
+}
+OTHERWISE = [  # another's data
+    rcac.Signal, rcac.RunInterrupted, rcac.ProgressLine, rcac.StoreError, rcac.StudyInterrupted
+]  # fmt: skip
+
+
+def test_every_live_class_is_copied_here():
+    assert set(LIVE) == NO_DATA - set(OTHERWISE) - ESTIMATORS  # tests/rcac_numeric/estimation
+
+
+@pytest.mark.parametrize("cls", LIVE, ids=lambda cls: cls.__name__)
+@pytest.mark.parametrize(
+    "copied",
+    [copy.copy, copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))],
+    ids=["copy", "deepcopy", "pickle"],
+)
+def test_a_copy_goes_on_by_itself_bit_for_bit(cls, copied):
+    make, later = LIVE[cls]
+    original = make()
+    twin = copied(original)
+    assert type(twin) is cls and twin is not original
+    first = later(twin)
+    assert equal(first, later(original)), "the original moved with its copy, or otherwise"
+
+
+@pytest.mark.parametrize("before", [0, 1], ids=["between steps", "within a step"])
+def test_a_plant_with_delays_is_copied_wherever_it_stands(before):
+    original = _simulator()
+    for _ in range(before):
+        original.output(7.0, 0.0)
+    twin = copy.copy(original)
+    for k in range(6):
+        assert equal(twin.output(k, 0.0), original.output(k, 0.0))
+        twin.advance(k, 0.0), original.advance(k, 0.0)
+        assert equal(twin.x, original.x)
+
+
+@pytest.mark.parametrize("make", [
+    lambda: rcac.RecursiveARX(order=2), lambda: rcac.RecursiveMuMarkov(mu=2, n_mod=1)
+])  # fmt: skip
+def test_a_fit_that_left_float64_is_not_copied(make):
+    fit = make()
+    with pytest.raises(DivergedError):
+        fit.update(np.full(50, 1e200), np.full(50, -1e200))
+    with pytest.raises(DivergedError, match="make a new one"):
+        copy.copy(fit)

@@ -55,7 +55,10 @@ class RecursiveARX(RecursiveRegression):
         self.order = integer(order, "order", at_least=1, at_most=1000)
         self.R_theta, self.lambda_ = floor_of(R_theta), forgetting_factor(lambda_)
         super().__init__(
-            make_arx(order=self.order, R_theta=self.R_theta, forgetting_factor=self.lambda_)
+            make_arx(order=self.order, R_theta=self.R_theta, forgetting_factor=self.lambda_),
+            order=self.order,
+            R_theta=self.R_theta,
+            lambda_=self.lambda_,
         )
 
     @property

@@ -81,7 +81,11 @@ class RecursiveMuMarkov(RecursiveRegression):
                 n_mod=self.n_mod,
                 R_theta=self.R_theta,
                 forgetting_factor=self.lambda_,
-            )
+            ),
+            mu=self.mu,
+            n_mod=self.n_mod,
+            R_theta=self.R_theta,
+            lambda_=self.lambda_,
         )
 
     @property

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -33,6 +35,8 @@ class RecursiveRegression:
     ----------
     kernel
         Which phi it is.
+    **settings
+        What the constructor of a subclass was given.
 
     Examples
     --------
@@ -44,8 +48,17 @@ class RecursiveRegression:
     (2, (2, 2))
     """
 
-    def __init__(self, kernel: Arx) -> None:
-        self._kernel = kernel
+    def __init__(self, kernel: Arx, **settings: float) -> None:
+        self._kernel, self._settings = kernel, settings
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles are fits of their own in the same state."""
+        if not np.isfinite(self.P).all():
+            raise DivergedError(
+                "the identification left the range of float64, so that there is no state to copy; "
+                "make a new one, with u and z scaled."
+            )
+        return _rebuilt, (type(self), self._settings, self.state)
 
     def update(self, u: ArrayLike, z: ArrayLike) -> None:
         """Take in u(k) and z(k) of one step or of several, in their order.
@@ -101,3 +114,11 @@ class RecursiveRegression:
             raise InputError(
                 "that is not the `state` of a model with the same orders; nothing was restored."
             ) from None
+
+
+def _rebuilt(
+    kind: type[RecursiveRegression], settings: dict[str, float], state: Array
+) -> RecursiveRegression:
+    made = kind(**settings)  # type: ignore[arg-type]
+    made.restore(state)
+    return made

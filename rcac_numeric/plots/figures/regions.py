@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+import sympy
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError

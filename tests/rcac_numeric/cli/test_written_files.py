@@ -135,3 +135,16 @@ def test_files_come_also_where_nobody_reads_the_report(tmp_path, option):
     assert [p.name for p in tmp_path.iterdir()] == [file.name]
     if option == "--save":
         assert load_run(file).steps > 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there are no such permissions")
+def test_the_umask_is_never_asked_for(tmp_path, monkeypatch):
+    """To read it is to set it, for every thread: the system takes it off by itself."""
+
+    def refuse(mask):
+        raise AssertionError("the umask belongs to the whole process")
+
+    monkeypatch.setattr(os, "umask", refuse)
+    for _ in range(2):  # a new file, and one that is replaced
+        with replacing(tmp_path / "log.csv") as new:
+            new.write_text("u,y")
