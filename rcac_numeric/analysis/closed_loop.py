@@ -14,7 +14,7 @@ from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
 from rcac_numeric.arrays.recursions import linear_states
-from rcac_numeric.arrays.validation import signal_array
+from rcac_numeric.arrays.validation import require_dense, signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.plants.any_plant import AnyPlant
@@ -71,8 +71,15 @@ class ClosedLoop(Value):
 
     @cached_property
     def matrices(self) -> tuple[Array, Array, Array, Array]:
-        """(A, B, C, D) from [w; u_tilde] to [z; u]."""
+        """(A, B, C, D) from [w; u_tilde] to [z; u].
+
+        Raises
+        ------
+        BudgetError
+            Where there are more states than matrices are filled for.
+        """
         p = self.plant
+        require_dense(p.n + self.compensator.n_c * p.l_u, "the loop")
         S, H, P, Q = self.compensator.observer_form()
         Q_0 = self.compensator.past_y[0]
         n, n_c, l_w = p.n, len(S), p.l_w

@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import compensator_theory as exact
-from compensator_theory.errors import InputError
+from compensator_theory.errors import BudgetError, InputError
 from rcac_numeric.arrays.array_types import Array
 
+MOST_STATES = 1000
 # A field that takes whatever can be read as an array or a number and holds what was read.
 Read = Any
 
@@ -169,6 +170,16 @@ def one_of(value: str, name: str, choices: Sequence[str]) -> str:
     if value not in choices:
         raise InputError(f"{name} = {value!r} is not known; choose one of {', '.join(choices)}.")
     return value
+
+
+def require_dense(order: int, what: str) -> int:
+    """The order of a realisation, if it is one that full matrices are filled for."""
+    if order > MOST_STATES:
+        raise BudgetError(
+            f"{what} has {order} states; poles, margins and responses are computed for at most "
+            f"{MOST_STATES}, from full matrices. Take a smaller n_c, or reduce the plant."
+        )
+    return order
 
 
 def by_step(changes: object, name: str) -> dict[int, Any]:

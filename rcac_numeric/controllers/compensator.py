@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
-from rcac_numeric.arrays.validation import number, real_array
+from rcac_numeric.arrays.validation import number, real_array, require_dense
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import polynomial_latex, sum_latex
 
@@ -108,8 +108,14 @@ class Compensator(Value):
         )
 
     def observer_form(self) -> tuple[Array, Array, Array, Array]:
-        """(S, H, P, Q) of x(k+1) = S x(k) + P u(k) + Q y(k), u(k) = H x(k) + Q_0 y(k)."""
-        order = self.n_c * self.l_u
+        """(S, H, P, Q) of x(k+1) = S x(k) + P u(k) + Q y(k), u(k) = H x(k) + Q_0 y(k).
+
+        Raises
+        ------
+        BudgetError
+            Where there are more states than matrices are filled for.
+        """
+        order = require_dense(self.n_c * self.l_u, "the compensator")
         shift = np.eye(order, k=self.l_u)
         outputs = np.eye(self.l_u, order)
         return (

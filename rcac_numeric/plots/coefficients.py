@@ -79,7 +79,7 @@ def draw_theta(
     if above:
         legend_above(axis, above, title)
     elif title:
-        axis.set_title(title, fontsize=10, parse_math=False)
+        axis.set_title(title, fontsize=10)
 
 
 def legend_above(axis: Axes, width: float, title: str = "") -> None:
@@ -89,13 +89,12 @@ def legend_above(axis: Axes, width: float, title: str = "") -> None:
     """
     handles, labels = axis.get_legend_handles_labels()
     if not handles:
-        axis.set_title(title, fontsize=8, parse_math=False)
+        axis.set_title(title, fontsize=8)
         return
     columns = min(len(handles), max(int(width / COLUMN), 1) if max(map(len, labels)) < SHORT else 1)
-    legend = axis.legend(fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,
-                         frameon=False, handlelength=1.8, columnspacing=1.2,
-                         title=title or None, title_fontsize=8)  # fmt: skip
-    legend.get_title().set_parse_math(False)
+    axis.legend(fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,
+                frameon=False, handlelength=1.8, columnspacing=1.2,
+                title=title or None, title_fontsize=8)  # fmt: skip
 
 
 def draw_coefficients(

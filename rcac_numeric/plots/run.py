@@ -16,6 +16,7 @@ from rcac_numeric.plots.style import (
     draw_magnitude,
     draw_phase,
     draw_title,
+    label_words,
 )
 
 
@@ -63,7 +64,9 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
     try:
         match = repetition.match
     except CompensatorError as error:
-        axes[1, 1].set_title(f"no intercalated match: {shortened(str(error), 60)}", fontsize=10)
+        axes[1, 1].set_title(
+            f"no intercalated match: {label_words(shortened(str(error), 60))}", fontsize=10
+        )
     else:
         draw_magnitude(axes[1, 1], match)
         draw_phase(axes[2, 1], match)

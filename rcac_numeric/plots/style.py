@@ -9,7 +9,7 @@ import numpy as np
 
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.wording import printable, shortened
+from rcac_numeric.arrays.wording import in_a_line, shortened
 from rcac_numeric.plots.library import Axes, Figure, SymmetricalLogLocator
 
 INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
@@ -36,9 +36,21 @@ def line_style(index: int) -> dict[str, Any]:
     return {"color": PALETTE[index % len(PALETTE)], "linestyle": DASHES[index % len(DASHES)]}
 
 
+def label_words(name: str) -> str:
+    r"""A name of a user as a label: in one line, no command, and its dollars are no mathematics.
+
+    Examples
+    --------
+    >>> from rcac_numeric.plots.style import label_words
+    >>> print(label_words("5 $\frac"))
+    5 \$\frac
+    """
+    return in_a_line(name).replace("$", r"\$")
+
+
 def draw_title(figure: Figure, title: str) -> None:
     """Words of a user above a picture: as they are, dollars and backslashes too."""
-    words = shortened(printable(title), 120)
+    words = shortened(in_a_line(title), 120)
     figure.suptitle(words, fontsize=12, fontweight="bold", parse_math=False)
 
 

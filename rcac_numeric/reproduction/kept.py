@@ -13,6 +13,7 @@ from pathlib import Path
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.untrusted import parsed_json, require_readable
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.reports.page.cases import Case
@@ -58,7 +59,8 @@ class KeptCases(Value):
     def find(self, experiment: Experiment) -> Case | None:
         """The case of an experiment; None where it is not there, or of other data."""
         try:
-            record = json.loads(self._file(experiment).read_text("utf-8"))
+            require_readable(self._file(experiment))
+            record = parsed_json(self._file(experiment).read_text("utf-8"))
             if record["digest"] != digest_of(experiment):
                 return None
             return Case.from_record(record["case"])

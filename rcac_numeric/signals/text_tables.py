@@ -11,8 +11,8 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.arrays.untrusted import Budget
+from rcac_numeric.arrays.wording import shortened
 
 
 def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:

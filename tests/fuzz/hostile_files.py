@@ -229,11 +229,15 @@ def mutated_arrays(rng, arrays):
                 data = stream.getvalue()
                 arrays[name] = data[: rng.randrange(len(data))]
             case 10:
-                words = rng.choice(["(" * 5000, "{" * 9000, "__import__('os').system('id')", "9" * 50])
+                words = rng.choice(
+                    ["(" * 5000, "{" * 9000, "__import__('os').system('id')", "9" * 50]
+                )
                 head = words.encode() + b"\n"
                 arrays[name] = b"\x93NUMPY\x01\x00" + len(head).to_bytes(2, "little") + head
             case _:
-                arrays[name] = np.tile(value, (rng.choice([2, 50]),) + (1,) * max(value.ndim - 1, 0))
+                arrays[name] = np.tile(
+                    value, (rng.choice([2, 50]),) + (1,) * max(value.ndim - 1, 0)
+                )
     return arrays
 
 

@@ -12,6 +12,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, one_of, real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.wording import printable
 from rcac_numeric.controllers.updates.forgetting import forgetting_factor
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.targets.model import TargetModel
@@ -121,7 +122,7 @@ class AppliedChange(Value):
     evidence: str = ""
 
     def __str__(self) -> str:
-        because = f": {self.evidence}" if self.evidence else ""
+        because = f": {printable(self.evidence)}" if self.evidence else ""
         return f"step {self.k}, {self.change!r}{because}"
 
 

@@ -10,7 +10,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.experiments.format.by_key import ByKey
 from rcac_numeric.experiments.format.lists import ListOf, Row
 from rcac_numeric.experiments.format.parts import Part
-from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Table
 from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schema, Text
 from rcac_numeric.plants.linear import Plant
@@ -70,16 +70,31 @@ def _recorded(record: Any, column: Any = None, *, folder: Path) -> Signal:
     Parameters
     ----------
     record : list of numbers, or str
-        The values, or a .csv or .npy file whose path is relative to the TOML file.
+        The values, or a .csv or .npy file in the folder of the TOML file or below it.
     column : int or str
         Index from 0, or name, of a column of that file; the first where it is left out.
     """
     if isinstance(record, str):
-        values = read_recording(folder / record, 0 if column is None else column)
+        values = read_recording(_within(folder, record), 0 if column is None else column)
         return Recorded(values, record)
     if column is not None:
         raise InputError("[signals]: column is for a file; recorded is a list here.")
     return Recorded(record)
+
+
+def _within(folder: Path, record: str) -> Path:
+    """The path of a record in the folder of the file that names it, or in one below."""
+    path = folder / record
+    try:
+        is_inside = path.resolve().is_relative_to(folder.resolve())
+    except (OSError, RuntimeError, ValueError):  # a circle of links, or no path at all
+        is_inside = False
+    if not is_inside:
+        raise InputError(
+            f"[signals]: recorded = {brief(record)} leads out of the folder of the file. An "
+            "experiment file opens records in its own folder alone; put a copy there."
+        )
+    return path
 
 
 def _sum(parts: list[Signal]) -> Signal:

@@ -22,7 +22,7 @@ from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plots.axes import legend_below
 from rcac_numeric.plots.library import Axes, Figure
-from rcac_numeric.plots.style import DASHES, INK, WANTED, line_style
+from rcac_numeric.plots.style import DASHES, INK, WANTED, label_words, line_style
 
 POINTS = 1000
 
@@ -42,7 +42,7 @@ def draw_disturbance_response(figure: Figure, results: Results, request: FigureR
         try:
             gains = [_gain(loop, omega, shown) for loop in loops()]
         except CompensatorError as error:
-            missing.append(f"{name}: {shortened(str(error), 60)}")
+            missing.append(f"{name}: {label_words(shortened(str(error), 60))}")
         else:
             _draw_band(axis, omega, gains, name, style)
 
@@ -78,7 +78,7 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
         try:
             found = [repetition.match for repetition in _kept(result)]
         except CompensatorError as error:
-            words.append(f"{name}: {shortened(str(error), 60)}")
+            words.append(f"{name}: {label_words(shortened(str(error), 60))}")
             continue
         match = found[0]
         if not any(np.array_equal(match.wanted, other.wanted) for other in wanted):

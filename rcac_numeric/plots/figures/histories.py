@@ -80,7 +80,7 @@ def draw_coefficients(figure: Figure, results: Results, request: FigureRequest) 
             axis.set_yscale("symlog", linthresh=SMALLEST)
         mark_changes(axis, [run], request)
         if len(adapting) > 1:
-            axis.set_title(shortened(name, 60), fontsize=10, parse_math=False)
+            axis.set_title(shortened(name, 60), fontsize=10)
         axis.grid(alpha=0.25)
     axes[-1].locator_params(axis="x", nbins=6)
     axes[-1].set_xlabel("step $k$")

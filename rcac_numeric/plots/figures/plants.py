@@ -38,7 +38,7 @@ def draw_plant_zeros(figure: Figure, runs: Mapping[str, Run], request: FigureReq
         _plane(plane, found)
         _moduli(moduli, steps, found, "step $k$")
         if len(runs) > 1:
-            moduli.set_title(shortened(name, 45), fontsize=10, parse_math=False)
+            moduli.set_title(shortened(name, 45), fontsize=10)
 
 
 def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
@@ -55,7 +55,7 @@ def _draw_fixed(figure: Figure, runs: Mapping[str, Run]) -> None:
         axis.set_aspect("equal", adjustable="datalim")
         moduli = ", ".join(f"{size:.4g}" for size in np.abs(zeros))
         axis.set_title(f"{shortened(name, 45)}\nmoduli {moduli or 'none'}",
-                       fontsize=10, parse_math=False)  # fmt: skip
+                       fontsize=10)  # fmt: skip
         axis.grid(alpha=0.25)
 
 
@@ -78,7 +78,7 @@ def draw_identified_zeros(figure: Figure, runs: Mapping[str, Run], request: Figu
         refused = sum(window.zeros is None for window in windows)
         note = f"; {refused} of {len(windows)} windows refused" if refused else ""
         axis.set_title(f"{shortened(name, 45)}: windows of 70 samples{note}",
-                       fontsize=10, parse_math=False)  # fmt: skip
+                       fontsize=10)  # fmt: skip
         axis.set_ylim(0, FARTHEST / 2)
     axes[-1].set_xlabel("step $k$")
 

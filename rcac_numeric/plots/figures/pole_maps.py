@@ -36,7 +36,7 @@ def draw_pole_maps(
         _draw(axis, analysed)
         if len(runs) > 1:
             letters = int(LETTERS * min(width / columns, 4.4))
-            axis.set_title(fill(shortened(name, 60), letters), fontsize=9, parse_math=False)
+            axis.set_title(fill(shortened(name, 60), letters), fontsize=9)
     for axis in axes[len(runs) :]:
         axis.set_visible(False)
     handles, labels = axes[0].get_legend_handles_labels()

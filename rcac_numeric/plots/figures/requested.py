@@ -18,7 +18,7 @@ from rcac_numeric.plots.figures.plants import draw_identified_zeros, draw_plant_
 from rcac_numeric.plots.figures.pole_maps import draw_pole_maps
 from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.run import plot_sheet
-from rcac_numeric.plots.style import draw_title
+from rcac_numeric.plots.style import draw_title, label_words
 
 Results = Mapping[str, RunResult]
 TITLED = 7.0  # inches from which a figure stands alone
@@ -63,7 +63,7 @@ def plot_request(
     if verification.estimates:
         return _titled(_study_figure(verification.estimates, request, width), title, width)
     require_drawable(request, results)
-    chosen = {name: results[name] for name in request.runs or results}
+    chosen = {label_words(name): results[name] for name in request.runs or results}
     if request.kind == "sheet":
         return plot_sheet(next(iter(chosen.values())).first, title)
     figure = Figure(figsize=(width, 0.62 * width), layout="constrained")
@@ -85,7 +85,7 @@ def _study_figure(
     if missing := [name for name in request.runs if name not in results]:
         raise InputError(f"a figure asks for the run {missing[0]!r}; there are {list(results)}.")
     figure = Figure(figsize=(width, 0.62 * width), layout="constrained")
-    chosen = {name: results[name] for name in request.runs or results}
+    chosen = {label_words(name): results[name] for name in request.runs or results}
     OF_STUDIES[request.kind](figure, chosen, request)
     return figure
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, number
-from rcac_numeric.arrays.wording import printable, shortened
+from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plots.coefficients import draw_theta, legend_above
 from rcac_numeric.plots.library import Axes, Figure
-from rcac_numeric.plots.style import INK, draw_over_decades, line_style
+from rcac_numeric.plots.style import INK, draw_over_decades, label_words, line_style
 
 NARROW = 6.0  # inches: below, legends stand above their axes and letters are smaller
 NARROWEST = 3.0
@@ -65,7 +65,7 @@ def plot_runs(
     names = [f"run {i + 1}" for i in range(len(runs))] if labels is None else list(labels)
     if len(names) != len(runs):
         raise InputError(f"{len(runs)} runs have {len(names)} labels; give one for each.")
-    names = [shortened(printable(str(name)), 60) for name in names]
+    names = [label_words(shortened(str(name), 60)) for name in names]
     adapting = [(run, name) for run, name in zip(runs, names, strict=True) if run.theta.shape[1]]
     if not number(width, "width") >= NARROWEST:
         raise InputError(f"width = {width} inches is too narrow; {NARROWEST} are needed.")

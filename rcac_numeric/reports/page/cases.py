@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from html import escape
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
@@ -14,7 +13,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, Verdict
 from rcac_numeric.experiments.verdicts import Verification
-from rcac_numeric.reports.page.html import sheet_html
+from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
 from rcac_numeric.reports.verification import verification_sheet
@@ -191,4 +190,4 @@ def _settings(verification: Verification) -> str:
 
 def picture_html(picture: Picture) -> str:
     """A figure with its caption."""
-    return f"<figure>{picture.svg}<figcaption>{escape(picture.title)}</figcaption></figure>"
+    return f"<figure>{picture.svg}<figcaption>{words(picture.title)}</figcaption></figure>"

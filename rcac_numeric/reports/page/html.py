@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from html import escape
 from itertools import groupby
 
-from rcac_numeric.arrays.wording import printable
+from rcac_numeric.arrays.wording import in_a_line, printable
 from rcac_numeric.reports.sheets.sheet import Block, Cell, Fact, Section, Sheet, Table, Text
 
 
@@ -59,7 +59,7 @@ def table_html(table: Table, caption: str = "") -> Iterator[str]:
 
 def _section(section: Section, level: int) -> Iterator[str]:
     if section.title:
-        yield f"<h{level}>{words(section.title + section.remark)}</h{level}>"
+        yield f"<h{level}>{words(in_a_line(section.title + section.remark))}</h{level}>"
     for is_fact, alike in groupby(section.blocks, lambda block: isinstance(block, Fact)):
         blocks = list(alike)
         yield from _facts(blocks) if is_fact else _others(blocks)

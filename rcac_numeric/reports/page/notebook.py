@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from html import escape
 from importlib.util import find_spec
 from itertools import count
 
 from rcac_numeric.arrays import figures
-from rcac_numeric.arrays.wording import printable
+from rcac_numeric.arrays.wording import in_a_line
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.reports.health import health_lines
-from rcac_numeric.reports.page.html import sheet_html
+from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
 
@@ -22,7 +21,7 @@ STYLE = """.rcac { --ink: currentColor; --quiet: #808790; --line: #80879066; --g
 --c5: #9068c9; --c6: #a0705f; --c7: #c2559f; --c8: #858600; --c9: #1f8d9c; }
 .rcac svg { max-width: 46rem; width: 100%; height: auto; } .rcac svg text { fill: currentColor; }
 .rcac .good { color: var(--good); } .rcac .warning { color: var(--warning); }
-.rcac .bad { color: var(--bad); } .rcac .quiet, .rcac dt { color: var(--quiet); }"""
+.rcac .bad { color: var(--bad); } .rcac svg * { stroke-linejoin: round; stroke-linecap: butt; } .rcac .quiet, .rcac dt { color: var(--quiet); }"""
 _numbers = count()
 
 
@@ -38,7 +37,7 @@ def notebook_html(sheet: Sheet, draw: Callable[[], figures.Figure] | None = None
     >>> "<h3>A case</h3>" in notebook_html(Sheet("A case"))
     True
     """
-    title = escape(printable(sheet.title + sheet.remark))
+    title = words(in_a_line(sheet.title + sheet.remark))
     parts = [f'<div class="rcac"><style>{STYLE}</style>']
     parts += [f"<h3>{title}</h3>"] if title else []
     parts.append(sheet_html(sheet, level=4))

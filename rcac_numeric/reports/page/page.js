@@ -42,6 +42,7 @@
       history.replaceState(null, "", location.pathname + search + location.hash);
     };
     filters.hidden = false;
+    filters.addEventListener("submit", event => event.preventDefault());
     for (const part of [query, verdict, chapter]) part.addEventListener("input", apply);
     addEventListener("keydown", event => {
       if (event.key === "/" && !/INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) {

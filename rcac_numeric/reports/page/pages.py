@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -10,6 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.wording import in_a_line
 from rcac_numeric.errata.entries import Erratum
 from rcac_numeric.errata.reading import find_errata
 from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, VERDICTS
@@ -41,7 +44,7 @@ def case_page(case: Case) -> str:
     (True, True)
     """
     wrong = _errata_at([case])
-    title = f"{case.id}: {case.title}".strip(": ")
+    title = in_a_line(f"{case.id}: {case.title}".strip(": "))
     inside = [
         f'<main id="content" class="one">{_section_of(case, wrong, "Claims and report")}',
         *_errata(wrong),
@@ -83,21 +86,38 @@ def write_page(page: str, path: str | Path) -> None:
 def _document(title: str, lead: str, inside: Sequence[str]) -> str:
     folder = resources.files("rcac_numeric.reports.page")
     css, js = (folder.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
+    css, js = f"\n{css}", f"\n{js}"
     lines = [
         "<!DOCTYPE html>",
         '<html lang="en"><head><meta charset="utf-8">',
+        f'<meta http-equiv="Content-Security-Policy" content="{_policy(css, js)}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         '<link rel="icon" href="data:,">',
         f"<title>{words(title)}</title>",
-        f"<style>\n{css}</style></head><body>",
+        f"<style>{css}</style></head><body>",
         '<a class="skip" href="#content">To the content</a>',
         f"<header><h1>{words(title)}</h1>",
         '<button id="theme" class="theme" type="button" hidden>Light or dark</button>',
         f'<p class="lead">{words(lead)}</p></header>',
         *inside,
-        f"<script>\n{js}</script></body></html>",
+        f"<script>{js}</script></body></html>",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _policy(css: str, js: str) -> str:
+    """What a browser may run and load on the page: its one style sheet, its one script.
+
+    Whatever words of others stand on it, nothing else runs, and nothing is asked of a network. The
+    attributes `style` are those of the pictures' lines.
+    """
+    style, script = (
+        base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in (css, js)
+    )
+    return (
+        f"default-src 'none'; script-src 'sha256-{script}'; style-src-elem 'sha256-{style}'; "
+        "style-src-attr 'unsafe-inline'; img-src data:; base-uri 'none'; form-action 'none'"
+    )
 
 
 def _summary(cases: Sequence[Case]) -> Iterator[str]:
@@ -114,7 +134,7 @@ def _summary(cases: Sequence[Case]) -> Iterator[str]:
 
 def _filters(cases: Sequence[Case]) -> Iterator[str]:
     chapters = list(dict.fromkeys(case.chapter for case in cases if case.chapter))
-    yield '<form id="filters" class="filters" role="search" hidden onsubmit="return false">'
+    yield '<form id="filters" class="filters" role="search" hidden>'
     yield '<label>Search <input id="query" type="search" placeholder="words, or press /"></label>'
     yield '<label>Verdict <select id="verdict"><option value="">all</option>'
     yield from (f"<option>{verdict}</option>" for verdict in VERDICTS)

@@ -7,6 +7,7 @@ import io
 import re
 
 from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.wording import in_a_line
 
 # What our pictures are drawn in, and the page's own colours.
 COLOURS = {
@@ -85,8 +86,13 @@ def _with_own_ids(text: str, prefix: str) -> str:
 
 
 def _small(text: str) -> str:
-    """Tenths of a point are enough; what is no picture goes."""
-    text = re.sub(r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>", "", text, flags=re.S)
+    """Tenths of a point are enough; what is no picture goes, and the style that a page has."""
+    text = re.sub(
+        r"<\?xml.*?\?>|<!DOCTYPE.*?>|<metadata>.*?</metadata>|<style.*?</style>",
+        "",
+        text,
+        flags=re.S,
+    )
     text = _COORDINATES.sub(lambda part: _NUMBER.sub(_rounded, part[0]), text)
     return re.sub(r"\s*\n\s*", "\n", text).strip()
 
@@ -102,5 +108,5 @@ def _named(text: str, prefix: str, title: str) -> str:
     return (
         f'<svg role="img" aria-labelledby="{prefix}-title"{size} '
         'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">'
-        f'<title id="{prefix}-title">{html.escape(title)}</title>{inside}</svg>'
+        f'<title id="{prefix}-title">{html.escape(in_a_line(title))}</title>{inside}</svg>'
     )

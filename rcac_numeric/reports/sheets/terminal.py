@@ -10,7 +10,7 @@ from rich.console import Console, RenderableType
 from rich.padding import Padding
 from rich.text import Text as Styled
 
-from rcac_numeric.arrays.wording import printable
+from rcac_numeric.arrays.wording import in_a_line, printable
 from rcac_numeric.reports.sheets.sheet import Fact, Level, Section, Sheet, Table, Text
 
 STYLES: dict[Level, str] = {
@@ -75,8 +75,8 @@ def _print_section(out: Console, section: Section, wraps: bool) -> None:
 
 
 def _title(title: str, remark: str) -> Styled:
-    head = Styled(printable(title), "bold")
-    return head.append(printable(remark), "not bold") if remark else head
+    head = Styled(in_a_line(title), "bold")
+    return head.append(in_a_line(remark), "not bold") if remark else head
 
 
 def _print_text(out: Console, text: Text, wraps: bool) -> None:
@@ -89,7 +89,7 @@ def _print_text(out: Console, text: Text, wraps: bool) -> None:
 def _table(block: Table) -> RenderableType:
     table = rich.table.Table(box=box.SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for head in block.heads:
-        table.add_column(Styled(printable(head)), overflow="fold")
+        table.add_column(Styled(in_a_line(head)), overflow="fold")
     for row in block.rows:
         table.add_row(*(Styled("\n").join(map(_styled, cell)) for cell in row))
     return Padding(table, (0, 0, 0, 2), expand=False)
@@ -101,7 +101,7 @@ def _facts(facts: list[Fact]) -> RenderableType:
     grid.add_column(overflow="fold")
     for fact in facts:
         value = Styled(printable(fact.value), STYLES[fact.level])
-        grid.add_row(Styled(printable(fact.name)), value)
+        grid.add_row(Styled(in_a_line(fact.name)), value)
     return Padding(grid, (0, 0, 0, 2), expand=False)
 
 

@@ -13,6 +13,7 @@ from typing import Any
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.frames import imported
+from rcac_numeric.arrays.wording import spreadsheet_text
 from rcac_numeric.sweeps.chunks.failures import FAILED
 from rcac_numeric.sweeps.results.table import Columns
 from rcac_numeric.sweeps.store.store import Store
@@ -26,7 +27,9 @@ def export_table(store: str | Path, path: str | Path) -> None:
     Runs that failed are no results, and are not in the file.
 
     Floats are written in full, and where there is no value, nothing; coordinates that are lists
-    or tables as JSON. Parquet needs pyarrow, which `compensator-theory[pandas]` brings.
+    or tables as JSON. A text in a .csv file is never a formula: one that begins as a formula does
+    gets an apostrophe in front, and control characters are written out. Parquet needs pyarrow,
+    which `compensator-theory[pandas]` brings.
 
     Raises
     ------
@@ -61,7 +64,7 @@ def _write_csv(store: Store, path: Path) -> None:
     names, rows = _rows(store)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(names)
+        writer.writerow([spreadsheet_text(name) for name in names])
         for some in rows:
             writer.writerows([_cell(value) for value in row] for row in some)
 
@@ -113,7 +116,9 @@ def _pieces(rows: Iterator[list[tuple[Any, ...]]]) -> Iterator[list[tuple[Any, .
 def _cell(value: Any) -> Any:
     if value is None or (isinstance(value, float) and math.isnan(value)):
         return ""
-    return json.dumps(value) if isinstance(value, list | dict) else value
+    if isinstance(value, list | dict):
+        return json.dumps(value)
+    return spreadsheet_text(value) if isinstance(value, str) else value
 
 
 def _arrow_type(arrow: Any, axes: Columns, name: str) -> Any:
