@@ -30,12 +30,14 @@ from rcac_numeric import (
     SimulationCase,
     Study,
     TargetModel,
+    check_store,
     iir,
     read_table,
     run_study,
 )
 from rcac_numeric.sweeps.chunks.worker import run_chunk
 from rcac_numeric.sweeps.running import schedule
+from rcac_numeric.sweeps.store import store
 
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/(q*(q - 0.9))"},
@@ -71,10 +73,10 @@ def in_one_process(runs, repetitions):
     added, inside = [], []
     spent = 0.0
 
-    def timed(task):
+    def timed(task, **options):
         nonlocal spent
         start = time.process_time()
-        result = run_chunk(task)
+        result = run_chunk(task, **options)
         spent += time.process_time() - start
         return result
 
@@ -114,6 +116,30 @@ def over_processes(runs, repetitions, workers):
         f"({1e6 * used / runs:.0f} us a run), load {os.getloadavg()[0]:.1f}; so 1e5 runs take "
         f"{used / runs * 1e5 / workers:.0f} s on {workers} idle cores (bar: 180); "
         f"{size / runs:.0f} bytes a run"
+    )
+
+
+def reading(runs):
+    """What holding rows against digests and plan costs: a table with it and without, in one run."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "store.sqlite"
+        run_study(study(runs, steps=20, n_c=2), path, workers=0)
+        taken = {True: [], False: []}
+        checked = store.rows_fault
+        for _ in range(5):
+            for is_checked, times in taken.items():
+                store.rows_fault = checked if is_checked else lambda *of: ""
+                start = time.process_time()
+                read_table(path)
+                times.append(time.process_time() - start)
+        store.rows_fault = checked
+        start = time.process_time()
+        check_store(path)
+        whole = time.process_time() - start
+    plain, verified = (statistics.median(taken[key]) for key in (False, True))
+    print(
+        f"reading {runs} rows: {1e6 * verified / runs:.1f} us a row, {verified / plain:.2f} times "
+        f"what it takes unverified; a check of everything {whole / verified:.1f} times that"
     )
 
 
@@ -184,9 +210,9 @@ def ctrl_c(repetitions):
             for workers in (0, 2):
                 times = []
                 for i in range(repetitions):
-                    store = Path(folder) / f"{kind}{workers}{i}"
+                    file = Path(folder) / f"{kind}{workers}{i}"
                     process = subprocess.Popen(
-                        [sys.executable, str(script), kind, str(store), str(workers)],
+                        [sys.executable, str(script), kind, str(file), str(workers)],
                         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                     )  # fmt: skip
                     assert process.stdout is not None
@@ -197,7 +223,7 @@ def ctrl_c(repetitions):
                     process.wait()
                     times.append(time.perf_counter() - start)
                     process.stdout.close()
-                    read_table(store)
+                    read_table(file)
                 print(
                     f"Ctrl-C, {kind}, workers = {workers}: median "
                     f"{statistics.median(times):.2f} s, worst {max(times):.2f} s (bar: 0.5)"
@@ -211,6 +237,7 @@ def main():
     parser.add_argument("--workers", type=int, default=2)
     chosen = parser.parse_args()
     in_one_process(chosen.runs // 4, chosen.repetitions)
+    reading(chosen.runs * 5)
     over_processes(chosen.runs, chosen.repetitions, chosen.workers)
     memory(chosen.runs * 5)
     ctrl_c(chosen.repetitions)

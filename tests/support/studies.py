@@ -3,6 +3,8 @@
 import multiprocessing
 import os
 import signal
+import time
+from pathlib import Path
 
 import numpy as np
 
@@ -32,7 +34,7 @@ keep = [{ measure = "rms" }, { measure = "spectral_radius", name = "radius" }]
 axes.R_theta = { sets = "controller.R_theta", decades = [-2, 2], points = 3 }
 axes.n_c = { sets = "controller.n_c", values = [3, 6] }
 """
-DEADLY, RAISING = 13.0, 7.0
+DEADLY, RAISING, HANGING = 13.0, 7.0, 5.0
 
 
 def study(repetitions=20, **changes):
@@ -93,3 +95,57 @@ def case_that_raises(rng, gain):
     if gain == 3 and rng.standard_normal() > 0:
         raise RuntimeError("no such gain")
     return case_of_functions(rng, gain)
+
+
+def hanging(r):
+    """Never ends where a certain run is measured."""
+    while r.run.settings.update.R_theta == HANGING:
+        time.sleep(0.01)
+    return 1.0
+
+
+def short_of_memory(r):
+    """Has none as long as a file says so."""
+    if os.environ.get("SHORT_OF_MEMORY") and Path(os.environ["SHORT_OF_MEMORY"]).exists():
+        raise MemoryError
+    return 1.0
+
+
+class OddError(BaseException):
+    """Derived from what `except Exception` does not catch."""
+
+
+ODD = {
+    1.0: lambda: SystemExit(3),
+    2.0: lambda: KeyboardInterrupt("my own"),
+    3.0: lambda: OddError("odd"),
+    4.0: lambda: ValueError("\udcff\0\x1b[31m red"),
+    5.0: lambda: ValueError("x" * 10**7),
+    6.0: MemoryError,
+    7.0: lambda: RecursionError("deep"),
+}
+
+
+def odd(r):
+    """Raises what few functions raise; R_theta says which."""
+    error = ODD.get(r.run.settings.update.R_theta)
+    if error is not None:
+        raise error()
+    return 1.0
+
+
+def pressing(r):
+    """Somebody presses Ctrl-C while this is measured."""
+    signal.raise_signal(signal.SIGINT)
+    return 1.0
+
+
+COUNT = {"calls": 0}
+
+
+def failing_once(r):
+    """Fails when it is called first."""
+    COUNT["calls"] += 1
+    if COUNT["calls"] == 1:
+        raise OSError("try again")
+    return 1.0

@@ -156,6 +156,7 @@ def run_study(
         run = _Running(opened, study, executor, count, limit)
         try:
             if not (opened.is_new and run.create(first)):
+                opened.chunks()  # before anything is written
                 differences = _require_same(opened, mixed)
                 opened.grow(study)
                 if differences:

@@ -10,7 +10,7 @@ import sys
 import time
 import warnings
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -398,9 +398,12 @@ def _sweep(file, store, *options):
 
 
 def _children(pid):
-    """The processes that a process has started."""
-    listed = Path(f"/proc/{pid}/task/{pid}/children")
-    return listed.read_text().split() if listed.exists() else []
+    """The processes that any thread of a process has started."""
+    found = []
+    for listed in Path(f"/proc/{pid}/task").glob("*/children"):
+        with suppress(OSError):
+            found += listed.read_text().split()
+    return found
 
 
 def _ends(pid):
