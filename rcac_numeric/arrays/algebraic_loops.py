@@ -21,6 +21,7 @@ def closes(feedback: Array, feedthrough: Array) -> bool:
     loop = np.eye(len(feedback)) - feedback @ feedthrough
     if not loop.size:
         return True
-    terms = 1.0 + float(np.linalg.norm(feedback) * np.linalg.norm(feedthrough))
-    rounding = (len(loop) + len(feedthrough)) * np.finfo(float).eps * terms
-    return bool(np.linalg.svd(loop, compute_uv=False)[-1] > rounding)
+    terms = 1.0 + np.max(np.abs(feedback) @ np.abs(feedthrough))
+    rounding = (len(feedthrough) + 1) * len(loop) * np.finfo(float).eps * terms
+    # What is beyond float64 is for the caller to refuse.
+    return not np.isfinite(terms) or bool(np.linalg.svd(loop, compute_uv=False)[-1] > rounding)

@@ -124,7 +124,7 @@ class CheckResult(Value):
         """Whether the check holds; None where it hangs on the last digits of the input."""
         if self.check.statistic == "median":
             return self._inside(float(np.median(self.values)))
-        if self.inside >= self.check.share * len(self.values):
+        if self.inside / len(self.values) >= self.check.share:
             return True
         is_open = self.inside and self.check.share == 1 and not self.over_seeds
         return None if is_open else False

@@ -13,6 +13,8 @@ from rcac_numeric import ControllerLog, check_controller, iir, replay
 from rcac_numeric.checks.resolution import resolution_of
 from tests.support.strategies import seeds
 
+pytestmark = pytest.mark.exact_data  # how many digits they have is what is tested
+
 WRITERS = {
     "%.4f": lambda v: float(f"{v:.4f}"),
     "%.2f": lambda v: float(f"{v:.2f}"),
@@ -40,7 +42,6 @@ def made_log(seed, steps=60, n_c=2, size=1.0):
     return ControllerLog(u=u, y=y, theta=theta)
 
 
-@pytest.mark.exact_data
 @given(seeds, st.sampled_from(sorted(WRITERS)), st.sampled_from([1.0, 30.0]))
 def test_a_log_of_any_digits_agrees_and_a_fault_beyond_them_does_not(seed, writer, size):
     log = made_log(seed, size=size)
