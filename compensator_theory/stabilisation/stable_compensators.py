@@ -11,7 +11,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.polynomial_matrices.rings import RationalRing
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import time_of
@@ -138,8 +138,7 @@ def search_by_order(
     if not G.is_strictly_proper:
         raise InputError(f"the plant {G} is not strictly proper; take its direct part out first")
     highest = G.order + 2 if max_order is None else max_order
-    if isinstance(highest, bool) or not isinstance(highest, int) or highest < 0:
-        raise InputError(f"max_order is an integer and at least 0, not {shown(max_order)}")
+    integer(highest, "max_order", at_least=0)
     ask("degree", highest, "the order of the compensator")
     if not decision.is_strongly_stabilisable:
         return StableCompensator(None, None, decision, 0, str(decision))
