@@ -33,7 +33,7 @@ import sympy
 from compensator_theory import (
     TransferFunction,
     bezout_identity,
-    count_half_plane_roots,
+    count_roots,
     number_of_common_roots,
     number_of_real_roots,
     place_poles,
@@ -110,7 +110,7 @@ def works(n, rng):
     }  # fmt: skip
     yield (
         "half planes",
-        {"ours": lambda: count_half_plane_roots(a), "flint": A.numer().complex_roots},
+        {"ours": lambda: count_roots(a, time="continuous"), "flint": A.numer().complex_roots},
     )
     square = sympy.ImmutableMatrix(n, n, lambda *_: rng.randint(-9, 9))
     domain, integers = square.to_DM(), [int(entry) for entry in square]

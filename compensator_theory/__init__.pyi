@@ -100,25 +100,16 @@ from .loops.sensitivity import sensitivity_function as sensitivity_function
 from .loops.zero_directions import ZeroDirectionTarget as ZeroDirectionTarget
 from .loops.zero_directions import direction_residual as direction_residual
 from .loops.zero_directions import zero_direction_target as zero_direction_target
-from .lqg.continuous.butterworth_patterns import ButterworthPattern as ButterworthPattern
-from .lqg.continuous.controllers import ContinuousLQG as ContinuousLQG
-from .lqg.continuous.controllers import continuous_lqg as continuous_lqg
-from .lqg.continuous.high_authority import ContinuousHighAuthority as ContinuousHighAuthority
-from .lqg.continuous.high_authority import HighAuthorityLimit as HighAuthorityLimit
-from .lqg.continuous.high_authority import continuous_high_authority as continuous_high_authority
-from .lqg.continuous.poles import ContinuousLQGPoles as ContinuousLQGPoles
-from .lqg.continuous.poles import continuous_lqg_poles as continuous_lqg_poles
-from .lqg.continuous.riccati import ContinuousRiccatiSolution as ContinuousRiccatiSolution
-from .lqg.continuous.riccati import solve_continuous_riccati as solve_continuous_riccati
-from .lqg.high_authority import HighAuthorityLQG as HighAuthorityLQG
-from .lqg.high_authority import high_authority_lqg as high_authority_lqg
+from .lqg.controllers import LQGController as LQGController
+from .lqg.controllers import lqg_controller as lqg_controller
+from .lqg.high_authority_limits import ButterworthPattern as ButterworthPattern
+from .lqg.high_authority_limits import HighAuthorityLimit as HighAuthorityLimit
+from .lqg.high_authority_limits import HighAuthorityLimits as HighAuthorityLimits
+from .lqg.high_authority_limits import high_authority_limits as high_authority_limits
 from .lqg.locus import RegulatorLocus as RegulatorLocus
 from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import LQGPoles as LQGPoles
 from .lqg.poles import lqg_poles as lqg_poles
-from .lqg.regulator_spectra import (
-    continuous_regulator_spectrum as continuous_regulator_spectrum,
-)
 from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
@@ -176,23 +167,18 @@ from .polynomials.reading import polynomial as polynomial
 from .roots.certified import Root as Root
 from .roots.certified import certified_roots as certified_roots
 from .roots.counts import RootCount as RootCount
-from .roots.counts import count_half_plane_roots as count_half_plane_roots
+from .roots.counts import count_roots as count_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
-from .roots.half_plane_factors import HalfPlaneFactor as HalfPlaneFactor
-from .roots.half_plane_factors import continuous_spectral_factor as continuous_spectral_factor
 from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
 from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
-from .roots.regions import locate_half_plane_roots as locate_half_plane_roots
-from .roots.regions import locate_unit_disk_roots as locate_unit_disk_roots
-from .roots.schur_cohn import count_unit_disk_roots as count_unit_disk_roots
+from .roots.regions import locate_roots as locate_roots
 from .roots.schur_cohn import reflection_coefficients as reflection_coefficients
 from .roots.spectral_factors import SpectralFactor as SpectralFactor
 from .roots.spectral_factors import spectral_factor as spectral_factor
 from .roots.stability import StabilityDecision as StabilityDecision
-from .roots.stability import decide_hurwitz as decide_hurwitz
-from .roots.stability import decide_schur as decide_schur
+from .roots.stability import decide_stability as decide_stability
 from .roots.stability import hurwitz_determinants as hurwitz_determinants
 from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
 from .roots.unit_circle_enclosures import (

@@ -7,7 +7,7 @@ from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer, shown
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, is_list
 
 
@@ -62,8 +62,7 @@ def sylvester_m(
     [2, 0, 5]])
     """
     for name, number in (("n_c", n_c), ("m_hat", m_hat)):
-        if isinstance(number, bool) or not isinstance(number, int):
-            raise InputError(f"{name} = {shown(number)} must be an integer")
+        integer(number, name)
     d, n = (p.all_coeffs() for p in in_one_variable(D, N, variable=variable, default="s"))
     rows = len(d) - 1 + n_c
     if n_c < 0 or m_hat < -1:
@@ -207,10 +206,7 @@ def with_formal_degrees(
         if degree is None:
             size = len(given) if is_list(given) and isinstance(given, Sized) else 0
             degree = size - 1 if size else _degree(poly)
-        if isinstance(degree, bool) or not isinstance(degree, int) or degree < 0:
-            raise InputError(
-                f"the formal degree of {name} must be a natural number, not {shown(degree)}"
-            )
+        integer(degree, f"the formal degree of {name}", at_least=0)
         if _degree(poly) > degree:
             raise InputError(f"{name} has degree {poly.degree()}, above the formal {degree}")
         ask("degree", degree, f"the formal degree of {name}")

@@ -23,7 +23,7 @@ from compensator_theory.exceptional_sets.equations import (
     irreducible_factors,
     solutions,
 )
-from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.budget import integer, shown
 from compensator_theory.polynomials.variables import is_operator
 
 
@@ -86,8 +86,7 @@ def exceptional_cases(
     """
     if not callable(function):
         raise InputError(f"{shown(function)} cannot be called; give a function, then its arguments")
-    if isinstance(cases, bool) or not isinstance(cases, int) or cases < 1:
-        raise InputError(f"cases = {shown(cases)} must be a positive integer")
+    integer(cases, "cases", at_least=1)
     work = _Analysis(function, arguments, options, cases)
     return ExceptionalCases(tuple(work.of(Conditions())))
 

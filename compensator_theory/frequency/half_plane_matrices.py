@@ -2,14 +2,13 @@
 
 from dataclasses import dataclass
 
-import sympy
-from sympy import QQ, Poly, Symbol
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.variables import is_discrete
-from compensator_theory.roots.counts import RootCount, count_half_plane_roots
+from compensator_theory.roots.counts import RootCount, count_roots, half_plane_image
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 
 
@@ -82,21 +81,9 @@ def half_plane_matrix(
         raise ImproperError(f"the transfer matrix {source} is improper, and {what} infinite")
     ask("degree", size * min(source.shape) * 4, what)
     if discrete:
-        bottom = _mapped(bottom, size)
-        tops = [[_mapped(entry, size) for entry in row] for row in tops]
-    count = count_half_plane_roots(bottom)
+        bottom = half_plane_image(bottom, size)
+        tops = [[half_plane_image(entry, size) for entry in row] for row in tops]
+    count = count_roots(bottom, time="continuous")
     missing = size - int(bottom.degree())
     poles = RootCount(count.stable, count.boundary + missing, count.unstable)
     return HalfPlaneMatrix(tuple(map(tuple, tops)), bottom, poles, discrete)
-
-
-def _mapped(poly: Poly, size: int) -> Poly:
-    """Return (1 - s)^size p((1 + s)/(1 - s))."""
-    s = poly.gen
-    plus, minus = Poly(1 + s, s, domain=QQ), Poly(1 - s, s, domain=QQ)
-    total, power = Poly(0, s, domain=QQ), Poly(1, s, domain=QQ)
-    descending = [poly.coeff_monomial(s**k) for k in range(size, -1, -1)]
-    for coefficient in descending:  # Horner's rule
-        total = total * plus + power * coefficient
-        power *= minus
-    return canonical(Poly(sympy.expand(total.as_expr()), s, domain=QQ))

@@ -14,7 +14,7 @@ from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.flint_matrices import to_flint
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomials.budget import ask, listed, shown
+from compensator_theory.polynomials.budget import ask, is_integer, listed, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.values import ExactValue
@@ -133,9 +133,7 @@ def _channels(
     read = [(_signals(i, "inputs"), _signals(o, "outputs")) for i, o in pairs]
     for side, size, name in ((0, inputs, "input"), (1, outputs, "output")):
         used = [index for pair in read for index in pair[side]]
-        bad = [
-            i for i in used if isinstance(i, bool) or not isinstance(i, int) or not 0 <= i < size
-        ]
+        bad = [i for i in used if not (is_integer(i) and 0 <= i < size)]
         if bad or len(set(used)) < len(used):
             raise InputError(
                 f"the channels use the {name}s {shown(used)}; each of the {size} is numbered from "

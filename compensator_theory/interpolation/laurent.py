@@ -15,7 +15,7 @@ from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
-from compensator_theory.polynomials.budget import ask, decimal_digits, shown
+from compensator_theory.polynomials.budget import ask, decimal_digits, integer
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
@@ -124,8 +124,7 @@ def laurent_expansion(
     """
     source = transfer_matrix(G, variable)
     s, at = source.variable, sympy.expand(exact_number(point))
-    if isinstance(terms, bool) or not isinstance(terms, int) or terms < 1:
-        raise InputError(f"terms = {shown(terms)} must be an integer and at least 1")
+    integer(terms, "terms", at_least=1)
     ask("degree", terms + int(source.denominator.degree()), "the expansion")
     if s in at.free_symbols or (at.is_number and not all(x.is_Rational for x in at.as_real_imag())):
         raise InputError(

@@ -15,7 +15,7 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,
 )
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials.poly import canonical, from_coefficients
 from compensator_theory.polynomials.values import ExactValue
@@ -149,7 +149,5 @@ def _convolved(ascending: list[Expr], series: list[Expr], count: int, s: Symbol)
 
 
 def _degree(value: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise InputError(f"a degree is an integer and at least 0, not {shown(value)}")
-    ask("degree", value, "the Pade approximant")
+    ask("degree", integer(value, "the degree", at_least=0), "the Pade approximant")
     return value

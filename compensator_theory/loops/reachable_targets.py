@@ -4,7 +4,7 @@ import sympy
 from sympy import Poly
 
 from compensator_theory.errors import InputError, NotReachableTargetError
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -55,8 +55,7 @@ def target_characteristic_polynomial(
     q**4 - q**3/2 - q**2/10 + q/20
     """
     N_zu, n = _scalar_numerator(plant)
-    if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < 0:
-        raise InputError(f"the order n_c = {shown(n_c)} must be an integer of at least 0")
+    integer(n_c, "the order n_c", at_least=0)
     ask("degree", n + n_c, "the closed loop")
     G_f = transfer_function(target, N_zu.gen).reduced()
     reachable = N_zu * Poly(N_zu.gen**n_c, N_zu.gen)

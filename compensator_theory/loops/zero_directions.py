@@ -17,7 +17,7 @@ from compensator_theory.loops.directions import (
 )
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.linear_algebra import rank, solve
-from compensator_theory.polynomials.budget import ask, listed, shown
+from compensator_theory.polynomials.budget import ask, integer, is_integer, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -192,9 +192,7 @@ def _delays(delays: int | Sequence[int], rows: int, tall: bool) -> tuple[int, ..
         steps = tuple(listed(delays, "degree", "delays"))
     else:
         steps = (delays,) * rows
-    if len(steps) != rows or any(
-        isinstance(d, bool) or not isinstance(d, int) or d < 0 for d in steps
-    ):
+    if len(steps) != rows or not all(is_integer(d) and d >= 0 for d in steps):
         raise InputError(f"delays = {shown(delays)}: a count of steps, or {rows} of them, is due")
     ask("degree", max(steps), "the target model with these delays")
     if tall and len(set(steps)) > 1:
@@ -239,8 +237,8 @@ def _real_form(
 
 def _least_squares(E: Matrix, Z: Matrix, size: int, taps: int | None) -> list[Matrix]:
     """L_1, ..., L_m of least norm with E + sum of Z^{-k} E L_k = 0."""
-    if taps is not None and (isinstance(taps, bool) or not isinstance(taps, int) or taps < 0):
-        raise InputError(f"taps = {shown(taps)} must be a count")
+    if taps is not None:
+        integer(taps, "taps", at_least=0)
     ask("degree", taps or 0, "the target model with these taps")
     if not E.rows:
         return [Matrix.zeros(size, size)] * (taps or 0)

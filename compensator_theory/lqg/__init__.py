@@ -1,1 +1,1 @@
-"""LQG with proof: gains, Riccati solutions, poles and targets, high authority included."""
+"""LQG with proof in both time domains: gains, Riccati solutions, poles, limits and targets."""

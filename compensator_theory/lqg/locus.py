@@ -11,19 +11,12 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.polynomials.variables import Time, time_of
 from compensator_theory.printing import text
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import text_of
-from compensator_theory.roots.half_plane_factors import (
-    HalfPlaneFactor,
-    continuous_spectral_factor,
-)
-from compensator_theory.roots.reflections import even_spectrum, spectrum_of
-from compensator_theory.roots.spectral_factors import (
-    SpectralFactor,
-    spectral_factor,
-)
+from compensator_theory.roots.reflections import spectrum_of
+from compensator_theory.roots.spectral_factors import SpectralFactor, spectral_factor
 
 R_2 = Symbol("R_2")
 
@@ -55,23 +48,20 @@ class RegulatorLocus(ExactValue):
     denominator: Poly
 
     @property
-    def is_discrete(self) -> bool:
-        """Whether the variable is z or q."""
-        return is_discrete(self.denominator.gen, "the locus")
+    def time(self) -> Time:
+        """The time domain that the variable s, z or q stands for."""
+        return time_of(self.denominator.gen, "the locus")
 
     @property
     def spectrum(self) -> Poly:
         """P as a polynomial whose coefficients are linear in R_2."""
         N, D = self.numerator, self.denominator
-        if self.is_discrete:
-            n = int(D.degree())
-            parts = spectrum_of(N, n), spectrum_of(D, n)
-        else:
-            parts = even_spectrum(N), even_spectrum(D)
+        n = int(D.degree())
+        parts = spectrum_of(N, n, self.time), spectrum_of(D, n, self.time)
         first, second = (part.set_domain(QQ[R_2]) for part in parts)
         return canonical(first + second * Poly(R_2, D.gen, domain=QQ[R_2]))
 
-    def at(self, weight: object, *, digits: int = 30) -> SpectralFactor | HalfPlaneFactor:
+    def at(self, weight: object, *, digits: int = 30) -> SpectralFactor:
         """Return the closed-loop polynomial for one value of R_2, rational and at least 0.
 
         For 0 this is :attr:`cheap`.
@@ -83,11 +73,11 @@ class RegulatorLocus(ExactValue):
         InputError
             If the weight is negative or no rational number.
         """
-        factor = spectral_factor if self.is_discrete else continuous_spectral_factor
-        return factor(self.numerator, self.denominator, weight, digits=digits)
+        N, D = self.numerator, self.denominator
+        return spectral_factor(N, D, weight, time=self.time, digits=digits)
 
     @property
-    def cheap(self) -> SpectralFactor | HalfPlaneFactor:
+    def cheap(self) -> SpectralFactor:
         r"""Where the finite poles go as :math:`R_2 \to 0`: the zeros, unstable ones reflected.
 
         In discrete time all n poles stay finite, :math:`n - m` of them at 0.
@@ -100,15 +90,16 @@ class RegulatorLocus(ExactValue):
         return self.at(0)
 
     @property
-    def expensive(self) -> SpectralFactor | HalfPlaneFactor:
+    def expensive(self) -> SpectralFactor:
         r"""Where they go as :math:`R_2 \to \infty`: the poles, unstable ones reflected."""
-        factor = spectral_factor if self.is_discrete else continuous_spectral_factor
-        return factor(self.denominator)
+        return spectral_factor(self.denominator, time=self.time)
 
     @property
     def number_to_infinity(self) -> int:
         r"""How many poles leave every bounded set as :math:`R_2 \to 0`; none in discrete time."""
-        return 0 if self.is_discrete else int(self.denominator.degree() - self.numerator.degree())
+        if self.time == "discrete":
+            return 0
+        return int(self.denominator.degree() - self.numerator.degree())
 
     @property
     def distance(self) -> Expr:
@@ -135,7 +126,7 @@ class RegulatorLocus(ExactValue):
         n = int(self.denominator.degree())
         if n > 2:
             return None
-        if self.is_discrete:
+        if self.time == "discrete":
             return self._discrete_form(n)
         c, *middle, d = self.spectrum.all_coeffs()[::2]
         if n == 1:
@@ -201,7 +192,7 @@ def regulator_locus(
     Notes
     -----
     High authority is the end :math:`R_2 \to 0`. In discrete time it is reached by a finite gain,
-    :func:`high_authority_lqg`; in continuous time the gain grows without a bound, and only the
+    :func:`lqg_controller`; in continuous time the gain grows without a bound, and only the
     poles that go to zeros have limits.
 
     Examples
@@ -219,7 +210,7 @@ def regulator_locus(
             f"deg N = {numerator.degree()} exceeds deg D = {denominator.degree()}; no regulator "
             "has such a transfer function from u to z"
         )
-    is_discrete(denominator.gen, "the locus")
+    time_of(denominator.gen, "the locus")
     if denominator.degree() == 0:
         raise InputError("the plant has no pole that could move; give D of degree 1 or more")
     return RegulatorLocus(numerator, denominator)

@@ -1,28 +1,26 @@
 """LQG closed-loop poles of plants with any number of signals, by an exact determinant."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from sympy import Poly
 
 from compensator_theory.errors import (
-    InputError,
     NoSolutionError,
     NotControllableError,
     NotObservableError,
     UnitCircleError,
 )
 from compensator_theory.latex import displayed
+from compensator_theory.lqg.regulator_data import regulator_and_estimator
 from compensator_theory.lqg.regulator_spectra import regulator_spectrum
-from compensator_theory.lqg.separation import enclosed_product, product_of_factors
-from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import require_discrete
-from compensator_theory.roots.counts import RootCount
+from compensator_theory.polynomials.variables import Time, time_of
+from compensator_theory.roots.counts import count_roots
 from compensator_theory.roots.enclosures import PolynomialEnclosure, latex_of, text_of
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots
-from compensator_theory.roots.spectral_factors import SpectralFactor, factor_palindrome
+from compensator_theory.roots.spectral_factors import SpectralFactor, factor_spectrum
+from compensator_theory.roots.unit_circle_enclosures import multiply_enclosures
 from compensator_theory.systems.controllability import uncontrollable_polynomial
 from compensator_theory.systems.standard_problems import StandardProblem
 
@@ -56,12 +54,14 @@ class LQGPoles(ExactValue):
     @property
     def polynomial(self) -> Poly | None:
         """The closed-loop polynomial of degree 2n if it is rational, else None."""
-        return product_of_factors(self.regulator, self.estimator)
+        if self.regulator.polynomial is None or self.estimator.polynomial is None:
+            return None
+        return canonical(self.regulator.polynomial * self.estimator.polynomial)
 
     @property
     def enclosure(self) -> PolynomialEnclosure:
         """The closed-loop polynomial, certified."""
-        return enclosed_product(self.regulator, self.estimator)
+        return multiply_enclosures(self.regulator.enclosure, self.estimator.enclosure)
 
     def __str__(self) -> str:
         names = (("regulator", self.regulator), ("estimator", self.estimator))
@@ -77,8 +77,9 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     Parameters
     ----------
     plant : StandardProblem
-        Rational, any number of signals; :math:`R_2 = E_2^TE_2` and :math:`V_2 = D_2D_2^T` may be
-        singular or zero.
+        Rational, any number of signals, cross terms allowed; its variable s, z or q says the time
+        domain. :math:`R_2 = E_2^TE_2` and :math:`V_2 = D_2D_2^T` may be singular or zero in
+        discrete time and are nonsingular in continuous time.
     digits : int
         Where a factor is not rational, every radius is at most :math:`10^{-\mathrm{digits}}`.
 
@@ -88,20 +89,22 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
 
     Raises
     ------
+    NotControllableError, NotObservableError
+        If a hidden mode is not stable.
     UnitCircleError
-        If a zero of :func:`regulator_spectrum` is on the unit circle (an uncontrollable or
-        unobservable mode there included).
+        If a zero of :func:`regulator_spectrum` is on the unit circle.
     NoSolutionError
         If a spectrum is zero, for instance with :math:`N_{zu} = 0` or with more inputs u than
-        outputs z and :math:`R_2 = 0`.
+        outputs z and :math:`R_2 = 0`; in continuous time if it vanishes on the imaginary axis, or
+        :math:`R_2` or :math:`V_2` is singular, so that a gain is infinite.
     InputError
-        If an entry is symbolic, or the plant is not written in z or q.
+        If an entry is symbolic, or the plant is not written in s, z or q.
 
     Notes
     -----
-    Hidden modes inside the unit circle stay closed-loop poles; others are refused. Source:
-    (A.4)-(A.12), with the assumptions ii) and iv) replaced by what :math:`R_2 = 0` needs: no zero
-    on the unit circle.
+    Stable hidden modes stay closed-loop poles. Source: (A.4)-(A.12) and their counterpart in
+    continuous time, with the assumptions ii) and iv) replaced by what :math:`R_2 = 0` needs: no
+    zero on the unit circle.
 
     Examples
     --------
@@ -110,50 +113,60 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     ...     D_1=[[1, 0], [0, 1]], D_0=None, D_2=None, E_1=[[1, 0], [0, 1]], E_2=None, E_0=None)
     >>> lqg_poles(plant).polynomial
     Poly(q**4, q, domain='QQ')
+    >>> plant = StandardProblem(A=[[1, 0], [0, 2]], B=[[1, 0], [0, 1]], C=[[1, 0], [0, 1]],
+    ...     D_1=[[0, 0, 0], [0, 0, 0]], D_0=None, D_2=[[1, 0, 0], [0, 1, 0]],
+    ...     E_1=[[0, 0], [0, 0]], E_2=[[1, 0], [0, 1]], E_0=None, variable="s")
+    >>> print(lqg_poles(plant))
+    regulator: s**2 + 3*s + 2
+    estimator: s**2 + 3*s + 2
     """
-    if not isinstance(plant, StandardProblem):
-        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
-    q = plant.variable
-    require_discrete(q, "LQG")
-    require_stable_hidden_modes(plant, count_unit_disk_roots, "inside the unit circle")
-    regulator = regulator_spectrum(plant.A, plant.B, plant.E_1, plant.E_2, q)
-    estimator = regulator_spectrum(plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T, q)
+    regulator, estimator = regulator_and_estimator(plant)
+    s = plant.variable
+    time = time_of(s, "LQG")
+    require_stable_hidden_modes(plant, time)
     factors = []
-    for name, spectrum in (("from u to z", regulator), ("from w to y", estimator)):
-        try:
-            factors.append(factor_palindrome(spectrum, plant.n, digits))
-        except UnitCircleError as error:
-            raise UnitCircleError(
-                f"the transfer matrix {name} has a zero on the unit circle, so that no LQG "
-                f"controller is stabilising: {error}"
-            ) from error
-        except NoSolutionError as error:
+    for name, weight, matrices in (
+        ("from u to z", "u", regulator),
+        ("from w to y", "the sensor noise", estimator),
+    ):
+        spectrum = regulator_spectrum(*matrices, time=time, variable=s)
+        if time == "continuous" and (spectrum.is_zero or spectrum.degree() < 2 * plant.n):
+            raise NoSolutionError(
+                f"a combination of {weight} costs nothing, so that a gain is infinite; weight all "
+                "of it, or see regulator_locus for the limits of the poles"
+            )
+        if spectrum.is_zero:
             raise NoSolutionError(
                 f"the transfer matrix {name} has too small a rank: the weights do not determine "
                 "the controller. Weight u (or add sensor noise), or drop a signal"
+            )
+        try:
+            factors.append(factor_spectrum(spectrum, plant.n, time, digits))
+        except (UnitCircleError, NoSolutionError) as error:
+            boundary = "unit circle" if time == "discrete" else "imaginary axis"
+            raise type(error)(
+                f"the transfer matrix {name} has a zero on the {boundary}, so that no LQG "
+                f"controller is stabilising: {error}"
             ) from error
     return LQGPoles(*factors)
 
 
-def require_stable_hidden_modes(
-    plant: StandardProblem, counted: Callable[[Poly], RootCount], region: str
-) -> None:
+def require_stable_hidden_modes(plant: StandardProblem, time: Time) -> None:
     """Refuse a mode that no gain moves and that is not in the region of stability.
 
     Examples
     --------
     >>> from compensator_theory import standard_problem
     >>> from compensator_theory.lqg.poles import require_stable_hidden_modes
-    >>> from compensator_theory.roots.schur_cohn import count_unit_disk_roots
-    >>> plant = standard_problem("1/(q - 2)")
-    >>> require_stable_hidden_modes(plant, count_unit_disk_roots, "inside the unit circle")
+    >>> require_stable_hidden_modes(standard_problem("1/(q - 2)"), "discrete")
     """
+    region = "inside the unit circle" if time == "discrete" else "left of the imaginary axis"
     for error, matrices, what in (
         (NotControllableError, (plant.A, plant.B), "uncontrollable from u"),
         (NotObservableError, (plant.A.T, plant.C.T), "unobservable from y"),
     ):
         hidden = uncontrollable_polynomial(*matrices, plant.variable)
-        count = counted(hidden)
+        count = count_roots(hidden, time=time)
         if count.boundary or count.unstable:
             raise error(
                 f"the mode(s) {format_polynomial(hidden)} are {what} and not all {region}, so that "

@@ -9,7 +9,9 @@ from compensator_theory.latex import table
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import is_rational_matrix
 from compensator_theory.matrices.linear_algebra import rank
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.roots.enclosures import Enclosure, ball_of_number, enclosure_of_ball
+from compensator_theory.systems.standard_problems import StandardProblem
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 
 EnclosedMatrix = tuple[tuple[Enclosure, ...], ...]
@@ -45,6 +47,29 @@ def regulator_data(
         if not is_rational_matrix(matrix):
             raise InputError(f"{name} has entries that are not rational numbers; substitute them")
     return a, b, e_1, e_2
+
+
+def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData]:
+    """Return the data of both problems of a plant, that of the estimator in its dual form.
+
+    Raises
+    ------
+    InputError
+        If it is no StandardProblem.
+
+    Examples
+    --------
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.lqg.regulator_data import regulator_and_estimator
+    >>> regulator_and_estimator(standard_problem("2/(q - 3)"))[0][:2]
+    (Matrix([[3]]), Matrix([[1]]))
+    """
+    if not isinstance(plant, StandardProblem):
+        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
+    return (
+        (plant.A, plant.B, plant.E_1, plant.E_2),
+        (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T),
+    )
 
 
 def state_numerators(

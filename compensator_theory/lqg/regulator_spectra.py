@@ -4,32 +4,42 @@ import flint
 import sympy
 from sympy import Matrix, Poly, Symbol
 
-from compensator_theory.errors import InputError
 from compensator_theory.lqg.regulator_data import regulator_data
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import rational, to_flint
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.polynomials.variables import as_symbol, is_discrete, require_discrete
+from compensator_theory.polynomials.variables import Time, variable_in
 
 
 def regulator_spectrum(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol
+    A: MatrixLike,
+    B: MatrixLike,
+    E_1: MatrixLike,
+    E_2: MatrixLike | None = None,
+    *,
+    time: Time,
+    variable: str | Symbol | None = None,
 ) -> Poly:
-    r"""Return the palindromic polynomial whose stable roots are the regulator's poles.
+    r"""Return the polynomial whose stable roots are the regulator's poles.
 
-    .. math:: p(z) = \pm\det\begin{bmatrix} A - zI & 0 & B \\ -R_1 & I - zA^T & -R_{12} \\
+    .. math::
+        p(z) &= \pm\det\begin{bmatrix} A - zI & 0 & B \\ -R_1 & I - zA^T & -R_{12} \\
               R_{12}^T & zB^T & R_2 \end{bmatrix}
-              = z^{n}\, \det\!\left(G^T(1/z)\,G(z)\right) D(z) D(1/z)
+              = z^{n}\, \det\!\left(G^T(1/z)\,G(z)\right) D(z) D(1/z) \\
+        p(s) &= \pm\det\begin{bmatrix} A - sI & 0 & B \\ -R_1 & -A^T - sI & -R_{12} \\
+              R_{12}^T & B^T & R_2 \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
 
-    with :math:`G = E_1(zI - A)^{-1}B + E_2` and :math:`D = \det(zI - A)`.
+    with :math:`G = E_1(sI - A)^{-1}B + E_2` and :math:`D = \det(sI - A)`.
 
     Parameters
     ----------
     A, B, E_1, E_2 : matrix
         n x n, n x l_u, l_z x n, l_z x l_u, rational; :math:`R_1 = E_1^TE_1`,
-        :math:`R_{12} = E_1^TE_2`, :math:`R_2 = E_2^TE_2`.
-    variable : str or Symbol
-        z or q: the equation is for discrete time.
+        :math:`R_{12} = E_1^TE_2`, :math:`R_2 = E_2^TE_2`. E_2 defaults to zero.
+    time : {"continuous", "discrete"}
+        Whether the polynomial is even or palindromic.
+    variable : str or Symbol, optional
+        Default: s in continuous, q in discrete time.
 
     Returns
     -------
@@ -40,78 +50,33 @@ def regulator_spectrum(
     Raises
     ------
     InputError
-        If a shape does not fit or an entry is symbolic.
+        If a shape does not fit, an entry is symbolic, or the variable stands for the other time
+        domain.
 
     Examples
     --------
-    >>> from sympy.abc import z
     >>> from compensator_theory import regulator_spectrum
-    >>> regulator_spectrum([[3]], [[1]], [[2]], [[0]], z).as_expr()
-    4*z
-    """
-    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
-    symbol = as_symbol(variable)
-    require_discrete(symbol, "the spectrum of an LQG regulator")
-    n, l_u = b.shape
-    constant = sympy.BlockMatrix(
-        [[a, sympy.zeros(n, n), b],
-         [-e_1.T * e_1, sympy.eye(n), -e_1.T * e_2],
-         [e_2.T * e_1, sympy.zeros(l_u, n), e_2.T * e_2]]
-    ).as_explicit()  # fmt: skip
-    slope = sympy.BlockMatrix(
-        [[-sympy.eye(n), sympy.zeros(n, n), sympy.zeros(n, l_u)],
-         [sympy.zeros(n, n), -a.T, sympy.zeros(n, l_u)],
-         [sympy.zeros(l_u, n), b.T, sympy.zeros(l_u, l_u)]]
-    ).as_explicit()  # fmt: skip
-    return _determinant(constant, slope, n, symbol)
-
-
-def continuous_regulator_spectrum(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike, variable: str | Symbol = "s"
-) -> Poly:
-    r"""Return the even polynomial whose stable roots are the regulator's poles.
-
-    .. math:: p(s) = (-1)^n \det\begin{bmatrix} A - sI & 0 & B \\ -R_1 & -A^T - sI & -R_{12} \\
-              R_{12}^T & B^T & R_2 \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
-
-    with :math:`G = E_1(sI - A)^{-1}B + E_2` and :math:`D = \det(sI - A)`.
-
-    Parameters
-    ----------
-    A, B, E_1, E_2 : matrix
-        n x n, n x l_u, l_z x n, l_z x l_u, rational.
-    variable : str or Symbol
-        s: for discrete time see :func:`regulator_spectrum`.
-
-    Returns
-    -------
-    sympy.Poly
-        Of degree 2n or less; the leading coefficient is that of det R_2 up to its sign.
-
-    Raises
-    ------
-    InputError
-        If a shape does not fit, an entry is symbolic, or the variable means discrete time.
-
-    Examples
-    --------
-    >>> from compensator_theory import continuous_regulator_spectrum
-    >>> continuous_regulator_spectrum([[0]], [[1]], [[2], [0]], [[0], [1]]).as_expr()
+    >>> regulator_spectrum([[3]], [[1]], [[2]], [[0]], time="discrete").as_expr()
+    4*q
+    >>> regulator_spectrum([[0]], [[1]], [[2], [0]], [[0], [1]], time="continuous").as_expr()
     4 - s**2
     """
     a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
-    s = as_symbol(variable)
-    if is_discrete(s, "the spectrum of an LQG regulator"):
-        raise InputError(f"{s} means discrete time; use regulator_spectrum")
+    symbol = variable_in(time, variable, "the spectrum of an LQG regulator")
     n, l_u = b.shape
     zero, eye = sympy.zeros, sympy.eye
+    discrete = time == "discrete"
     constant = sympy.BlockMatrix(
         [[a, zero(n, n), b],
-         [-e_1.T * e_1, -a.T, -e_1.T * e_2],
-         [e_2.T * e_1, b.T, e_2.T * e_2]]
+         [-e_1.T * e_1, eye(n) if discrete else -a.T, -e_1.T * e_2],
+         [e_2.T * e_1, zero(l_u, n) if discrete else b.T, e_2.T * e_2]]
     ).as_explicit()  # fmt: skip
-    slope = sympy.diag(-eye(2 * n), zero(l_u, l_u))
-    return _determinant(constant, slope, n, s)
+    slope = sympy.BlockMatrix(
+        [[-eye(n), zero(n, n), zero(n, l_u)],
+         [zero(n, n), -a.T if discrete else -eye(n), zero(n, l_u)],
+         [zero(l_u, n), b.T if discrete else zero(l_u, n), zero(l_u, l_u)]]
+    ).as_explicit()  # fmt: skip
+    return _determinant(constant, slope, n, symbol)
 
 
 def interpolated(points: list[flint.fmpq], values: list[flint.fmpq]) -> list[flint.fmpq]:

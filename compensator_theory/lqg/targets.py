@@ -6,7 +6,7 @@ from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.latex import displayed, fraction, latex
-from compensator_theory.polynomials.budget import shown
+from compensator_theory.lqg.regulator_data import regulator_and_estimator
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import require_discrete
@@ -144,8 +144,7 @@ def scalar_numerators(plant: StandardProblem) -> tuple[Poly, Poly]:
     >>> scalar_numerators(standard_problem("(q - 2)/(q**2 - 1/4)"))[0].as_expr()
     q - 2
     """
-    if not isinstance(plant, StandardProblem):
-        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
+    regulator_and_estimator(plant)
     require_discrete(plant.variable, "high-authority LQG")
     sizes = (plant.l_u, plant.l_w, plant.l_y, plant.l_z)
     if sizes != (1, 1, 1, 1):

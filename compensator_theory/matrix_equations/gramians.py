@@ -14,9 +14,9 @@ from compensator_theory.polynomial_matrices.exceptional_factors import exception
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.polynomials.variables import time_of
 from compensator_theory.printing import text
-from compensator_theory.roots.stability import decide_hurwitz, decide_schur
+from compensator_theory.roots.stability import decide_stability
 from compensator_theory.stabilisation.conditions import stability_conditions
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation
 
@@ -111,14 +111,15 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
     4/3
     """
     source = realisation(plant, variable)
-    discrete = is_discrete(source.variable, "a Gramian")
+    time = time_of(source.variable, "a Gramian")
+    discrete = time == "discrete"
     A, B, C, D = source.A, source.B, source.C, source.D
     direct = (D * D.T).trace()
     conditions: tuple[Expr, ...] = ()
     if source.n:
         modes = characteristic_polynomial(A, source.variable)
         if is_rational(modes):
-            decision = (decide_schur if discrete else decide_hurwitz)(modes)
+            decision = decide_stability(modes, time=time)
             if not decision.is_stable:
                 raise NoSolutionError(
                     f"the plant is not stable: its poles are the roots of "

@@ -4,8 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from sympy import Poly
 
-from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.budget import integer
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.roots.certified import real_multiplicities
 
@@ -47,8 +46,7 @@ def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
     >>> count_observer_forms("(s + 1)**2*(s**2 + 1)**2", 3)
     1
     """
-    if isinstance(n, bool) or not isinstance(n, int) or n < 0:
-        raise InputError(f"n = {shown(n)} must be the order of a plant, 0 or more")
+    integer(n, "the order n of the plant", at_least=0)
     return number_of_selections(real_multiplicities(polynomial(Dtilde)), n)
 
 

@@ -18,7 +18,7 @@ from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.observers.counting import number_of_selections
 from compensator_theory.observers.form import ObserverForm, form_of_subspace
 from compensator_theory.observers.form_lists import ObserverForms
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.subspaces.cyclic_families import sample_subspaces
 from compensator_theory.subspaces.open_cells import families as parametrised
@@ -104,8 +104,7 @@ def observer_forms(
             f"the plant has {system.n} and the compensator {controller.n} states; an observer "
             "needs both to have some"
         )
-    if isinstance(limit, bool) or not isinstance(limit, int):
-        raise InputError(f"limit = {shown(limit)} must be an integer")
+    integer(limit, "limit")
     whole = characteristic_polynomial(loop, system.variable)
     components = primary_components(loop, whole)
     candidates = number_of_selections([(c.degree, c.multiplicity) for c in components], system.n)

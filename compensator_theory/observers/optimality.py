@@ -10,10 +10,9 @@ from compensator_theory.observers.questions import (
     transfer_function_is_observer_based,
 )
 from compensator_theory.polynomials.poly import is_rational
-from compensator_theory.polynomials.variables import is_discrete
-from compensator_theory.roots.counts import count_half_plane_roots
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots
-from compensator_theory.roots.stability import decide_hurwitz, decide_schur
+from compensator_theory.polynomials.variables import Time, time_of
+from compensator_theory.roots.counts import count_roots
+from compensator_theory.roots.stability import decide_stability
 from compensator_theory.systems.conversions import TransferFunctionLike
 
 
@@ -70,15 +69,14 @@ def is_lqg_suboptimal(
     False
     """
     G, G_c = siso_loop(plant, compensator, feedback)
-    discrete = is_discrete(G.variable, "LQG")
-    time = "discrete" if discrete else "continuous"
+    time = time_of(G.variable, "LQG")
     question = f"Is it suboptimal for every LQG problem in {time} time?"
     Dtilde = well_posed_loop(G, G_c.reduced(), feedback)
     stable = _is_stable(Dtilde)
     if stable is False:
         return ObserverDecision(question, True, "the closed loop is unstable", None, Dtilde)
     if not G_c.reduced().is_strictly_proper:
-        if not discrete:
+        if time == "continuous":
             reason = "it is not strictly proper and passes white sensor noise on to u unfiltered"
             return ObserverDecision(question, True, reason, 0, Dtilde)
         reason = "it uses the current measurement, which LQG with one step of delay does not"
@@ -101,30 +99,30 @@ def is_lqg_suboptimal(
 
 def _is_stable(poly: Poly) -> bool | None:
     """Decide exactly; None on the boundary and where symbols decide."""
-    discrete = is_discrete(poly.gen, "stability")
+    time = time_of(poly.gen, "stability")
     if not is_rational(poly):
-        if (decide_schur if discrete else decide_hurwitz)(poly).is_stable:
+        if decide_stability(poly, time=time).is_stable:
             return True
-        return False if _is_certainly_unstable(poly, discrete) else None
-    count = count_unit_disk_roots(poly) if discrete else count_half_plane_roots(poly)
+        return False if _is_certainly_unstable(poly, time) else None
+    count = count_roots(poly, time=time)
     return False if count.unstable else None if count.boundary else True
 
 
-def _is_certainly_unstable(poly: Poly, discrete: bool) -> bool:
+def _is_certainly_unstable(poly: Poly, time: Time) -> bool:
     """Roots up to the boundary alone have coefficients of one sign, or a product of at most 1."""
-    if discrete:
+    if time == "discrete":
         return bool((sympy.Abs(poly.TC() / poly.LC()) - 1).is_positive)
     return any(sympy.factor(c / poly.LC()).is_negative for c in poly.all_coeffs())
 
 
 def _why_undecided(poly: Poly) -> str:
-    discrete = is_discrete(poly.gen, "stability")
+    time = time_of(poly.gen, "stability")
     if not is_rational(poly):
-        if (decide_schur if discrete else decide_hurwitz)(poly).is_stable is False:
+        if decide_stability(poly, time=time).is_stable is False:
             return "the closed loop is not stable, but its roots may lie on the boundary only"
         return "the stability of the closed loop depends on the values of symbols"
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    boundary = count_roots(poly, time=time).boundary
     return (
-        f"{count(poly).boundary} root(s) of the closed loop lie on the boundary of stability, "
+        f"{boundary} root(s) of the closed loop lie on the boundary of stability, "
         "where the cost of an LQG problem need not have a stabilising optimum"
     )

@@ -27,7 +27,7 @@ from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     polynomial_matrix,
 )
-from compensator_theory.polynomials.budget import ask, listed, shown
+from compensator_theory.polynomials.budget import ask, integer, listed
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, monic
@@ -182,8 +182,7 @@ def place_matrix_poles(
     s, (p, m) = G.variable, G.shape
     if any(not G[i, j].is_strictly_proper for i in range(p) for j in range(m)):
         raise ImproperError(f"the plant {G} must be strictly proper")
-    if isinstance(order, bool) or not isinstance(order, int) or order < 0:
-        raise InputError(f"order = {shown(order)} must be a natural number")
+    integer(order, "order", at_least=0)
     model = polynomial(1 if internal_model is None else internal_model, s)
     require_no_other_operator(model)
     if model.is_zero or model.degree() > order:

@@ -16,7 +16,7 @@ from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.placement.solutions import PolePlacement
 from compensator_theory.polynomial_matrices.exceptional_factors import denominators
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
-from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.budget import integer, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (
     SpectrumLike,
@@ -114,8 +114,8 @@ def place_poles(
     n = G.order
     n_c = goal.degree() - n if n_c is None else n_c
     for name, value in (("n_c", n_c), ("numerator_degree", numerator_degree)):
-        if value is not None and (isinstance(value, bool) or not isinstance(value, int)):
-            raise InputError(f"{name} = {shown(value)} must be an integer")
+        if value is not None:
+            integer(value, name)
     if n_c < 0 or goal.degree() != n + n_c:
         raise InputError(
             f"the target has degree {goal.degree()}, but a plant of order {n} with a compensator "
@@ -153,8 +153,6 @@ def _numerator_degree(n: int, n_c: int, asked: int | None, properness: str | Non
         raise InputError(
             f"properness = {shown(properness)} must be 'strictly proper' or 'exactly proper'"
         )
-    if asked is not None and (isinstance(asked, bool) or not isinstance(asked, int)):
-        raise InputError(f"numerator_degree = {shown(asked)} must be an integer")
     if properness == "exactly proper":
         if asked not in (None, n_c):
             raise InputError(f"an exactly proper compensator has numerator_degree = n_c = {n_c}")

@@ -7,7 +7,7 @@ from sympy import ImmutableMatrix, Poly, Symbol
 from compensator_theory.bezout.sylvester import sylvester_m, sylvester_m1, sylvester_m2
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, words
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer, shown
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
@@ -152,10 +152,9 @@ def _read(
     n, m = int(d.degree()), int(max(b.degree(), 0))
     if m >= n:
         raise InputError(f"deg N = {m} must be below deg D = {n}, as for a strictly proper plant")
-    if isinstance(n_c, bool) or not isinstance(n_c, int) or n_c < max(m, 0):
+    if integer(n_c, "n_c") < m:
         raise InputError(f"n_c = {shown(n_c)} must be an integer of at least deg N = {m}")
-    if isinstance(m_hat, bool) or not isinstance(m_hat, int):
-        raise InputError(f"m_hat = {shown(m_hat)} must be an integer, the degree of a numerator")
+    integer(m_hat, "the degree m_hat of a numerator")
     ask("entries", (n + n_c) ** 2, "the Sylvester matrix")
     return d, b, n
 

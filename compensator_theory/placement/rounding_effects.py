@@ -12,10 +12,9 @@ from compensator_theory.polynomials.budget import quoted
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.polynomials.variables import is_discrete, time_of
 from compensator_theory.roots.certified import Root, certified_roots
-from compensator_theory.roots.counts import count_half_plane_roots
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.roots.counts import count_roots
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 DANGEROUS_SHARE = 0.1
@@ -173,9 +172,8 @@ def is_stable(poly: Poly) -> bool:
     >>> is_stable(polynomial("s + 2")), is_stable(polynomial("z + 2"))
     (True, False)
     """
-    discrete = is_discrete(poly.gen, "stability")
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
-    return bool(count(poly).stable == poly.degree())
+    time = time_of(poly.gen, "stability")
+    return bool(count_roots(poly, time=time).stable == poly.degree())
 
 
 def _largest_move(

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, fields, replace
 from itertools import islice
-from typing import TypeVar
+from typing import TypeGuard, TypeVar
 
 from sympy import Poly
 
@@ -91,8 +91,7 @@ def budget(**limits: int) -> Iterator[Budget]:
     for name, limit in limits.items():
         if name not in names:
             raise InputError(f"there is no limit {shown(name)}; choose among {', '.join(names)}")
-        if isinstance(limit, bool) or not isinstance(limit, int) or limit < 1:
-            raise InputError(f"the limit {name} = {shown(limit)} must be a positive integer")
+        integer(limit, f"the limit {name}", at_least=1)
     changed = replace(_current.get(), **limits)
     token = _current.set(changed)
     try:
@@ -128,6 +127,46 @@ def quoted(obj: object) -> str:
     200
     """
     return _shortened(obj.as_expr() if isinstance(obj, Poly) else obj, str, 200, 40)
+
+
+def is_integer(value: object) -> TypeGuard[int]:
+    """Tell whether a value is an int, which True and False are not.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import is_integer
+    >>> is_integer(3), is_integer(True), is_integer(3.0)
+    (True, False, False)
+    """
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def integer(
+    value: object, name: str, *, at_least: int | None = None, at_most: int | None = None
+) -> int:
+    """Return an argument that must be an integer within bounds.
+
+    Raises
+    ------
+    InputError
+        If it is none, or out of bounds.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.budget import integer
+    >>> integer(3, "n_c", at_least=0)
+    3
+    """
+    if is_integer(value):
+        low = at_least is not None and value < at_least
+        if not (low or (at_most is not None and value > at_most)):
+            return value
+    kind = "an integer"
+    if at_most is not None:
+        kind = f"an integer from {at_least} to {at_most}"
+    elif at_least is not None:
+        kind = "a positive integer" if at_least == 1 else f"an integer of at least {at_least}"
+    raise InputError(f"{name} = {shown(value)} must be {kind}")
 
 
 def shown(value: object, most: int = 60) -> str:

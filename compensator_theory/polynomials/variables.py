@@ -1,7 +1,7 @@
 """Which symbol is the variable: one rule for every function, and what the letters s, z, q mean."""
 
 from collections.abc import Iterable, Sequence, Set
-from typing import TypeAlias
+from typing import Literal, TypeAlias, cast
 
 from sympy import Expr, Poly, Symbol
 
@@ -12,6 +12,9 @@ from compensator_theory.polynomials.expressions import parse_expression
 CONTINUOUS, DISCRETE = ("s",), ("z", "q")
 OPERATORS = (*CONTINUOUS, *DISCRETE)
 """Names that are taken for the variable when none is given."""
+
+Time: TypeAlias = Literal["continuous", "discrete"]
+"""The time domain: what is stable is the left half plane, or the inside of the unit circle."""
 
 Readable: TypeAlias = Poly | Expr | None
 """A polynomial, an expression, or None for what shows no variable (a list of coefficients)."""
@@ -80,6 +83,66 @@ def is_discrete(variable: Symbol, what: str) -> bool:
             "discrete time"
         )
     return variable.name in DISCRETE
+
+
+def time_of(variable: Symbol, what: str) -> Time:
+    """Return the time domain that a variable stands for, as :func:`is_discrete` reads it.
+
+    Examples
+    --------
+    >>> from sympy.abc import z
+    >>> from compensator_theory.polynomials.variables import time_of
+    >>> time_of(z, "stability")
+    'discrete'
+    """
+    return "discrete" if is_discrete(variable, what) else "continuous"
+
+
+def require_time(time: object) -> Time:
+    """Return the time domain that was named.
+
+    Raises
+    ------
+    InputError
+        If it is neither "continuous" nor "discrete".
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.variables import require_time
+    >>> require_time("discrete")
+    'discrete'
+    """
+    if not (isinstance(time, str) and time in ("continuous", "discrete")):
+        raise InputError(
+            f"time = {shown(time)} is no time domain; write time='continuous' or time='discrete'"
+        )
+    return cast(Time, time)
+
+
+def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbol:
+    """Return the variable of polynomials in a time domain: s or q where none is named.
+
+    Raises
+    ------
+    InputError
+        If the one that is named stands for the other time domain, or for none.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.variables import variable_in
+    >>> variable_in("discrete", None, "LQG"), variable_in("discrete", "z", "LQG")
+    (q, z)
+    """
+    wanted = require_time(time)
+    if variable is None:
+        return Symbol("s" if wanted == "continuous" else "q")
+    symbol = as_symbol(variable)
+    if time_of(symbol, what) != wanted:
+        raise InputError(
+            f"{symbol} means {time_of(symbol, what)} time, and {what} is to be in {wanted} time; "
+            "change one of them"
+        )
+    return symbol
 
 
 def require_discrete(variable: Symbol, what: str) -> None:

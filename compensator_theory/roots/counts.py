@@ -1,4 +1,4 @@
-"""How many roots are real and how many left of the imaginary axis: Sturm and Routh, exactly."""
+"""How many roots are real and how many stable: Sturm and Routh, exactly."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -15,9 +15,10 @@ from compensator_theory.matrices.flint_polynomials import (
 )
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import is_rational
+from compensator_theory.polynomials.poly import canonical, is_rational
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import Time, require_time
 from compensator_theory.roots.descartes import distinct_real_roots
 
 PRECISIONS = (256, 1024, 4096, 16384)
@@ -36,8 +37,8 @@ class RootCount(ExactValue):
 
     Examples
     --------
-    >>> from compensator_theory import count_half_plane_roots, polynomial
-    >>> print(count_half_plane_roots(polynomial("(s + 1)*(s**2 + 1)**2")))
+    >>> from compensator_theory import count_roots
+    >>> print(count_roots("(s + 1)*(s**2 + 1)**2", time="continuous"))
     1 stable, 4 on the boundary, 0 unstable
     """
 
@@ -134,23 +135,25 @@ def _is_nonnegative(value: Expr) -> bool | None:
     return None
 
 
-def count_half_plane_roots(poly: PolynomialLike) -> RootCount:
-    r"""Count the roots left of, on and right of the imaginary axis by the Routh-Hurwitz theorem.
+def count_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
+    r"""Count the stable roots, those on the boundary of stability and the unstable ones, exactly.
 
     .. math:: I_{-\infty}^{+\infty}
               \frac{a_{n-1}\omega^{n-1} - a_{n-3}\omega^{n-3} + \cdots}
                    {a_n\omega^n - a_{n-2}\omega^{n-2} + \cdots}
-              = \#\mathrm{left} - \#\mathrm{right}
+              = \#\mathrm{left} - \#\mathrm{right}, \qquad z = \frac{1 + s}{1 - s}
 
     Parameters
     ----------
     poly : polynomial
         Rational coefficients, not zero.
+    time : {"continuous", "discrete"}
+        Whether stable means left of the imaginary axis, or inside the unit circle.
 
     Raises
     ------
     InputError
-        If the polynomial is zero or has symbolic coefficients.
+        If the polynomial is zero or has symbolic coefficients, or `time` is neither.
 
     Notes
     -----
@@ -159,23 +162,44 @@ def count_half_plane_roots(poly: PolynomialLike) -> RootCount:
     where a row vanishes it ends with the factor whose roots are symmetric about 0. So no case is
     singular: the roots on the axis are the real roots of that last element. The exact numbers of
     the chain are long, so that the factor with the symmetric roots is taken out first, and the
-    array of what is left computed in balls, which decide where it is regular.
+    array of what is left computed in balls, which decide where it is regular. In discrete time the
+    roots of :math:`(1-s)^k a((1+s)/(1-s))` are counted; the degree that it lacks is the
+    multiplicity of the root -1.
 
     Examples
     --------
-    >>> from compensator_theory import count_half_plane_roots, polynomial
-    >>> print(count_half_plane_roots(polynomial("s**4 + s**3 + 2*s**2 + 2*s + 5")))
+    >>> from compensator_theory import count_roots
+    >>> print(count_roots("s**4 + s**3 + 2*s**2 + 2*s + 5", time="continuous"))
     2 stable, 0 on the boundary, 2 unstable
+    >>> print(count_roots("q*(q + 1)**2*(q - 3)", time="discrete"))
+    1 stable, 2 on the boundary, 1 unstable
     """
     poly = require_rational(poly)
-    if (found := _count_in_balls(poly)) is not None:
-        return found
-    chain = routh_chain(poly)
-    difference = _variations(chain, -1) - _variations(chain, +1)
-    boundary = number_of_real_roots(chain[-1])
     degree = int(poly.degree())
-    unstable = (degree - boundary - difference) // 2
-    return RootCount(degree - boundary - unstable, boundary, unstable)
+    if require_time(time) == "discrete":
+        poly = half_plane_image(poly, degree)
+    found = _count_in_balls(poly) or _count_by_chain(poly)
+    return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
+
+
+def half_plane_image(poly: Poly, size: int) -> Poly:
+    """Return (1 - s)^k p((1 + s)/(1 - s)) of a rational polynomial of at most degree k = `size`.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots.counts import half_plane_image
+    >>> half_plane_image(polynomial("z - 1/2"), 1).as_expr()
+    3*z/2 + 1/2
+    """
+    s = poly.gen
+    plus, minus = Poly([1, 1], s, domain=QQ), Poly([-1, 1], s, domain=QQ)
+    image, power = Poly(0, s, domain=QQ), Poly(1, s, domain=QQ)
+    descending = poly.all_coeffs()
+    for coefficient in [sympy.S.Zero] * (size + 1 - len(descending)) + descending:
+        image = image * plus + power.mul_ground(coefficient)  # Horner's scheme, made homogeneous
+        power *= minus
+    return canonical(image)
 
 
 def routh_chain(poly: Poly) -> tuple[Poly, ...]:
@@ -223,6 +247,15 @@ def require_rational(poly: PolynomialLike) -> Poly:
     if poly.is_zero:
         raise InputError("every number is a root of the zero polynomial")
     return poly
+
+
+def _count_by_chain(poly: Poly) -> RootCount:
+    chain = routh_chain(poly)
+    difference = _variations(chain, -1) - _variations(chain, +1)
+    boundary = number_of_real_roots(chain[-1])
+    degree = int(poly.degree())
+    unstable = (degree - boundary - difference) // 2
+    return RootCount(degree - boundary - unstable, boundary, unstable)
 
 
 def _count_in_balls(poly: Poly) -> RootCount | None:

@@ -163,7 +163,7 @@ def text_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
     --------
     >>> from compensator_theory import spectral_factor
     >>> from compensator_theory.roots.enclosures import text_of
-    >>> found = spectral_factor("z - 2")
+    >>> found = spectral_factor("z - 2", time="discrete")
     >>> text_of(found.polynomial, found.enclosure)
     'z - 1/2'
     """
@@ -177,7 +177,7 @@ def latex_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
     --------
     >>> from compensator_theory import spectral_factor
     >>> from compensator_theory.roots.enclosures import latex_of
-    >>> found = spectral_factor("z - 2", "z", 3)
+    >>> found = spectral_factor("z - 2", "z", 3, time="discrete")
     >>> latex_of(found.polynomial, found.enclosure)
     'z - 0.26794919'
     """

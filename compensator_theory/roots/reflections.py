@@ -7,6 +7,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable, polynomial
+from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.counts import require_rational
 
 
@@ -73,34 +74,25 @@ def monic_reciprocal_polynomial(poly: PolynomialLike) -> Poly:
     return monic(reciprocal_polynomial(poly))
 
 
-def spectrum_of(poly: Poly, size: int) -> Poly:
-    r"""Return :math:`z^k a(z) a(1/z)` for a polynomial a of at most degree k.
+def spectrum_of(poly: Poly, size: int, time: Time) -> Poly:
+    r"""Return a(s) a(-s), or :math:`z^k a(z) a(1/z)` for a polynomial a of at most degree k.
 
     Examples
     --------
     >>> from compensator_theory import polynomial
     >>> from compensator_theory.roots.reflections import spectrum_of
-    >>> spectrum_of(polynomial("z - 2"), 2).as_expr()
+    >>> spectrum_of(polynomial("z - 2"), 2, "discrete").as_expr()
     -2*z**3 + 5*z**2 - 2*z
+    >>> spectrum_of(polynomial("s + 2"), 1, "continuous").as_expr()
+    4 - s**2
     """
+    if time == "continuous":
+        return poly * poly.compose(Poly([-1, 0], poly.gen, domain=QQ))
     if poly.is_zero:
         return poly
     degree = int(poly.degree())
     backwards = Poly(poly.all_coeffs()[::-1], poly.gen)
     return poly * backwards * Poly(poly.gen ** (size - degree), poly.gen)
-
-
-def even_spectrum(poly: Poly) -> Poly:
-    """Return a(s) a(-s).
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots.reflections import even_spectrum
-    >>> even_spectrum(polynomial("s + 2")).as_expr()
-    4 - s**2
-    """
-    return poly * poly.compose(Poly([-1, 0], poly.gen, domain=QQ))
 
 
 def weighted_pair(

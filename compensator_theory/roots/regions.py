@@ -1,102 +1,83 @@
-"""Where certified roots lie: left of, on or right of the imaginary axis; inside the unit circle."""
+"""Where certified roots lie: in the stable region of the plane, on its boundary, or outside."""
 
 import flint
 from sympy import QQ, Poly
 
 from compensator_theory.polynomials.reading import PolynomialLike
+from compensator_theory.polynomials.variables import Time, require_time
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import RootCount, require_rational
 from compensator_theory.roots.reflections import reciprocal_polynomial
 from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 
-def locate_half_plane_roots(poly: PolynomialLike) -> RootCount:
-    r"""Locate every root by its certified ball, relative to the imaginary axis.
+def locate_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
+    r"""Locate every root by its certified ball, relative to the boundary of stability.
 
     Parameters
     ----------
     poly : polynomial
         Rational coefficients, not zero.
+    time : {"continuous", "discrete"}
+        Whether the boundary is the imaginary axis or the unit circle.
 
     Raises
     ------
     InputError
-        If the polynomial is zero or has symbolic coefficients.
+        If the polynomial is zero or has symbolic coefficients, or `time` is neither.
 
     Notes
     -----
-    Balls of growing precision decide, after the roots that come in pairs :math:`\pm\lambda`, among
-    them all roots on the axis, have been separated in :math:`\gcd(a(s), a(-s)) = s^j h(s^2)`: a
-    root of h is on the axis if it is real and negative. The route shares nothing with
-    :func:`count_half_plane_roots` but this gcd.
+    Balls of growing precision decide, after the roots that come in pairs :math:`\pm\lambda` or
+    :math:`\lambda, 1/\lambda`, among them all roots on the boundary, have been separated: in
+    :math:`\gcd(a(s), a(-s)) = s^j h(s^2)`, where a root of h is on the axis if it is real and
+    negative, and in :math:`\gcd(a, a^*)`, folded by :math:`t = z + 1/z`, where a root t is on the
+    circle if it is real and :math:`|t| \le 2`. In continuous time the route shares nothing with
+    :func:`count_roots` but this gcd.
 
     Examples
     --------
-    >>> from compensator_theory import locate_half_plane_roots, polynomial
-    >>> print(locate_half_plane_roots(polynomial("(s + 1)**2*(s**2 + 2)*s")))
+    >>> from compensator_theory import locate_roots
+    >>> print(locate_roots("(s + 1)**2*(s**2 + 2)*s", time="continuous"))
     2 stable, 3 on the boundary, 0 unstable
-    """
-    poly = require_rational(poly)
-    s = poly.gen
-    symmetric = poly.gcd(poly.compose(Poly(-s, s, domain=QQ)))
-    others = decided_balls(poly.exquo(symmetric), lambda ball: _sign(ball.real))
-    stable = sum(m for _, m, sign in others if sign < 0)
-    at_origin, rest = _without_origin(symmetric)
-    squares = Poly(rest.all_coeffs()[::2], s, domain=QQ)
-    pairs = decided_balls(squares, lambda t: False if t.imag != 0 else _less(t.real, 0))
-    on_axis = sum(m for _, m, is_on_axis in pairs if is_on_axis)
-    each_side = int(squares.degree()) - on_axis
-    degree = int(poly.degree())
-    stable, boundary = stable + each_side, at_origin + 2 * on_axis
-    return RootCount(stable, boundary, degree - stable - boundary)
-
-
-def locate_unit_disk_roots(poly: PolynomialLike) -> RootCount:
-    r"""Locate every root by its certified ball, relative to the unit circle.
-
-    Parameters
-    ----------
-    poly : polynomial
-        Rational coefficients, not zero.
-
-    Raises
-    ------
-    InputError
-        If the polynomial is zero or has symbolic coefficients.
-
-    Notes
-    -----
-    Balls of growing precision decide, after the roots that come in pairs
-    :math:`\lambda, 1/\lambda`, among them all roots on the circle, have been separated in
-    :math:`\gcd(a, a^*)` and folded by :math:`t = z + 1/z`: a root t is on the circle if it is real
-    and :math:`|t| \le 2`.
-
-    Examples
-    --------
-    >>> from compensator_theory import locate_unit_disk_roots, polynomial
-    >>> print(locate_unit_disk_roots(polynomial("q*(q + 1)**2*(q - 3)")))
+    >>> print(locate_roots("q*(q + 1)**2*(q - 3)", time="discrete"))
     1 stable, 2 on the boundary, 1 unstable
     """
     poly = require_rational(poly)
-    degree = int(poly.degree())
-    at_origin, rest = _without_origin(poly)
-    symmetric = rest.gcd(reciprocal_polynomial(rest))
-    others = decided_balls(rest.exquo(symmetric), is_inside)
-    stable = at_origin + sum(m for _, m, inside in others if inside)
+    s, discrete = poly.gen, require_time(time) == "discrete"
+    mirrored = reciprocal_polynomial(poly) if discrete else poly.compose(Poly(-s, s, domain=QQ))
+    paired = poly.gcd(mirrored)
+    others = decided_balls(poly.exquo(paired), is_inside if discrete else is_left)
+    stable = sum(m for _, m, is_stable in others if is_stable)
     boundary = 0
-    for root in (1, -1):
-        multiplicity, symmetric = _divided(symmetric, Poly([1, -root], poly.gen, domain=QQ))
+    for own_image in (1, -1) if discrete else (0,):
+        multiplicity, paired = _divided(paired, Poly([1, -own_image], s, domain=QQ))
         boundary += multiplicity
-    folded = fold_palindrome(symmetric)
-    pairs = decided_balls(folded, lambda t: False if t.imag != 0 else _less(abs(t.real), 2))
-    on_circle = sum(m for _, m, is_on_circle in pairs if is_on_circle)
-    stable += int(folded.degree()) - on_circle
-    boundary += 2 * on_circle
-    return RootCount(stable, boundary, degree - stable - boundary)
+    folded = fold_palindrome(paired) if discrete else Poly(paired.all_coeffs()[::2], s, domain=QQ)
+
+    def is_on_boundary(t: flint.acb) -> bool | None:
+        if t.imag != 0:
+            return False
+        return _less(abs(t.real), 2) if discrete else _less(t.real, 0)
+
+    pairs = decided_balls(folded, is_on_boundary)
+    on_boundary = sum(m for _, m, is_on in pairs if is_on)
+    stable += int(folded.degree()) - on_boundary
+    boundary += 2 * on_boundary
+    return RootCount(stable, boundary, int(poly.degree()) - stable - boundary)
 
 
-def _without_origin(poly: Poly) -> tuple[int, Poly]:
-    return _divided(poly, Poly([1, 0], poly.gen, domain=QQ))
+def is_left(ball: flint.acb) -> bool | None:
+    """Tell whether a complex ball lies left of the imaginary axis; None if it meets the axis.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.roots.regions import is_left
+    >>> is_left(flint.acb(-0.5)), is_left(flint.acb(1, 5)), is_left(flint.acb(0, 1))
+    (True, False, None)
+    """
+    return _less(ball.real, 0)
 
 
 def _divided(poly: Poly, factor: Poly) -> tuple[int, Poly]:
@@ -106,10 +87,6 @@ def _divided(poly: Poly, factor: Poly) -> tuple[int, Poly]:
         if not remainder.is_zero:
             return multiplicity, poly
         multiplicity, poly = multiplicity + 1, quotient
-
-
-def _sign(value: flint.arb) -> int | None:
-    return -1 if value < 0 else 1 if value > 0 else None
 
 
 def _less(value: flint.arb, bound: int) -> bool | None:

@@ -1,4 +1,4 @@
-"""How many roots are inside the unit circle, by exact arithmetic on the coefficients."""
+"""Whether all roots are inside the unit circle, by arithmetic on the coefficients."""
 
 import flint
 from sympy import QQ, Expr, Poly
@@ -6,47 +6,10 @@ from sympy import QQ, Expr, Poly
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.reading import PolynomialLike
-from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
-from compensator_theory.roots.regions import locate_unit_disk_roots
+from compensator_theory.roots.counts import require_rational
+from compensator_theory.roots.regions import locate_roots
 
 PRECISIONS = (128, 512, 2048, 8192)  # bits; a polynomial of degree n needs about n of them at most
-
-
-def count_unit_disk_roots(poly: PolynomialLike) -> RootCount:
-    r"""Count the roots inside, on and outside the unit circle, exactly.
-
-    .. math:: z = \frac{1 + s}{1 - s}, \qquad |z| < 1 \iff \mathrm{Re}\, s < 0
-
-    Parameters
-    ----------
-    poly : polynomial
-        Rational coefficients, not zero.
-
-    Raises
-    ------
-    InputError
-        If the polynomial is zero or has symbolic coefficients.
-
-    Notes
-    -----
-    The roots of :math:`(1-s)^k a((1+s)/(1-s))` are counted by :func:`count_half_plane_roots`; the
-    degree that it lacks is the multiplicity of the root -1.
-
-    Examples
-    --------
-    >>> from compensator_theory import count_unit_disk_roots, polynomial
-    >>> print(count_unit_disk_roots(polynomial("q*(q + 1)**2*(q - 3)")))
-    1 stable, 2 on the boundary, 1 unstable
-    """
-    poly = require_rational(poly)
-    s, degree = poly.gen, int(poly.degree())
-    plus, minus = Poly([1, 1], s, domain=QQ), Poly([-1, 1], s, domain=QQ)
-    image, power = Poly(0, s, domain=QQ), Poly(1, s, domain=QQ)
-    for coefficient in poly.all_coeffs():  # Horner's scheme, made homogeneous
-        image = image * plus + power.mul_ground(coefficient)
-        power *= minus
-    found = count_half_plane_roots(image)
-    return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)
 
 
 def reflection_coefficients(poly: PolynomialLike) -> tuple[Expr, ...]:
@@ -117,7 +80,7 @@ def has_root_outside(poly: Poly) -> bool:
     :math:`a^*` are separated: g, the greatest of them, has all its roots on the circle if and only
     if its derivative has none outside (Cohn). What remains has no root on the circle, so the
     numbers of :func:`reflection_coefficients` decide in ball arithmetic; where one of them has a
-    modulus of exactly 1 no ball can, and :func:`locate_unit_disk_roots` does.
+    modulus of exactly 1 no ball can, and :func:`locate_roots` does.
 
     Examples
     --------
@@ -149,7 +112,7 @@ def _is_schur(poly: flint.fmpz_poly) -> bool:
         if answer is not None:
             return answer
     s = Poly(descending, *Poly("s").gens, domain=QQ)
-    return locate_unit_disk_roots(s).unstable == 0
+    return locate_roots(s, time="discrete").unstable == 0
 
 
 def _schur_in_balls(row: list[flint.arb]) -> bool | None:

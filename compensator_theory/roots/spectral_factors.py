@@ -1,18 +1,20 @@
-"""Spectral factorisation on the unit circle: rational where it is, certified where it is not."""
+"""Spectral factorisation on the boundary of stability: rational where it is, certified if not."""
 
 from dataclasses import dataclass
 
 import flint
-from sympy import Poly, Symbol
+from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.roots.counts import require_rational
+from compensator_theory.polynomials.variables import Time, require_time
+from compensator_theory.roots.certified import decided_balls
+from compensator_theory.roots.counts import count_roots, require_rational
 from compensator_theory.roots.enclosures import (
     Enclosure,
     PolynomialEnclosure,
@@ -23,43 +25,48 @@ from compensator_theory.roots.enclosures import (
     text_of,
 )
 from compensator_theory.roots.reflections import reciprocal_polynomial, spectrum_of, weighted_pair
+from compensator_theory.roots.regions import is_left
 from compensator_theory.roots.unit_circle import split_at_unit_circle
 from compensator_theory.roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle,
     exact_enclosure,
+    product_of_roots,
     working_bits,
 )
 
 
 @dataclass(frozen=True)
 class SpectralFactor(ExactValue):
-    r"""A monic Schur polynomial and a constant with the given product on the unit circle.
+    r"""A monic stable polynomial and a constant with the given product on the stability boundary.
 
-    .. math:: c\,\chi(z)\,\chi(1/z) = N(z) N(1/z) + r\, D(z) D(1/z) = z^{-m} p(z)
+    .. math:: c\,\chi(s)\,\chi(-s) = p(s), \qquad c\,\chi(z)\,\chi(1/z) = z^{-m} p(z)
 
     Attributes
     ----------
-    palindrome : sympy.Poly
-        :math:`p = z^m (\ldots)`, of degree at most 2m.
+    spectrum : sympy.Poly
+        p: even in continuous time, palindromic in discrete time, of degree at most 2m.
     degree : int
-        Degree of :math:`\chi`; what the right side lacks are roots at 0.
+        Degree of :math:`\chi`; in discrete time what p lacks are roots at 0.
+    time : {"continuous", "discrete"}
+        Whether :math:`\chi` is Hurwitz or Schur.
     polynomial : sympy.Poly or None
         :math:`\chi` if it is rational, else None.
     enclosure : PolynomialEnclosure
         :math:`\chi`, certified; radius 0 if it is rational.
     constant : Enclosure
-        c, certified; radius 0 if :math:`\chi` is rational.
+        c, certified; radius 0 in continuous time and if :math:`\chi` is rational.
 
     Examples
     --------
     >>> from compensator_theory import spectral_factor
-    >>> print(spectral_factor("z - 2", "z", 3))
+    >>> print(spectral_factor("z - 2", "z", 3, time="discrete"))
     χ = z - 0.26794919243112270647
     c = 7.46410161513775458705 ± 5.0e-21
     """
 
-    palindrome: Poly
+    spectrum: Poly
     degree: int
+    time: Time
     polynomial: Poly | None
     enclosure: PolynomialEnclosure
     constant: Enclosure
@@ -71,21 +78,26 @@ class SpectralFactor(ExactValue):
 
     @property
     def residual(self) -> tuple[Enclosure, ...]:
-        r"""Coefficients of :math:`c\,\chi\chi^* - z^{n-m}p`, computed anew; each contains 0."""
+        r"""Coefficients of the product minus p, computed anew; each contains 0."""
         finest = max(int(c.centre.q).bit_length() for c in self.enclosure.coefficients)
         with ball_precision(64 + 2 * finest):
             descending = [ball_of_enclosure(c) for c in self.enclosure.coefficients]
-            product = flint.arb_poly(descending) * flint.arb_poly(descending[::-1])
-            spectrum = [ball_of_number(c) for c in reversed(self.palindrome.all_coeffs())]
-            shift = self.degree - self._half
-            shifted = [flint.arb(0)] * max(shift, 0) + spectrum[max(-shift, 0) :]
-            difference = ball_of_enclosure(self.constant) * product - flint.arb_poly(shifted)
+            given = [ball_of_number(c) for c in reversed(self.spectrum.all_coeffs())]
+            factor, mirrored = descending, descending[::-1]
+            if self.time == "continuous":
+                factor = descending[::-1]
+                mirrored = [-c if k % 2 else c for k, c in enumerate(factor)]
+            else:
+                shift = self.degree - self._half
+                given = [flint.arb(0)] * max(shift, 0) + given[max(-shift, 0) :]
+            product = flint.arb_poly(factor) * flint.arb_poly(mirrored)
+            difference = ball_of_enclosure(self.constant) * product - flint.arb_poly(given)
             return tuple(enclosure_of_ball(c) for c in reversed(difference.coeffs()))
 
     @property
     def _half(self) -> int:
-        """The m of the definition: the palindrome's centre."""
-        terms = [int(power) for (power,) in self.palindrome.as_dict()]
+        """The m of the definition: the centre of a palindrome."""
+        terms = [int(power) for (power,) in self.spectrum.as_dict()]
         return (max(terms) + min(terms)) // 2
 
     def __str__(self) -> str:
@@ -101,19 +113,23 @@ def spectral_factor(
     D: PolynomialLike | None = None,
     r: object = 0,
     *,
+    time: Time,
     digits: int = 30,
     variable: str | Symbol | None = None,
 ) -> SpectralFactor:
-    r"""Find the monic Schur polynomial with a prescribed spectrum on the unit circle.
+    r"""Find the monic stable polynomial with a prescribed spectrum on the boundary of stability.
 
-    .. math:: c\,\chi(z)\,\chi(1/z) = N(z) N(1/z) + r\, D(z) D(1/z)
+    .. math:: c\,\chi\,\chi^* = N N^* + r\, D D^*, \qquad
+              N^*(s) = N(-s) \text{ or } N^*(z) = N(1/z)
 
     Parameters
     ----------
     N, D : polynomial
-        Rational coefficients; D may be left out. :math:`\chi` has the larger of the two degrees.
+        Rational coefficients; D may be left out.
     r : number
         At least 0.
+    time : {"continuous", "discrete"}
+        Whether the boundary is the imaginary axis or the unit circle.
     digits : int
         Where the factor is not rational, every radius is at most :math:`10^{-\mathrm{digits}}`.
     variable : str or Symbol, optional
@@ -122,70 +138,123 @@ def spectral_factor(
     Returns
     -------
     SpectralFactor
+        In discrete time :math:`\chi` has the larger of the two degrees. In continuous time it has
+        that of D if r > 0 and :math:`\deg N \le \deg D`, and that of N for r = 0.
 
     Raises
     ------
     UnitCircleError
         If the right side vanishes on the unit circle, so that no factor is Schur.
     NoSolutionError
-        If the right side is zero.
+        If the right side is zero, or vanishes on the imaginary axis, so that no factor is Hurwitz.
     InputError
-        If r is negative or a coefficient is symbolic.
+        If r is negative, a coefficient is symbolic, or `time` is neither.
 
     Notes
     -----
-    With N and D over one denominator D of degree n it is the closed-loop polynomial of an LQ
-    regulator with :math:`R_2 = r`, and c is :math:`R_2 + B^T P B`. For r = 0 the factor consists of
-    the roots of N inside the circle and the reflections of those outside, and of n - deg N roots
-    at 0. A root of N at 0 stays there.
+    With N and D of degree n or less over one denominator D it is the closed-loop polynomial of an
+    LQ regulator with :math:`R_2 = r`, and c is :math:`R_2`, in discrete time :math:`R_2 + B^T P B`.
+    For r = 0 the factor consists of the stable roots of N and the reflections of the others: where
+    the finite poles go as :math:`r \to 0`. In discrete time n - deg N roots are at 0, and a root of
+    N at 0 stays there.
 
     Examples
     --------
     >>> from compensator_theory import spectral_factor
-    >>> high_authority = spectral_factor("3*(z - 2)*(z - 1/2)", "z**3")
+    >>> high_authority = spectral_factor("3*(z - 2)*(z - 1/2)", "z**3", time="discrete")
     >>> high_authority.polynomial.as_expr(), high_authority.constant
     (z**3 - z**2 + z/4, 36)
+    >>> found = spectral_factor("1", "s**2", "1/4", time="continuous")
+    >>> found.polynomial.as_expr(), found.constant
+    (s**2 + 2*s + 2, 1/4)
+    >>> print(spectral_factor("s", "s**2 - 3", 1, time="continuous").enclosure)
+    s**2 + 3.6055512754639892931*s + 3.0000000000000000000
     """
+    require_time(time)
     first, second, weight = weighted_pair(N, D, r, variable)
     size = int(max(first.degree(), second.degree(), 0))
-    palindrome = spectrum_of(first, size) + spectrum_of(second, size).mul_ground(weight)
-    return factor_palindrome(canonical(palindrome), size, digits)
+    spectrum = canonical(
+        spectrum_of(first, size, time) + spectrum_of(second, size, time).mul_ground(weight)
+    )
+    return factor_spectrum(spectrum, size, time, digits)
 
 
-def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> SpectralFactor:
-    r"""Take the roots inside the unit circle out of a palindromic polynomial.
+def factor_spectrum(spectrum: Poly, degree: int, time: Time, digits: int = 30) -> SpectralFactor:
+    r"""Take the stable roots out of a polynomial that is even, or palindromic in discrete time.
 
-    .. math:: p(z) = z^{2m} p(1/z), \qquad z^{-m} p(z) = c\,\chi(z)\,\chi(1/z)
+    .. math:: p(s) = p(-s), \qquad p(z) = z^{2m} p(1/z)
 
     Parameters
     ----------
-    palindrome : sympy.Poly
-        Rational, equal to its reciprocal up to a power of z.
+    spectrum : sympy.Poly
+        Rational; in discrete time equal to its reciprocal up to a power of z.
     degree : int
-        Degree of the factor; at least half the number of nonzero roots.
+        Of the factor in discrete time, at least half the number of nonzero roots. In continuous
+        time it is always half that of the spectrum.
+    time : {"continuous", "discrete"}
     digits : int
         As for :func:`spectral_factor`.
 
     Raises
     ------
     NoSolutionError
-        If the polynomial is zero.
+        If the polynomial is zero or has a root on the imaginary axis.
     UnitCircleError
         If it has a root on the unit circle.
     InputError
-        If it is not palindromic, has symbolic coefficients, or the degree is too small.
+        If it lacks the symmetry, has symbolic coefficients, or the degree is too small.
 
     Examples
     --------
     >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots.spectral_factors import factor_palindrome
-    >>> factor_palindrome(polynomial("2*z**2 - 5*z + 2"), 2).polynomial.as_expr()
+    >>> from compensator_theory.roots.spectral_factors import factor_spectrum
+    >>> factor_spectrum(polynomial("2*z**2 - 5*z + 2"), 2, "discrete").polynomial.as_expr()
     z**2 - z/2
+    >>> factor_spectrum(polynomial("4 - s**2"), 1, "continuous").polynomial.as_expr()
+    s + 2
     """
     bits = working_bits(digits)
-    if palindrome.is_zero:
+    if spectrum.is_zero:
         raise NoSolutionError("the spectrum to be factored is zero everywhere, and no factor is")
-    palindrome = require_rational(palindrome)
+    spectrum = require_rational(spectrum)
+    if time == "continuous":
+        return _factor_even(spectrum, digits, bits)
+    return _factor_palindrome(spectrum, degree, digits, bits)
+
+
+def _factor_even(spectrum: Poly, digits: int, bits: int) -> SpectralFactor:
+    if any(c != 0 for c in spectrum.all_coeffs()[-2::-2]):
+        raise InputError(f"{format_polynomial(spectrum)} is not even")
+    counted = count_roots(spectrum, time="continuous")
+    if counted.boundary:
+        raise NoSolutionError(
+            f"{format_polynomial(spectrum)} has {counted.boundary} root(s) on the imaginary axis, "
+            "so that no factor of it has all its roots to the left"
+        )
+    half = int(spectrum.degree()) // 2
+    constant = Enclosure(spectrum.LC() * (-1) ** half, Rational(0))
+    chi = _rational_hurwitz_factor(spectrum, half)
+    if chi is not None:
+        return SpectralFactor(spectrum, half, "continuous", chi, exact_enclosure(chi), constant)
+    while True:
+        balls = decided_balls(spectrum, is_left, bits)
+        with ball_precision(bits):
+            left = product_of_roots(((b, m) for b, m, inside in balls if inside), spectrum.gen)
+        if left.radius <= Rational(1, 10**digits):
+            return SpectralFactor(spectrum, half, "continuous", None, left, constant)
+        bits *= 2
+
+
+def _rational_hurwitz_factor(spectrum: Poly, half: int) -> Poly | None:
+    """Multiply the irreducible factors that are Hurwitz, if these are half of the polynomial."""
+    chosen = canonical(Poly(1, spectrum.gen))
+    for factor, multiplicity in spectrum.factor_list()[1]:
+        if factor.degree() and count_roots(canonical(factor), time="continuous").unstable == 0:
+            chosen = canonical(chosen * factor**multiplicity)
+    return monic(chosen) if chosen.degree() == half else None
+
+
+def _factor_palindrome(palindrome: Poly, degree: int, digits: int, bits: int) -> SpectralFactor:
     stripped = reciprocal_polynomial(reciprocal_polynomial(palindrome))
     if stripped != reciprocal_polynomial(stripped):
         raise InputError(f"{format_polynomial(palindrome)} is not palindromic")
@@ -202,13 +271,12 @@ def factor_palindrome(palindrome: Poly, degree: int, digits: int = 30) -> Spectr
         pass
     else:
         chi = canonical(inside * power)
-        constant = exact_enclosure(Poly(stripped.LC() / inside.TC(), palindrome.gen))
-        return SpectralFactor(
-            palindrome, degree, chi, exact_enclosure(chi), constant.coefficients[0]
-        )
+        constant = Enclosure(stripped.LC() / inside.TC(), Rational(0))
+        return SpectralFactor(palindrome, degree, "discrete", chi, exact_enclosure(chi), constant)
     enclosed, _ = enclose_split_at_unit_circle(stripped, digits)
     with ball_precision(2 * bits):
         constant_ball = ball_of_number(stripped.LC()) / ball_of_enclosure(enclosed.coefficients[-1])
         zeros = exact_enclosure(power).coefficients[1:]
         chi_ball = PolynomialEnclosure(enclosed.coefficients + zeros, palindrome.gen)
-        return SpectralFactor(palindrome, degree, None, chi_ball, enclosure_of_ball(constant_ball))
+        constant = enclosure_of_ball(constant_ball)
+    return SpectralFactor(palindrome, degree, "discrete", None, chi_ball, constant)

@@ -1,7 +1,6 @@
 """Is every root stable: decided twice, from the coefficients and from certified roots."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import sympy
 from sympy import Expr, Matrix, Poly
@@ -12,9 +11,10 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.roots.counts import RootCount, count_half_plane_roots, require_rational
-from compensator_theory.roots.regions import locate_half_plane_roots, locate_unit_disk_roots
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots, reflection_coefficients
+from compensator_theory.polynomials.variables import Time, require_time
+from compensator_theory.roots.counts import RootCount, count_roots, require_rational
+from compensator_theory.roots.regions import locate_roots
+from compensator_theory.roots.schur_cohn import reflection_coefficients
 
 MAX_DETERMINANTS = 40
 MAX_SYMBOLIC_DEGREE = 4
@@ -28,8 +28,8 @@ class StabilityDecision(ExactValue):
     ----------
     polynomial : sympy.Poly
         As asked.
-    region : {"half plane", "unit disk"}
-        Where the roots are to lie: the open left half plane or the open unit disk.
+    time : {"continuous", "discrete"}
+        Whether the roots are to lie in the open left half plane or in the open unit disk.
     by_coefficients, by_roots : bool or None
         The two answers. None if it depends on the value of a symbol, or (by_roots) if there are
         symbols or irrational coefficients at all.
@@ -40,15 +40,15 @@ class StabilityDecision(ExactValue):
 
     Examples
     --------
-    >>> from compensator_theory import decide_hurwitz
-    >>> print(decide_hurwitz("s**4 + s**3 + 2*s**2 + 2*s + 5"))
+    >>> from compensator_theory import decide_stability
+    >>> print(decide_stability("s**4 + s**3 + 2*s**2 + 2*s + 5", time="continuous"))
     s**4 + s**3 + 2*s**2 + 2*s + 5 is not Hurwitz
     from the coefficients: 2 stable, 0 on the boundary, 2 unstable
     from certified roots: 2 stable, 0 on the boundary, 2 unstable
     """
 
     polynomial: Poly
-    region: Literal["half plane", "unit disk"]
+    time: Time
     by_coefficients: bool | None
     by_roots: bool | None
     counts_by_coefficients: RootCount | None
@@ -66,7 +66,7 @@ class StabilityDecision(ExactValue):
         return self.counts_by_coefficients == self.counts_by_roots
 
     def __str__(self) -> str:
-        name = "Hurwitz" if self.region == "half plane" else "Schur"
+        name = "Hurwitz" if self.time == "continuous" else "Schur"
         verdict = {
             True: f"is {name}",
             False: f"is not {name}",
@@ -79,109 +79,67 @@ class StabilityDecision(ExactValue):
         return "\n".join(lines)
 
     def _repr_latex_(self) -> str:
-        name = "Hurwitz" if self.region == "half plane" else "Schur"
+        name = "Hurwitz" if self.time == "continuous" else "Schur"
         verdict = {True: f"is {name}", False: f"is not {name}", None: "is undecided"}[
             self.is_stable
         ]
         return displayed(rf"{latex(self.polynomial)} {words(' ' + verdict)}")
 
 
-def decide_hurwitz(poly: PolynomialLike) -> StabilityDecision:
-    r"""Decide whether every root has a negative real part.
+def decide_stability(poly: PolynomialLike, *, time: Time) -> StabilityDecision:
+    r"""Decide whether every root is stable: Hurwitz in continuous, Schur in discrete time.
 
     Parameters
     ----------
     poly : polynomial
-        Not zero. With symbols the Hurwitz determinants decide if their signs follow from the
-        symbols' assumptions, which :func:`polynomial` does not add: a SymPy symbol declared
-        positive keeps its assumption.
+        Not zero. With symbols the Hurwitz determinants decide, in discrete time the product of the
+        roots or, up to degree 4, the determinants of the polynomial mapped to the half plane, as
+        far as their signs follow from the symbols' assumptions. :func:`polynomial` adds none: a
+        SymPy symbol declared positive keeps its assumption.
+    time : {"continuous", "discrete"}
+        Whether the real parts are to be below 0 or the moduli below 1. The variable's letter does
+        not decide it; see :func:`stability_conditions` for what reads it.
 
     Returns
     -------
     StabilityDecision
-        Routh's criterion by :func:`count_half_plane_roots` and the certified roots by
-        :func:`locate_half_plane_roots`; the evidence are the Hurwitz determinants of the monic
-        polynomial up to degree 40 (above it, their cost would exceed that of both decisions). A
-        constant has no root and is Hurwitz.
+        The counts are those of :func:`count_roots` and :func:`locate_roots`; the evidence are the
+        Hurwitz determinants of the monic polynomial up to degree 40 (above it, their cost would
+        exceed that of both decisions), or its :func:`reflection_coefficients`. A constant has no
+        root and is stable.
 
     Raises
     ------
     InputError
-        If the polynomial is zero.
+        If the polynomial is zero, or `time` is neither.
 
     Examples
     --------
     >>> from sympy import symbols
-    >>> from compensator_theory import decide_hurwitz
-    >>> decide_hurwitz("(s + 1)*(s + 2)").is_stable
+    >>> from compensator_theory import decide_stability
+    >>> decide_stability("(s + 1)*(s + 2)", time="continuous").is_stable
     True
-    >>> a, s = symbols("a", positive=True), symbols("s")
-    >>> decide_hurwitz(s**2 + a*s + a).is_stable, decide_hurwitz("s**2 + a*s + 1").is_stable
-    (True, None)
-    """
-    p = polynomial(poly)
-    if is_rational(p):
-        require_rational(p)
-        counts = count_half_plane_roots(p), locate_half_plane_roots(p)
-        by_coefficients, by_roots = (count.stable == p.degree() for count in counts)
-        small = p.degree() <= MAX_DETERMINANTS
-        evidence = hurwitz_determinants(p) if small else ()
-        return StabilityDecision(p, "half plane", by_coefficients, by_roots, *counts, evidence)
-    determinants = hurwitz_determinants(p)
-    signs = [sympy.factor(d).is_positive for d in determinants]
-    needed = [sympy.factor(c / p.LC()).is_positive for c in p.all_coeffs()]  # all positive
-    by_signs = True if set(signs) == {True} else None
-    if False in signs + needed and p.LC().is_nonzero:  # else the degree may drop
-        by_signs = False
-    return StabilityDecision(p, "half plane", by_signs, None, None, None, determinants)
-
-
-def decide_schur(poly: PolynomialLike) -> StabilityDecision:
-    r"""Decide whether every root has a modulus below 1.
-
-    Parameters
-    ----------
-    poly : polynomial
-        Not zero. With symbols the product of the roots decides, or up to degree 4 the signs of the
-        Hurwitz determinants of the polynomial mapped to the half plane, as far as they follow from
-        the symbols' assumptions; else the answer is None.
-
-    Returns
-    -------
-    StabilityDecision
-        The answer of Schur, Cohn and Jury with its :func:`reflection_coefficients`, the counts by
-        :func:`count_unit_disk_roots`, and the certified roots by :func:`locate_unit_disk_roots`.
-
-    Raises
-    ------
-    InputError
-        If the polynomial is zero.
-
-    Examples
-    --------
-    >>> from compensator_theory import decide_schur
-    >>> found = decide_schur("q**2 - q/2 + 1/4")
+    >>> found = decide_stability("q**2 - q/2 + 1/4", time="discrete")
     >>> found.is_stable, found.evidence
     (True, (1/4, -2/5))
+    >>> a, s = symbols("a", positive=True), symbols("s")
+    >>> decide_stability(s**2 + a*s + a, time="continuous").is_stable
+    True
+    >>> decide_stability("s**2 + a*s + 1", time="continuous").is_stable is None
+    True
     """
-    p = polynomial(poly)
-    if is_rational(p):
-        require_rational(p)
-        counts = count_unit_disk_roots(p), locate_unit_disk_roots(p)
+    p, discrete = polynomial(poly), require_time(time) == "discrete"
+    if not is_rational(p):
+        return _schur_with_symbols(p) if discrete else _hurwitz_with_symbols(p)
+    require_rational(p)
+    counts = count_roots(p, time=time), locate_roots(p, time=time)
+    by_coefficients, by_roots = (count.stable == p.degree() for count in counts)
+    if discrete:
         evidence = reflection_coefficients(p)
         by_coefficients = all(abs(k) < 1 for k in evidence)
-        by_roots = counts[1].stable == p.degree()
-        return StabilityDecision(p, "unit disk", by_coefficients, by_roots, *counts, evidence)
-    product = sympy.cancel(p.TC() / p.LC())
-    if not p.free_symbols_in_domain:
-        return StabilityDecision(p, "unit disk", _jury(p), None, None, None, (product,))
-    certain = p.LC().is_nonzero  # else the degree may drop and the product mean nothing
-    outside = certain and sympy.Ge(sympy.Abs(product), 1) == sympy.true
-    is_small = 0 < p.degree() <= MAX_SYMBOLIC_DEGREE
-    if outside or not is_small or not any(x.is_real for x in p.free_symbols_in_domain):
-        answer = False if outside else None
-        return StabilityDecision(p, "unit disk", answer, None, None, None, (product,))
-    return _schur_through_hurwitz(p, certain)
+    else:
+        evidence = hurwitz_determinants(p) if p.degree() <= MAX_DETERMINANTS else ()
+    return StabilityDecision(p, time, by_coefficients, by_roots, *counts, evidence)
 
 
 def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
@@ -224,6 +182,29 @@ def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
     return tuple(determinant(H[:k, :k]) for k in range(1, degree + 1))
 
 
+def _hurwitz_with_symbols(p: Poly) -> StabilityDecision:
+    determinants = hurwitz_determinants(p)
+    signs = [sympy.factor(d).is_positive for d in determinants]
+    needed = [sympy.factor(c / p.LC()).is_positive for c in p.all_coeffs()]  # all positive
+    by_signs = True if set(signs) == {True} else None
+    if False in signs + needed and p.LC().is_nonzero:  # else the degree may drop
+        by_signs = False
+    return StabilityDecision(p, "continuous", by_signs, None, None, None, determinants)
+
+
+def _schur_with_symbols(p: Poly) -> StabilityDecision:
+    product = sympy.cancel(p.TC() / p.LC())
+    if not p.free_symbols_in_domain:
+        return StabilityDecision(p, "discrete", _jury(p), None, None, None, (product,))
+    certain = p.LC().is_nonzero  # else the degree may drop and the product mean nothing
+    outside = certain and sympy.Ge(sympy.Abs(product), 1) == sympy.true
+    is_small = 0 < p.degree() <= MAX_SYMBOLIC_DEGREE
+    if outside or not is_small or not any(x.is_real for x in p.free_symbols_in_domain):
+        answer = False if outside else None
+        return StabilityDecision(p, "discrete", answer, None, None, None, (product,))
+    return _schur_through_hurwitz(p, certain)
+
+
 def _schur_through_hurwitz(p: Poly, degree_is_certain: bool) -> StabilityDecision:
     """Decide by the signs of the determinants of (1 - w)^n p((1 + w)/(1 - w))."""
     w, n = p.gen, int(p.degree())
@@ -231,12 +212,12 @@ def _schur_through_hurwitz(p: Poly, degree_is_certain: bool) -> StabilityDecisio
     mapped = polynomial(sympy.expand(sympy.Add(*terms)), w)
     if mapped.degree() < n:  # p(-1) = 0, for all values
         answer = False if degree_is_certain else None
-        return StabilityDecision(p, "unit disk", answer, None, None, None, ())
+        return StabilityDecision(p, "discrete", answer, None, None, None, ())
     determinants = hurwitz_determinants(mapped)
     signs = [sympy.factor(d).is_positive for d in determinants]
     stable = None not in signs and False not in signs and bool(p.eval(-1).is_nonzero)
     answer = True if stable else False if False in signs and degree_is_certain else None
-    return StabilityDecision(p, "unit disk", answer, None, None, None, determinants)
+    return StabilityDecision(p, "discrete", answer, None, None, None, determinants)
 
 
 def _jury(poly: Poly) -> bool | None:

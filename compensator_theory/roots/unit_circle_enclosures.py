@@ -9,7 +9,7 @@ from sympy import Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.polynomials.ball_precision import ball_precision
-from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.budget import integer
 from compensator_theory.polynomials.reading import PolynomialLike
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import require_rational
@@ -144,9 +144,7 @@ def working_bits(digits: int) -> int:
     >>> working_bits(30)
     152
     """
-    if isinstance(digits, bool) or not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
-        raise InputError(f"digits = {shown(digits)} must be an integer from 1 to {MAX_DIGITS}")
-    return 32 + 4 * digits
+    return 32 + 4 * integer(digits, "digits", at_least=1, at_most=MAX_DIGITS)
 
 
 def multiply_enclosures(*factors: PolynomialEnclosure) -> PolynomialEnclosure:

@@ -14,7 +14,7 @@ from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol, is_discrete
-from compensator_theory.roots.counts import RootCount, count_half_plane_roots
+from compensator_theory.roots.counts import RootCount, count_roots
 
 PATTERNS = ("lluu", "uull", "luul", "ullu")
 """Lower or upper end of the coefficients of s^0, s^1, s^2, s^3, and so on again."""
@@ -124,7 +124,8 @@ def decide_interval_stability(
         )
         for pattern in PATTERNS
     )
-    return IntervalStability(read, polynomials, tuple(map(count_half_plane_roots, polynomials)))
+    counts = tuple(count_roots(poly, time="continuous") for poly in polynomials)
+    return IntervalStability(read, polynomials, counts)
 
 
 def _interval(item: NumberLike | Sequence[NumberLike]) -> tuple[Rational, Rational]:

@@ -2,16 +2,15 @@
 
 from dataclasses import dataclass
 
-from sympy import QQ, Poly, Symbol
+from sympy import QQ, Poly
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
-from compensator_theory.roots.counts import count_half_plane_roots
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.polynomials.variables import Time, time_of
+from compensator_theory.roots.counts import count_roots
 from compensator_theory.stabilisation.stable_compensators import search_by_order
 from compensator_theory.stabilisation.strong_stabilisability import (
     StrongStabilisability,
@@ -109,19 +108,19 @@ def decide_simultaneous_stabilisability(
     require_sign(feedback)
     plants = [transfer_function(plant) for plant in (first, second)]
     s = plants[0].variable
-    discrete = is_discrete(s, "stabilisability")
+    time = time_of(s, "stabilisability")
     if plants[1].variable != s:
         raise InputError(f"one plant is in {s} and the other in {plants[1].variable}")
     pairs = [_pair(plant) for plant in plants]
     (n_1, d_1), (n_2, d_2) = pairs
-    h = Poly(s if discrete else s + 1, s, domain=QQ)
+    h = Poly(s if time == "discrete" else s + 1, s, domain=QQ)
     size = int(d_1.degree())
     # d_1 v + n_1 u = h^(2 size), deg u < size = deg v
     u = (h ** (2 * size) * n_1.invert(d_1)).rem(d_1) if size else Poly(0, s, domain=QQ)
     v = (h ** (2 * size) - n_1 * u).exquo(d_1)
     top, bottom = n_2 * d_1 - n_1 * d_2, d_2 * v + n_2 * u
     if top.is_zero:
-        return _result(True, None, None, pairs, (u, v), feedback, s, discrete)
+        return _result(True, None, None, pairs, (u, v), feedback, time)
     auxiliary = TransferFunction(canonical(top), canonical(bottom))
     if auxiliary.numerator.degree() > auxiliary.denominator.degree():
         raise InputError("the auxiliary plant is improper, which strictly proper plants exclude")
@@ -143,7 +142,7 @@ def decide_simultaneous_stabilisability(
     # C = (U + M_1 Q)/(V - N_1 Q) with U = u/h^size, V = v/h^size, M_1 = d_1/h^size
     a, b = found.numerator, found.denominator
     chosen = u * b + d_1 * a, v * b - n_1 * a
-    return _result(True, auxiliary, decision, pairs, chosen, feedback, s, discrete)
+    return _result(True, auxiliary, decision, pairs, chosen, feedback, time)
 
 
 def _pair(plant: TransferFunction) -> tuple[Poly, Poly]:
@@ -163,16 +162,14 @@ def _result(
     pairs: list[tuple[Poly, Poly]],
     compensator: tuple[Poly, Poly],
     feedback: int,
-    s: Symbol,
-    discrete: bool,
+    time: Time,
 ) -> SimultaneousStabilisability:
     top, bottom = compensator
     C = TransferFunction(canonical(-feedback * top), canonical(bottom), feedback=feedback).reduced()
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
     loops = []
     for n, d in pairs:
         loop = canonical(d * C.denominator - feedback * n * C.numerator)
-        location = count(loop)
+        location = count_roots(loop, time=time)
         if location.stable < location.total or not C.is_proper:
             raise NoSolutionError(f"{C} leaves {loop.as_expr()} unstable; please report it")
         loops.append(loop)

@@ -11,10 +11,9 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import as_symbol, is_discrete
+from compensator_theory.polynomials.variables import Time, as_symbol, time_of
 from compensator_theory.printing import text
-from compensator_theory.roots.counts import RootCount, count_half_plane_roots
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.roots.counts import RootCount, count_roots
 from compensator_theory.stabilisation.critical_values import (
     CriticalValue,
     cells_between,
@@ -153,7 +152,7 @@ def stability_intervals(
     p, k = polynomial(poly, variable), as_symbol(parameter)
     if p.is_zero:
         raise InputError("every number is a root of the zero polynomial")
-    discrete = is_discrete(p.gen, "stability")
+    time = time_of(p.gen, "stability")
     symbols = {symbol.name: symbol for symbol in p.free_symbols_in_domain}
     others = sorted(set(symbols) - {k.name})
     if others or k == p.gen:
@@ -165,17 +164,16 @@ def stability_intervals(
         )
     k = symbols.get(k.name, k)
     divided, cleared = p.clear_denoms()
-    critical = critical_polynomials(cleared, k, discrete=discrete)
+    critical = critical_polynomials(cleared, k, discrete=time == "discrete")
     if critical is None:
         return StabilityIntervals(p, k, ())
     ends = real_roots([*critical, Poly(divided, k, domain=QQ)])
-    return StabilityIntervals(p, k, tuple(_cells(cleared, k, ends, discrete)))
+    return StabilityIntervals(p, k, tuple(_cells(cleared, k, ends, time)))
 
 
 def _cells(
-    poly: Poly, parameter: Symbol, ends: list[CriticalValue], discrete: bool
+    poly: Poly, parameter: Symbol, ends: list[CriticalValue], time: Time
 ) -> list[StabilityCell]:
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
     cells = []
     for lower, upper, sample in cells_between(ends):
         there = Poly(
@@ -183,7 +181,7 @@ def _cells(
             poly.gen,
             domain=QQ,
         )
-        cells.append(StabilityCell(lower, upper, sample, count(there)))
+        cells.append(StabilityCell(lower, upper, sample, count_roots(there, time=time)))
     return cells
 
 

@@ -11,12 +11,11 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.polynomial_matrices.rings import RationalRing
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
-from compensator_theory.roots.counts import count_half_plane_roots
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots
+from compensator_theory.polynomials.variables import time_of
+from compensator_theory.roots.counts import count_roots
 from compensator_theory.stabilisation.low_order_search import low_order_candidates
 from compensator_theory.stabilisation.stabilising_gains import stabilising_gains
 from compensator_theory.stabilisation.strong_stabilisability import (
@@ -133,13 +132,13 @@ def search_by_order(
     """
     require_sign(feedback)
     G = transfer_function(plant)
-    discrete = is_discrete(G.variable, "strong stabilisability")
+    time = time_of(G.variable, "strong stabilisability")
+    discrete = time == "discrete"
     decision = decide_strong_stabilisability(G)
     if not G.is_strictly_proper:
         raise InputError(f"the plant {G} is not strictly proper; take its direct part out first")
     highest = G.order + 2 if max_order is None else max_order
-    if isinstance(highest, bool) or not isinstance(highest, int) or highest < 0:
-        raise InputError(f"max_order is an integer and at least 0, not {shown(max_order)}")
+    integer(highest, "max_order", at_least=0)
     ask("degree", highest, "the order of the compensator")
     if not decision.is_strongly_stabilisable:
         return StableCompensator(None, None, decision, 0, str(decision))
@@ -151,12 +150,12 @@ def search_by_order(
     reduced = G.reduced()
     N, D = reduced.numerator, reduced.denominator
     ring = RationalRing(G.variable)
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
     for order in range(1, min(reduced.order - 2, highest) + 1 if between else 1):
         for numbers in low_order_candidates(N, D, order, discrete):
             top, bottom = (canonical(Poly(side, G.variable, domain=QQ)) for side in numbers)
             loop = canonical(D * bottom + N * top)
-            if all(c.stable == c.total for c in map(count, (loop, bottom))):
+            counts = [count_roots(poly, time=time) for poly in (loop, bottom)]
+            if all(c.stable == c.total for c in counts):
                 return _found(G, top * -feedback, bottom, feedback, decision, order)
     n, d = ring.read(N), ring.read(D)
     inverse = ring.read(N.invert(D)) if D.degree() else n
@@ -168,7 +167,7 @@ def search_by_order(
             if not _may_be_stable(bottom, discrete):
                 continue
             candidate = ring.write(bottom)
-            location = count(candidate)
+            location = count_roots(candidate, time=time)
             if location.stable == location.total:
                 top = ring.write(top * (-feedback))
                 return _found(G, top, candidate, feedback, decision, order)
@@ -216,10 +215,9 @@ def _found(
 ) -> StableCompensator:
     compensator = TransferFunction(canonical(top), canonical(bottom), feedback=feedback)
     whole = G.denominator * compensator.denominator - feedback * G.numerator * compensator.numerator
-    discrete = is_discrete(G.variable, "strong stabilisability")
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
+    time = time_of(G.variable, "strong stabilisability")
     for poly in (whole, compensator.denominator):
-        location = count(canonical(poly))
+        location = count_roots(canonical(poly), time=time)
         if location.stable != location.total:
             raise NoSolutionError(f"{compensator} leaves {location}; please report it")
     return StableCompensator(compensator, canonical(whole), decision, order, "")

@@ -8,11 +8,10 @@ from sympy import Poly
 
 from compensator_theory.latex import displayed, words
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
+from compensator_theory.polynomials.variables import time_of
 from compensator_theory.roots.certified import decided_balls
-from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.roots.counts import count_roots
 from compensator_theory.roots.enclosures import Enclosure, enclosure_of_ball
-from compensator_theory.roots.schur_cohn import count_unit_disk_roots
 from compensator_theory.stabilisation.blocking_zeros import interlacing
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike
 
@@ -141,9 +140,9 @@ def decide_strong_stabilisability(plant: TransferMatrixLike) -> StrongStabilisab
     True
     """
     G, N, D, hidden, vanishes_at_infinity = interlacing(plant)
-    discrete = is_discrete(G.variable, "strong stabilisability")
-    count = count_unit_disk_roots if discrete else count_half_plane_roots
-    modes = count(hidden)
+    time = time_of(G.variable, "strong stabilisability")
+    discrete = time == "discrete"
+    modes = count_roots(hidden, time=time)
     right = _zeros(N, D, 1 if discrete else 0, discrete)
     left = _zeros(N, D, -1, discrete) if discrete else []
     infinity = [UnstableRealZero(None, 1)] if vanishes_at_infinity else []

@@ -55,11 +55,12 @@ def hurwitz_spectra(draw: st.DrawFn, size: int, real_roots: bool | None = None) 
     Examples
     --------
     >>> from hypothesis import given
-    >>> from compensator_theory import decide_hurwitz, polynomial_from_roots
+    >>> from compensator_theory import decide_stability, polynomial_from_roots
     >>> from compensator_theory.strategies import hurwitz_spectra
     >>> @given(hurwitz_spectra(3))
     ... def check(roots):
-    ...     assert decide_hurwitz(polynomial_from_roots(roots, "s")).is_stable
+    ...     poly = polynomial_from_roots(roots, "s")
+    ...     assert decide_stability(poly, time="continuous").is_stable
     >>> check()
     """
     negative = st.builds(Rational, st.integers(1, 9), st.integers(1, 4)).map(lambda x: -x)
@@ -85,11 +86,12 @@ def schur_spectra(draw: st.DrawFn, size: int, real_roots: bool | None = None) ->
     Examples
     --------
     >>> from hypothesis import given
-    >>> from compensator_theory import decide_schur, polynomial_from_roots
+    >>> from compensator_theory import decide_stability, polynomial_from_roots
     >>> from compensator_theory.strategies import schur_spectra
     >>> @given(schur_spectra(3))
     ... def check(roots):
-    ...     assert decide_schur(polynomial_from_roots(roots, "q")).is_stable
+    ...     poly = polynomial_from_roots(roots, "q")
+    ...     assert decide_stability(poly, time="discrete").is_stable
     >>> check()
     """
     pairs = draw(_numbers_of_pairs(size, real_roots))

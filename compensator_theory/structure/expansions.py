@@ -6,10 +6,9 @@ from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Poly
 
-from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, fraction, latex, total
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -50,8 +49,7 @@ def markov_parameters(G: TransferFunctionLike, count: int) -> tuple[Expr, ...]:
     >>> markov_parameters("(s + 5)/(s**2 + 3*s + 2)", 5)
     (0, 1, 2, -8, 20)
     """
-    if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-        raise InputError(f"count = {shown(count)} must be a positive integer")
+    integer(count, "count", at_least=1)
     ask("degree", count - 1, "the expansion")
     G = transfer_function(G)
     require_proper(G, "transfer function")

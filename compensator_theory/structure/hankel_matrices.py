@@ -2,9 +2,9 @@
 
 from sympy import ImmutableMatrix, Symbol
 
-from compensator_theory.errors import ImproperError, InputError
+from compensator_theory.errors import ImproperError
 from compensator_theory.matrices.echelon import echelon
-from compensator_theory.polynomials.budget import ask, shown
+from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.structure.expansions import markov_parameters
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -51,8 +51,7 @@ def hankel_matrix(
     [2, -8]])
     """
     for name, number in (("rows", rows), ("columns", columns)):
-        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-            raise InputError(f"{name} = {shown(number)} must be a positive integer")
+        integer(number, name, at_least=1)
     source = transfer_matrix(G, variable)
     outputs, inputs = source.shape
     ask("entries", rows * outputs * columns * inputs, "the Hankel matrix")

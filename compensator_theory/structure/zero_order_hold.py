@@ -15,6 +15,7 @@ from compensator_theory.polynomials.budget import (
     ask,
     ask_for_number,
     decimal_digits,
+    integer,
     shown,
     unlimited,
 )
@@ -191,8 +192,7 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
     Poly(z**2 + 4*z + 1, z, domain='QQ')
     """
     r = relative_degree
-    if isinstance(r, bool) or not isinstance(r, int) or r < 1:
-        raise InputError(f"relative_degree = {shown(r)} must be a positive integer")
+    integer(r, "relative_degree", at_least=1)
     ask("degree", r, "the sampling zero polynomial")
     coefficients = [
         sum((-1) ** (k - j) * j**r * sympy.binomial(r + 1, k - j) for j in range(1, k + 1))

@@ -112,10 +112,7 @@ def input_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None
     s + 2 = 0: costate [0, 1]
     """
     given = realisation(plant, variable)
-    if not given.n:
-        return _none(given)
-    smith = smith_form(_pencil(given).row_join(-given.B), given.variable)
-    return zeros_of(smith, smith, (0, 0), (given.n, 0))
+    return _decoupling_zeros(given, _pencil(given).row_join(-given.B), (0, 0), (given.n, 0))
 
 
 def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | None = None) -> Zeros:
@@ -138,16 +135,16 @@ def output_decoupling_zeros(plant: RealisationLike, variable: str | Symbol | Non
     s + 2 = 0: state [0, 1]
     """
     given = realisation(plant, variable)
-    if not given.n:
-        return _none(given)
-    smith = smith_form(_pencil(given).col_join(given.C), given.variable)
-    return zeros_of(smith, smith, (given.n, 0), (0, 0))
+    return _decoupling_zeros(given, _pencil(given).col_join(given.C), (given.n, 0), (0, 0))
 
 
 def _pencil(plant: Realisation) -> ImmutableMatrix:
     return plant.variable * ImmutableMatrix(sympy.eye(plant.n)) - plant.A
 
 
-def _none(plant: Realisation) -> Zeros:
-    smith = smith_form([[1]], plant.variable)
-    return zeros_of(smith, smith, (0, 0), (0, 0))
+def _decoupling_zeros(
+    plant: Realisation, matrix: ImmutableMatrix, right: tuple[int, int], left: tuple[int, int]
+) -> Zeros:
+    """Find where the pencil beside B or C loses rank; without states there is nothing to hide."""
+    smith = smith_form(matrix if plant.n else [[1]], plant.variable)
+    return zeros_of(smith, smith, right, left)

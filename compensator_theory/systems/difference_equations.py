@@ -7,7 +7,7 @@ from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.polynomials.budget import ask, listed, shown
+from compensator_theory.polynomials.budget import ask, integer, listed
 from compensator_theory.polynomials.variables import as_symbol
 
 
@@ -50,8 +50,7 @@ def compensator_polynomials(
     (Matrix([[3*q + 4]]), Matrix([[q**2 - q + 1/2]]))
     """
     for name, count in (("n_c", n_c), ("k_c", k_c)):
-        if isinstance(count, bool) or not isinstance(count, int):
-            raise InputError(f"{name} = {shown(count)} must be an integer")
+        integer(count, name)
         ask("degree", count, "the compensator")
     P, Q = (listed(x, "degree", f"the list of {name}") for x, name in ((P, "P"), (Q, "Q")))
     if not 0 <= k_c <= n_c:

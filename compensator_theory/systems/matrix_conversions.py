@@ -20,9 +20,8 @@ from compensator_theory.polynomials.variables import (
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
 from compensator_theory.systems.realisations import Realisation
-from compensator_theory.transfer_functions.arithmetic import product
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction, product
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 TransferMatrixLike: TypeAlias = (

@@ -1,7 +1,10 @@
 """Exact SISO transfer functions that keep the common factors they were given."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias, cast
 
 import sympy
 from sympy import Expr, Poly, Rational, Symbol
@@ -10,22 +13,44 @@ from sympy.printing.pretty.stringpict import prettyForm
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.latex import displayed, fraction
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomials.budget import quoted
+from compensator_theory.polynomials.budget import ask, is_integer, quoted, shown
+from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, monic, scaled
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
+from compensator_theory.polynomials.poly import (
+    canonical,
+    from_coefficients,
+    monic,
+    scaled,
+    sides_in,
+)
+from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.reading import polynomial
+from compensator_theory.polynomials.sympy_trees import tree_of
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.polynomials.variables import (
+    as_symbol,
+    evident_variable,
+    require_no_other_operator,
+)
 from compensator_theory.roots.certified import Root, certified_roots
-from compensator_theory.transfer_functions.sample_times import time_base, to_float
-from compensator_theory.transfer_functions.substitution import Substitution
+from compensator_theory.transfer_functions.sample_times import (
+    shared_sample_time,
+    time_base,
+    to_float,
+)
 
 if TYPE_CHECKING:
     import control
     from sympy.physics.control import TransferFunction as SympyTransferFunction
 
+Sides: TypeAlias = tuple[Poly, Poly]
+Operand: TypeAlias = "TransferFunction | NumberLike | Poly"
+"""What stands beside a transfer function in a sum or a product."""
+
 
 @dataclass(frozen=True, repr=False)
-class TransferFunction(Substitution, ExactValue):
+class TransferFunction(ExactValue):
     r"""A quotient of two exact polynomials with monic denominator, never reduced silently.
 
     .. math:: G = \frac{N}{D}, \qquad D(s) = s^n + D_{n-1}s^{n-1} + \cdots + D_0
@@ -56,6 +81,11 @@ class TransferFunction(Substitution, ExactValue):
     symbolic coefficients every statement is about generic values of the symbols, and a predicate
     that depends on the values is None.
 
+    The operators + - * / ** follow the rules of a text: a sum over one denominator keeps it, a sum
+    over two different ones is over their product, a product multiplies numerators and denominators,
+    and nothing cancels. So G - G is 0 over the denominator of G, and G/G is N D over D N. A sample
+    time is kept, and two different ones are refused.
+
     Source: (2.10), (2.12), (7.32), (7.33).
 
     Examples
@@ -66,6 +96,12 @@ class TransferFunction(Substitution, ExactValue):
     (s + 1)/(s**2 + 3*s + 2)
     >>> G.order, G.common_factor(), str(G.reduced())
     (2, Poly(s + 1, s, domain='QQ'), '(1)/(s + 2)')
+    >>> G = transfer_function("1/(s + 1)")
+    >>> print(G + 2, G * G, G**-2 / "s + a", sep=", ")
+    (2*s + 3)/(s + 1), (1)/(s**2 + 2*s + 1), (s**2 + 2*s + 1)/(s + a)
+    >>> G = transfer_function("1/(s + a)", "s")
+    >>> print(G(1), G.subs({"a": 2}), G.subs({"a": 1}).compose("(z - 1)/(z + 1)"), sep=", ")
+    1/(a + 1), (1)/(s + 2), (z/2 + 1/2)/(z)
     """
 
     numerator: Poly
@@ -136,7 +172,7 @@ class TransferFunction(Substitution, ExactValue):
         """Return the monic greatest common divisor of numerator and denominator."""
         return monic(canonical(self.numerator.gcd(self.denominator)))
 
-    def reduced(self) -> "TransferFunction":
+    def reduced(self) -> TransferFunction:
         """Return the same transfer function without its common factor."""
         factor = self.common_factor()
         return TransferFunction(
@@ -158,13 +194,13 @@ class TransferFunction(Substitution, ExactValue):
         """Return a SymPy expression; SymPy may cancel factors in it."""
         return self.numerator.as_expr() / self.denominator.as_expr()
 
-    def to_sympy(self) -> "SympyTransferFunction":
+    def to_sympy(self) -> SympyTransferFunction:
         """Return the class of sympy.physics.control, numerator and denominator as they are."""
         from sympy.physics.control import TransferFunction as Sympys  # slow to import
 
         return Sympys(self.numerator.as_expr(), self.denominator.as_expr(), self.variable)
 
-    def to_control(self, dt: float | bool | None = None) -> "control.TransferFunction":
+    def to_control(self, dt: float | bool | None = None) -> control.TransferFunction:
         """Return the python-control object; every coefficient is rounded once to float64.
 
         Parameters
@@ -184,6 +220,145 @@ class TransferFunction(Substitution, ExactValue):
             [to_float(c) for c in p.all_coeffs()] for p in (self.numerator, self.denominator)
         ]
         return control.TransferFunction(*rounded, time_base(self.variable, self.sample_time, dt))
+
+    def __call__(self, point: NumberLike) -> Expr:
+        r"""Return the value at a number or a symbolic point, G(1), G(2j) or G("exp(1)").
+
+        Raises
+        ------
+        InputError
+            If the point is a root of the denominator.
+        """
+        at = exact_number(point)
+        top, bottom = (
+            _expanded(side.as_expr().subs(side.gen, at))
+            for side in (self.numerator, self.denominator)
+        )
+        if bottom == 0:
+            what = "a root that numerator and denominator share; take .reduced()" if top == 0 else (
+                "a pole"
+            )  # fmt: skip
+            raise InputError(f"{self} has no value at {self.denominator.gen} = {at}: it is {what}")
+        return quotient_of(top / bottom).value()
+
+    def subs(self, values: Mapping[str | Symbol, NumberLike]) -> TransferFunction:
+        """Give values, numbers or expressions, to symbols of the coefficients, all at once.
+
+        Raises
+        ------
+        InputError
+            If a coefficient has no value there, a name is that of the variable (`compose` is for
+            that), or a symbol does not occur.
+        """
+        if not isinstance(values, Mapping):
+            raise InputError(f"subs takes a mapping such as {{'a': 2}}, not {shown(values)}")
+        given = {as_symbol(name): exact_number(value) for name, value in values.items()}
+        variable = self.denominator.gen
+        names = {
+            s.name: s for side in (self.numerator, self.denominator) for s in side.free_symbols
+        }
+        if unknown := sorted(symbol.name for symbol in given if symbol.name not in names):
+            known = ", ".join(sorted(set(names) - {variable.name})) or "none"
+            raise InputError(f"{self} has no symbol {', '.join(unknown)}; its symbols: {known}")
+        if variable.name in {symbol.name for symbol in given}:
+            raise InputError(
+                f"{variable} is the variable of {self}; call it for a value, as in G(1), and "
+                "compose(...) it with another transfer function"
+            )
+        replaced = {names[symbol.name]: value for symbol, value in given.items()}
+        if any(variable in value.free_symbols for value in replaced.values()):
+            raise InputError(f"a value contains {variable}, the variable of {self}")
+        top, bottom = (
+            from_coefficients([_at(c, replaced, self) for c in side.all_coeffs()], variable)
+            for side in (self.numerator, self.denominator)
+        )
+        return TransferFunction(top, bottom, sample_time=self.sample_time)
+
+    def compose(self, inner: Operand, variable: str | Symbol | None = None) -> TransferFunction:
+        r"""Put a transfer function in the place of the variable, for instance Tustin's.
+
+        .. math:: G\Big(\frac{p}{q}\Big) = \frac{\sum_k N_k p^k q^{d-k}}{\sum_k D_k p^k q^{d-k}},
+                  \qquad d = \max(\deg N, \deg D)
+
+        Parameters
+        ----------
+        inner : transfer function, str, expression or number
+            In its own variable, which is that of the result.
+        variable : str or Symbol, optional
+            The variable of `inner` where it does not show it.
+
+        Raises
+        ------
+        InputError
+            If the denominator becomes zero.
+        """
+        top, bottom = _inner(inner, self.denominator.gen, variable)
+        d = max(self.numerator.degree(), self.denominator.degree())
+        ask("degree", int(d) * max(1, int(top.degree()), int(bottom.degree())), "the composition")
+        powers = [(constant_one(top), constant_one(top))]
+        for _ in range(int(d)):
+            powers.append((powers[-1][0] * top, powers[-1][1] * bottom))
+        sides = []
+        for side in (self.numerator, self.denominator):
+            terms = [
+                powers[k][0] * powers[int(d) - k][1] * Poly(c, top.gen) for (k,), c in side.terms()
+            ]
+            sides.append(canonical(sum(terms, start=Poly(0, top.gen))))
+        if sides[1].is_zero:
+            raise InputError(f"{self} has no value there: its denominator becomes zero")
+        period = self.sample_time if top.gen == self.denominator.gen else None
+        period = getattr(inner, "sample_time", None) or period
+        return TransferFunction(sides[0], sides[1], sample_time=period)
+
+    __array_ufunc__ = None  # an array of numbers times a transfer function is refused, not looped
+
+    def __add__(self, other: Operand) -> TransferFunction:
+        return self._join(other, added)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: added(a, (-b[0], b[1])))
+
+    def __rsub__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: added(b, (-a[0], a[1])))
+
+    def __neg__(self) -> TransferFunction:
+        return TransferFunction(-self.numerator, self.denominator, sample_time=self.sample_time)
+
+    def __pos__(self) -> TransferFunction:
+        return self
+
+    def __mul__(self, other: Operand) -> TransferFunction:
+        return self._join(other, multiplied)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: multiplied(a, inverted(b)))
+
+    def __rtruediv__(self, other: Operand) -> TransferFunction:
+        return self._join(other, lambda a, b: multiplied(b, inverted(a)))
+
+    def __pow__(self, exponent: int) -> TransferFunction:
+        if not is_integer(exponent):
+            raise TypeError(f"{exponent!r} is no exponent of a transfer function; an int is")
+        sides = self.numerator, self.denominator
+        top, bottom = inverted(sides) if exponent < 0 else sides
+        for side in (top, bottom):
+            ask("degree", max(0, int(side.total_degree())) * abs(exponent), "the power")
+        return TransferFunction(
+            canonical(top ** abs(exponent)),
+            canonical(bottom ** abs(exponent)),
+            sample_time=self.sample_time,
+        )
+
+    def _join(self, other: Operand, operation: Callable[[Sides, Sides], Sides]) -> TransferFunction:
+        sides = sides_of(other, self.denominator.gen)
+        if sides is None:
+            return cast(TransferFunction, NotImplemented)  # Python then asks the other operand
+        joined = operation((self.numerator, self.denominator), sides)
+        return TransferFunction(*joined, sample_time=shared_sample_time(self, other))
 
     def __str__(self) -> str:
         return f"({format_polynomial(self.numerator)})/({format_polynomial(self.denominator)})"
@@ -229,3 +404,162 @@ def require_proper(G: TransferFunction, name: str) -> None:
             f"the {name} {G} is improper: its numerator has degree {G.numerator.degree()} and its "
             f"denominator {G.order}; a realisable {name} has at least as many poles as zeros"
         )
+
+
+def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
+    """Return numerator and denominator of an operand; None if it is none.
+
+    Raises
+    ------
+    InputError
+        If it is a transfer function in another variable, or no quotient of polynomials.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.transfer_functions.transfer_functions import sides_of
+    >>> sides_of("2/(s + 1)", s)
+    (Poly(2, s, domain='QQ'), Poly(s + 1, s, domain='QQ'))
+    """
+    if isinstance(operand, TransferFunction):
+        if operand.denominator.gen != variable:
+            raise InputError(
+                f"{operand} is in {operand.denominator.gen} and the other operand in {variable}; "
+                "both need one variable"
+            )
+        return operand.numerator, operand.denominator
+    if isinstance(operand, Poly):
+        return polynomial(operand, variable), constant_one(polynomial(operand, variable))
+    if isinstance(operand, str):
+        return _in_one_operator(sides_in(read_text(operand), variable))
+    try:
+        number = exact_number(operand)
+    except InputError:
+        if isinstance(operand, Expr | int | float | complex):
+            raise  # a NaN, for instance: the reason is better than "unsupported operand"
+        return None
+    return _in_one_operator(sides_in(quotient_of(number), variable))
+
+
+def added(a: Sides, b: Sides) -> Sides:
+    """Add two quotients over the denominator they share, else over the product of both.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.transfer_functions.transfer_functions import added
+    >>> added((polynomial("s"), polynomial("s + 1")), (polynomial("1", "s"), polynomial("s + 1")))
+    (Poly(s + 1, s, domain='QQ'), Poly(s + 1, s, domain='QQ'))
+    """
+    if a[1] == b[1]:
+        return canonical(a[0] + b[0]), a[1]
+    (n_1, d_2), (n_2, d_1) = (a[0], b[1]), (b[0], a[1])
+    return canonical(product(n_1, d_2) + product(n_2, d_1)), product(d_1, d_2)
+
+
+def multiplied(a: Sides, b: Sides) -> Sides:
+    """Multiply two quotients, side by side.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.transfer_functions.transfer_functions import multiplied
+    >>> multiplied((polynomial("s"), polynomial("s + 1")), (polynomial("s + 1"), polynomial("s")))
+    (Poly(s**2 + s, s, domain='QQ'), Poly(s**2 + s, s, domain='QQ'))
+    """
+    return product(a[0], b[0]), product(a[1], b[1])
+
+
+def inverted(sides: Sides) -> Sides:
+    """Exchange numerator and denominator.
+
+    Raises
+    ------
+    InputError
+        If the numerator is zero.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.transfer_functions.transfer_functions import inverted
+    >>> inverted((polynomial("s"), polynomial("s + 1")))[0]
+    Poly(s + 1, s, domain='QQ')
+    """
+    if sides[0].is_zero:
+        raise InputError("the transfer function 0 has no inverse")
+    return sides[1], sides[0]
+
+
+def product(a: Poly, b: Poly) -> Poly:
+    """Multiply two polynomials, whose degrees together must be within the budget.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.transfer_functions.transfer_functions import product
+    >>> product(polynomial("s + 1"), polynomial("s - a", "s"))
+    Poly(s**2 + (1 - a)*s - a, s, domain='QQ[a]')
+    """
+    if not (a.is_zero or b.is_zero):
+        ask("degree", int(a.degree()) + int(b.degree()), "the product")
+    return canonical(a * b)
+
+
+def constant_one(like: Poly) -> Poly:
+    """Return 1 as a polynomial in the same variable.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.transfer_functions.transfer_functions import constant_one
+    >>> constant_one(polynomial("s + a", "s"))
+    Poly(1, s, domain='QQ')
+    """
+    return Poly(1, like.gen, domain=sympy.QQ)
+
+
+def quotient_of(expression: Expr) -> Quotient:
+    """Multiply out a SymPy expression, as SymPy has it.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.transfer_functions.transfer_functions import quotient_of
+    >>> quotient_of(1/s + 1/(s + 1)).sides()
+    (2*s + 1, s**2 + s)
+    """
+    return multiplied_out(tree_of(expression), least_denominators=True)
+
+
+def _in_one_operator(sides: Sides) -> Sides:
+    """Refuse z or q as a symbol of the coefficients of what is in s, and the reverse."""
+    for side in sides:
+        require_no_other_operator(side)
+    return sides
+
+
+def _inner(inner: Operand, outer: Symbol, variable: str | Symbol | None) -> Sides:
+    if isinstance(inner, TransferFunction | Poly):
+        own = inner.gen if isinstance(inner, Poly) else inner.denominator.gen
+    else:
+        read = read_text(inner) if isinstance(inner, str) else quotient_of(exact_number(inner))
+        occurring = read.value().free_symbols
+        own = evident_variable(occurring, repr(inner)) if occurring else outer
+    found = sides_of(inner, own if variable is None else as_symbol(variable))
+    if found is None:
+        raise InputError(f"{shown(inner)} cannot stand in the place of {outer}")
+    return found
+
+
+def _at(coefficient: Expr, values: dict[Symbol, Expr], whole: object) -> Expr:
+    found = sympy.sympify(coefficient).subs(values, simultaneous=True)
+    if found.has(sympy.zoo, sympy.nan, sympy.oo):
+        at = ", ".join(f"{name} = {value}" for name, value in values.items())
+        raise InputError(
+            f"{whole} does not exist at {at}: the coefficient {coefficient} divides by zero there"
+        )
+    return found
+
+
+def _expanded(expression: Expr) -> Expr:
+    return quotient_of(sympy.expand(expression)).value()

@@ -13,8 +13,8 @@ from compensator_theory.polynomial_matrices.exceptional_factors import exception
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
-from compensator_theory.roots.stability import decide_hurwitz, decide_schur
+from compensator_theory.polynomials.variables import time_of
+from compensator_theory.roots.stability import decide_stability
 from compensator_theory.state_feedback.gain_families import state_feedback_family
 from compensator_theory.state_feedback.observer_gain_families import observer_gain_family
 from compensator_theory.structure.minimal_realisations import minimal_realisation
@@ -191,8 +191,7 @@ def require_stable(matrix: ImmutableMatrix, variable: Symbol, name: str) -> None
     >>> require_stable(ImmutableMatrix([[-1]]), s, "regulator")
     """
     wanted = characteristic_polynomial(matrix, variable)
-    decide = decide_schur if is_discrete(variable, "stability") else decide_hurwitz
-    if decide(wanted).is_stable is False:
+    if decide_stability(wanted, time=time_of(variable, "stability")).is_stable is False:
         raise InputError(
             f"the {name} spectrum {format_polynomial(wanted)} is not stable; the fractions need "
             "stable denominators"

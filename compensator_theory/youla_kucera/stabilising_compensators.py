@@ -13,8 +13,8 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete, is_operator
-from compensator_theory.roots.stability import decide_hurwitz, decide_schur
+from compensator_theory.polynomials.variables import is_operator, time_of
+from compensator_theory.roots.stability import decide_stability
 from compensator_theory.structure.coprime_fractions import coprime_fractions
 from compensator_theory.systems.canonical_forms import RealisationLike
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -196,8 +196,8 @@ class StabilisingCompensators(ExactValue):
             G[i, j].is_proper for G in (C, Q) for i in range(C.shape[0]) for j in range(C.shape[1])
         ]
         poles = coprime_fractions(Q).pole_polynomial
-        decide = decide_schur if is_discrete(Q.variable, "stability") else decide_hurwitz
-        verdicts = [*proper, decide(poles).is_stable]
+        decision = decide_stability(poles, time=time_of(Q.variable, "stability"))
+        verdicts = [*proper, decision.is_stable]
         return False if False in verdicts else None if None in verdicts else True
 
     def _parameter(self, Q: RealisationLike | TransferMatrixLike | None) -> Realisation:

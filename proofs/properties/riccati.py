@@ -44,7 +44,7 @@ def high_authority_poles(case: Case) -> bool:
     outside = [zero for zero in found if abs(zero) > 1]
     reflected = [1 / zero if abs(zero) > 1 else zero for zero in found]
     chi = canonical(Poly(q**d * prod(q - zero for zero in reflected), q))
-    solution = solve_riccati(A, B, E_1)
+    solution = solve_riccati(A, B, E_1, time="discrete")
     P, K = Matrix(solution.P), Matrix(solution.K)
     W = (B.T * P * B)[0]
     return bool(

@@ -152,5 +152,5 @@ def counted_stable(A: fmpq_mat) -> bool:
     if not A.nrows():
         return True
     coefficients = [Rational(int(c.p), int(c.q)) for c in reversed(A.charpoly().coeffs())]
-    count = exact.locate_unit_disk_roots(Poly(coefficients, Symbol("q"), domain="QQ"))
+    count = exact.locate_roots(Poly(coefficients, Symbol("q"), domain="QQ"), time="discrete")
     return bool(count.unstable + count.boundary == 0)

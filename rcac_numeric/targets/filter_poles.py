@@ -57,7 +57,7 @@ def require_no_pole_outside(
     if poles.degree() > NAMED:
         found = "a pole outside the unit circle"
     else:
-        count = exact_theory.locate_unit_disk_roots(poles).unstable
+        count = exact_theory.locate_roots(poles, time="discrete").unstable
         largest = max(exact_theory.certified_roots(poles), key=lambda root: abs(root.value))
         found = f"{count} pole{'s' * (count > 1)} outside the unit circle, the largest at {largest}"
     raise InputError(

@@ -124,7 +124,7 @@ def zeros_not_inside(polynomial: Poly) -> tuple[Number, ...]:
 
 def _of_irreducible(factor: Poly) -> list[Number]:
     """The roots of an irreducible polynomial on or outside the unit circle; no tolerance."""
-    count = exact.locate_unit_disk_roots(factor)
+    count = exact.locate_roots(factor, time="discrete")
     wanted = count.boundary + count.unstable
     if wanted and factor.degree() == 1:
         return [-factor.monic().nth(0)]

@@ -248,30 +248,22 @@ SAMPLES = {
     exact.Enclosure: st.builds(exact.Enclosure, rationals(), rationals().map(abs)),
     exact.ExceptionalCases: EXCEPTIONAL_CASES,
     exact.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda found: found.cases[-1]),
-    exact.HighAuthorityLQG: discrete_problems().map(exact.high_authority_lqg),
+    exact.LQGController: (discrete_problems() | continuous_problems()).map(exact.lqg_controller),
     exact.ZeroDirectionTarget: nonzero_rationals().map(
         lambda a: exact.zero_direction_target([[1, 0], [a, 1]], [(a + a / abs(a), [1, a])])
     ),
     exact.HighAuthorityTarget: discrete_problems().map(exact.high_authority_target),
-    exact.HalfPlaneFactor: st.sampled_from([0, "1/4", 1]).map(
-        lambda r: exact.continuous_spectral_factor("s - 1", "s**2", r)
-    ),
-    exact.ContinuousRiccatiSolution: continuous_problems().map(
-        lambda plant: exact.continuous_lqg(plant).regulator
-    ),
-    exact.ContinuousLQG: continuous_problems().map(exact.continuous_lqg),
-    exact.ContinuousLQGPoles: continuous_problems().map(exact.continuous_lqg_poles),
-    exact.ContinuousHighAuthority: continuous_problems().map(exact.continuous_high_authority),
+    exact.HighAuthorityLimits: continuous_problems().map(exact.high_authority_limits),
     exact.HighAuthorityLimit: continuous_problems().map(
-        lambda plant: exact.continuous_high_authority(plant).regulator
+        lambda plant: exact.high_authority_limits(plant).regulator
     ),
     exact.ButterworthPattern: continuous_problems().map(
-        lambda plant: exact.continuous_high_authority(plant).estimator.patterns[0]
+        lambda plant: exact.high_authority_limits(plant).estimator.patterns[0]
     ),
     exact.RegulatorLocus: strictly_proper_plants().map(
         lambda plant: exact.regulator_locus(plant.numerator, plant.denominator)
     ),
-    exact.LQGPoles: discrete_problems().map(exact.lqg_poles),
+    exact.LQGPoles: (discrete_problems() | continuous_problems()).map(exact.lqg_poles),
     exact.ObserverBasedCompensator: observer_based(),
     exact.ObserverDecision: st.builds(
         lambda pair: exact.realisation_is_observer_based(*pair),
@@ -289,15 +281,22 @@ SAMPLES = {
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
     exact.RiccatiSolution: st.sampled_from([0, 1, "1/2"]).map(
-        lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1], [0]], [[0], [r]])
-    ),
+        lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1], [0]], [[0], [r]], time="discrete")
+    )
+    | continuous_problems().map(lambda plant: exact.lqg_controller(plant).regulator),
     exact.Root: polynomials(min_degree=1).map(lambda p: exact.certified_roots(p)[0]),
-    exact.RootCount: POLYS.map(exact.count_half_plane_roots),
+    exact.RootCount: POLYS.map(lambda p: exact.count_roots(p, time="continuous")),
     exact.SpectralFactor: st.sampled_from([0, 1, 3]).map(
-        lambda r: exact.spectral_factor("z - 2", "z", r)
+        lambda r: exact.spectral_factor("z - 2", "z", r, time="discrete")
+    )
+    | st.sampled_from([0, "1/4", 1]).map(
+        lambda r: exact.spectral_factor("s - 1", "s**2", r, time="continuous")
     ),
-    exact.StabilityDecision: POLYS.map(exact.decide_hurwitz)
-    | SYMBOLIC_POLYS.map(exact.decide_hurwitz),
+    exact.StabilityDecision: st.builds(
+        lambda p, time: exact.decide_stability(p, time=time),
+        POLYS | SYMBOLIC_POLYS,
+        st.sampled_from(["continuous", "discrete"]),
+    ),
     exact.StandardProblem: standard_problems(max_order=2),
     exact.TransferFunction: strictly_proper_plants()
     | SYMBOLIC_POLYS.map(lambda p: exact.transfer_function((1, p * p + 1), "s")),

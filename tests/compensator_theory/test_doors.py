@@ -1,6 +1,7 @@
 """What an audit of the doors found, each reproducer kept: misreadings, hangs, raw errors."""
 
 from decimal import Decimal
+from functools import partial
 
 import control
 import numpy as np
@@ -62,7 +63,7 @@ def test_what_was_read_is_echoed_and_reads_back(obj):
 @pytest.mark.parametrize(
     "function",
     [exact.resultant, exact.number_of_common_roots, exact.bezout_identity, exact.sylvester_m1,
-     exact.sylvester_m2, exact.spectral_factor],
+     exact.sylvester_m2, partial(exact.spectral_factor, time="discrete")],
 )  # fmt: skip
 @pytest.mark.parametrize("pair", [("s + 1", "a"), ("s + 1", "z + 1"), ("s*(s + 1)", "k")])
 def test_ambiguity_is_refused_by_name(function, pair):
@@ -102,16 +103,32 @@ def test_one_name_is_one_symbol(call):
 # ---- time
 @pytest.mark.parametrize(
     "call",
-    [lambda: exact.high_authority_lqg(exact.standard_problem(CONTINUOUS)),
-     lambda: exact.lqg_poles(exact.standard_problem(CONTINUOUS)),
-     lambda: exact.high_authority_target(exact.standard_problem(CONTINUOUS)),
+    [lambda: exact.high_authority_target(exact.standard_problem(CONTINUOUS)),
+     lambda: exact.high_authority_limits(exact.standard_problem("1/(q - 2)")),
      lambda: exact.lqg_poles(exact.standard_problem("1/(x - 2)")),
-     lambda: exact.solve_riccati([[2]], [[1]], [[1]], variable="s"),
-     lambda: exact.regulator_spectrum([[2]], [[1]], [[1]], [[0]], "s")],
+     lambda: exact.lqg_controller(exact.standard_problem("1/(x - 2)")),
+     lambda: exact.solve_riccati([[2]], [[1]], [[1]], variable="s", time="discrete"),
+     lambda: exact.solve_riccati([[2]], [[1]], [[1]], [[1]], variable="z", time="continuous"),
+     lambda: exact.regulator_spectrum([[2]], [[1]], [[1]], variable="s", time="discrete")],
 )  # fmt: skip
-def test_discrete_lqg_refuses_continuous_plants(call):
+def test_lqg_refuses_a_variable_of_the_other_time_domain_or_of_none(call):
     with pytest.raises(InputError, match="discrete"):
         call()
+
+
+@pytest.mark.parametrize(
+    "function",
+    [partial(exact.count_roots, "s + 1"), partial(exact.locate_roots, "s + 1"),
+     partial(exact.decide_stability, "s + 1"), partial(exact.decide_stability, "s + a"),
+     partial(exact.spectral_factor, "s + 1"), partial(exact.solve_riccati, [[2]], [[1]], [[1]]),
+     partial(exact.regulator_spectrum, [[2]], [[1]], [[1]])],
+)  # fmt: skip
+@pytest.mark.parametrize("time", ["Continuous", "s", "", None, 0, True, [], b"discrete"])
+def test_what_does_not_carry_its_time_domain_is_told(function, time):
+    with pytest.raises(InputError, match="time='continuous' or time='discrete'"):
+        function(time=time)
+    with pytest.raises(TypeError, match="time"):
+        function()
 
 
 def test_a_variable_that_says_nothing_about_time():
@@ -122,7 +139,12 @@ def test_a_variable_that_says_nothing_about_time():
     for letter, time_ in (("s", "continuous"), ("z", "discrete")):
         found = exact.is_lqg_suboptimal(f"1/({letter} - 1)", f"-3/({letter} + 2)", feedback=1)
         assert f"{time_} time" in found.question
-    assert exact.solve_riccati([[2]], [[1]], [[1]], variable="z").factor.polynomial.gen == z
+    assert (
+        exact.solve_riccati(
+            [[2]], [[1]], [[1]], variable="z", time="discrete"
+        ).factor.polynomial.gen
+        == z
+    )
 
 
 # ---- irrational roots
@@ -264,7 +286,7 @@ def test_what_is_long_but_small_simply_works():
 def test_any_domain_is_read_at_the_door():
     assert exact.number_of_real_roots(Poly(2 * s**2 + 3 * s + 1, s)) == 2
     assert exact.reflection_coefficients(Poly(2 * z**2 + 3 * z + 1, z)) == (Rational(1, 2), 1)
-    for function in (exact.certified_roots, exact.count_half_plane_roots, exact.monic):
+    for function in (exact.certified_roots, exact.number_of_real_roots, exact.monic):
         with pytest.raises(InputError):
             function(Poly(s * a + 1, s, a))
         with pytest.raises(InputError):
@@ -352,7 +374,7 @@ def test_loops_carry_their_certificate():
     closed = exact.closed_loop_transfer_matrix(plant, "-2*q", "q**2 + a")
     assert closed.certificate.holds and closed[0, 0].certificate.holds
     assert exact.intercalated_transfer_function(plant, "1", "q").certificate.holds
-    design = exact.high_authority_lqg(exact.standard_problem("(q - 2)/(q**2 - 1/4)"))
+    design = exact.lqg_controller(exact.standard_problem("(q - 2)/(q**2 - 1/4)"))
     assert design.compensator.certificate.holds
 
 
@@ -362,7 +384,7 @@ def test_loops_carry_their_certificate():
         (exact.polynomial, np.array(3)),
         (exact.certified_roots, "s+" * 30_000 + "1"),
         (exact.number_of_real_roots, 10**100_000 * s),
-        (lambda v: exact.solve_riccati(v, [[1]], [[1]]), "9" * 50_000),
+        (lambda v: exact.solve_riccati(v, [[1]], [[1]], time="discrete"), "9" * 50_000),
     ],
 )
 def test_a_refusal_is_ours_and_short(door, value):

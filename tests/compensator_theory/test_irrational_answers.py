@@ -22,8 +22,8 @@ def test_spectral_factors_of_weights():
     """(z - 2)(1/z - 2) + r has the root of x^2 - (5 + r)/2 x + 1; in s the root is sqrt(4 + r)."""
     counts = Counter()
     for r in WEIGHTS:
-        inside = exact.spectral_factor("z - 2", "z", r)
-        left = exact.continuous_spectral_factor("s - 2", "1", r)
+        inside = exact.spectral_factor("z - 2", "z", r, time="discrete")
+        left = exact.spectral_factor("s - 2", "1", r, time="continuous")
         for name, found, radicand in (
             ("circle", inside, (5 + r) ** 2 / 4 - 4),
             ("axis", left, 4 + r),
@@ -52,7 +52,7 @@ def test_lqg_in_continuous_time():
             A=[[0]], B=[[1]], C=[[1]], D_1=[[*parts, 0]], D_0=None,
             D_2=[[*(0 for _ in parts), 1]], E_1=[[2], [0]], E_2=[[0], [1]], E_0=None, variable="s",
         )  # fmt: skip
-        found, poles = exact.continuous_lqg(plant), exact.continuous_lqg_poles(plant)
+        found, poles = exact.lqg_controller(plant), exact.lqg_poles(plant)
         answers = [found.polynomial, found.realisation, found.compensator, poles.polynomial]
         answers += [found.estimator.K, found.estimator.P, found.estimator.factor.polynomial]
         assert {answer is not None for answer in answers} == {is_square(k)}
@@ -69,7 +69,7 @@ def test_high_authority_lqg_in_discrete_time():
         if c in (-4, 2):
             continue  # a zero on the unit circle
         plant = exact.standard_problem(f"(q**2 - 3*q + {c})/(q**3 - 5)")
-        found, target = exact.high_authority_lqg(plant), exact.high_authority_target(plant)
+        found, target = exact.lqg_controller(plant), exact.high_authority_target(plant)
         moduli = abs(np.roots([1, -3, float(c)]))
         splits = is_square(9 - 4 * c) or min(moduli) > 1
         answers = [found.polynomial, found.realisation, found.compensator]

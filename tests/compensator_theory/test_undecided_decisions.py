@@ -38,7 +38,7 @@ def test_stability_with_symbols_is_undecided_where_signs_do_not_follow():
     s, z = sympy.symbols("s z")
     for c in itertools.product((1, k, -k, a), repeat=3):
         p = s**3 + c[0] * s**2 + c[1] * s + c[2]
-        found = exact.decide_hurwitz(exact.polynomial(p, "s"))
+        found = exact.decide_stability(exact.polynomial(p, "s"), time="continuous")
         truth = {bool(largest(q, s, np.real) < -1e-6) for q in at_values(p)}
         assert agrees(found.is_stable, truth) and found.is_stable is found.by_coefficients
         if p.free_symbols != {s}:
@@ -48,7 +48,7 @@ def test_stability_with_symbols_is_undecided_where_signs_do_not_follow():
     share = k / (1 + k)
     for c in itertools.product((0, sympy.Rational(1, 3), share, -share / 2, 1 + k, a), repeat=2):
         p = z**2 + c[0] * z + c[1]
-        found = exact.decide_schur(exact.polynomial(sympy.together(p), "z"))
+        found = exact.decide_stability(exact.polynomial(sympy.together(p), "z"), time="discrete")
         truth = {bool(largest(q, z, abs) < 1 - 1e-6) for q in at_values(p)}
         assert agrees(found.is_stable, truth)
         counts["Schur"][found.is_stable] += 1
@@ -59,8 +59,14 @@ def test_stability_with_symbols_is_undecided_where_signs_do_not_follow():
 def test_a_leading_coefficient_that_may_vanish_decides_nothing():
     """Where r = 0 the degree drops, and s + 1 is Hurwitz."""
     r, s = sympy.Symbol("r", real=True), sympy.Symbol("s")
-    assert exact.decide_hurwitz(exact.polynomial(r * s**3 + s + 1, "s")).is_stable is None
-    assert exact.decide_hurwitz(exact.polynomial(k * s**3 + s + 1, "s")).is_stable is False
+    assert (
+        exact.decide_stability(exact.polynomial(r * s**3 + s + 1, "s"), time="continuous").is_stable
+        is None
+    )
+    assert (
+        exact.decide_stability(exact.polynomial(k * s**3 + s + 1, "s"), time="continuous").is_stable
+        is False
+    )
 
 
 def test_stability_of_irrational_polynomials_is_decided_from_the_coefficients():
@@ -71,10 +77,10 @@ def test_stability_of_irrational_polynomials_is_decided_from_the_coefficients():
         if (p * q).is_Rational and (p + q).is_Rational:
             continue
         poly = sympy.expand((s + p) * (s + q) * (s + 1))
-        found = exact.decide_hurwitz(exact.polynomial(poly, "s"))
+        found = exact.decide_stability(exact.polynomial(poly, "s"), time="continuous")
         assert found.is_stable is bool(p > 0 and q > 0) and found.by_roots is None
         poly = sympy.expand((z + p) * (z + q))
-        found = exact.decide_schur(exact.polynomial(poly, "z"))
+        found = exact.decide_stability(exact.polynomial(poly, "z"), time="discrete")
         assert found.is_stable is bool(abs(p) < 1 and abs(q) < 1) and found.by_roots is None
 
 

@@ -25,7 +25,6 @@ LAYERS = {
         "interpolation",
         "youla_kucera",
         "lqg",
-        "lqg.continuous",
         "placement",
         "observers",
         "strategies",

@@ -16,11 +16,10 @@ from compensator_theory import (
     NoSolutionError,
     NotControllableError,
     StandardProblem,
-    continuous_lqg,
-    continuous_spectral_factor,
+    lqg_controller,
     polynomial,
     regulator_locus,
-    solve_continuous_riccati,
+    solve_riccati,
     spectral_factor,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
@@ -48,7 +47,7 @@ def regulators(draw):
 
 def solved(data):
     try:
-        return solve_continuous_riccati(*data)
+        return solve_riccati(*data, time="continuous")
     except NoSolutionError:  # drawn with a zero on the axis
         return None
 
@@ -83,7 +82,7 @@ def test_residual_and_poles_are_certified(data):
 def test_fifty_digits_against_the_stable_subspace_of_the_hamiltonian():
     A, B = sympy.Matrix([[0, 1, 0], [0, 0, 1], [-1, 2, 3]]), sympy.Matrix([0, 0, 1])
     E_1, E_2 = sympy.Matrix([[1, 2, 0], [0, 0, 0]]), sympy.Matrix([0, 3])
-    found = solve_continuous_riccati(A, B, E_1, E_2, digits=50)
+    found = solve_riccati(A, B, E_1, E_2, digits=50, time="continuous")
     with mpmath.workdps(90):
         a, b, r = mpmath.matrix(A.tolist()), mpmath.matrix(B.tolist()), mpmath.mpf(9)
         q = mpmath.matrix((E_1.T * E_1).tolist())
@@ -108,7 +107,7 @@ PLANT = StandardProblem(
 
 
 def test_the_whole_controller_against_python_control():
-    found = continuous_lqg(PLANT)
+    found = lqg_controller(PLANT)
     A, B, C, D_1, D_2, E_1, E_2 = (
         as_float(getattr(PLANT, name)) for name in ("A", "B", "C", "D_1", "D_2", "E_1", "E_2")
     )
@@ -126,7 +125,7 @@ def test_a_rational_controller_closes_the_loop_that_it_says():
         A=[[0, 1], [0, 0]], B=[[0], [1]], C=[[1, 0]], D_1=[[0, 0], [2, 0]], D_0=[[3]],
         D_2=[[0, 1]], E_1=[[1, 0], [0, 0]], E_2=[[0], ["1/2"]], E_0=None, variable="s",
     )  # fmt: skip
-    found = continuous_lqg(plant)
+    found = lqg_controller(plant)
     assert found.polynomial == polynomial("(s**2 + 2*s + 2)**2")
     G_c = found.compensator
     N, D = polynomial("1 + 3*s**2"), polynomial("s**2")
@@ -136,7 +135,7 @@ def test_a_rational_controller_closes_the_loop_that_it_says():
 @given(polynomials(max_degree=3), polynomials(min_degree=1, max_degree=4), st.sampled_from([1, 3]))
 def test_half_plane_factors_have_the_spectrum(N, D, r):
     try:
-        found = continuous_spectral_factor(N, D, r)
+        found = spectral_factor(N, D, r, time="continuous")
     except NoSolutionError:
         return
     assert all(0 in c for c in found.residual)
@@ -185,31 +184,30 @@ def test_closed_forms_are_the_certified_polynomials(N, D, weight):
 def test_refusals_name_what_is_wrong():
     one = [[1]]
     with pytest.raises(NoSolutionError, match="E_2 = 0"):
-        solve_continuous_riccati(one, one, one, [[0]])
+        solve_riccati(one, one, one, [[0]], time="continuous")
     with pytest.raises(NotControllableError):
-        solve_continuous_riccati([[1, 0], [0, 1]], [[1], [1]], [[1, 0], [0, 0]], [[0], [1]])
+        solve_riccati([[1, 0], [0, 1]], [[1], [1]], [[1, 0], [0, 0]], [[0], [1]], time="continuous")
     with pytest.raises(InputError, match="discrete"):
-        solve_continuous_riccati(one, one, one, one, variable="z")
+        solve_riccati(one, one, one, one, variable="z", time="continuous")
     with pytest.raises(InputError, match="columns"):
-        solve_continuous_riccati(one, [[1, 1]], one, [[1, 1]])
+        solve_riccati(one, [[1, 1]], one, [[1, 1]], time="continuous")
     with pytest.raises(NoSolutionError, match="imaginary axis"):
-        solve_continuous_riccati([[0]], one, [[0], [0]], [[0], [1]])
+        solve_riccati([[0]], one, [[0], [0]], [[0], [1]], time="continuous")
     with pytest.raises(InputError, match="StandardProblem"):
-        continuous_lqg("1/s")
-    with pytest.raises(InputError, match="discrete"):
-        continuous_lqg(StandardProblem(one, one, one, one, None, one, one, one, None, "z"))
+        lqg_controller("1/s")
     with pytest.raises(ImproperError):
         regulator_locus("s**2", "s + 1")
     with pytest.raises(InputError):
         regulator_locus("a", "x + 1", variable="x")
     with pytest.raises(InputError):
-        continuous_spectral_factor("s", "1", -1)
+        spectral_factor("s", "1", -1, time="continuous")
 
 
 def test_the_two_spectral_factors_agree_where_time_does_not_matter():
     """A constant has no dynamics, so that both factors are that constant's."""
-    assert continuous_spectral_factor("3", variable="s").constant == 9
-    assert float(spectral_factor("3", variable="z").constant) == 9
+    for variable, time in (("s", "continuous"), ("z", "discrete")):
+        constant = spectral_factor("3", variable=variable, time=time).constant
+        assert (constant.centre, constant.radius) == (9, 0)
 
 
 def test_a_limit_on_the_boundary_is_said():

@@ -15,11 +15,11 @@ from compensator_theory import (
     NoSolutionError,
     NotControllableError,
     StandardProblem,
-    continuous_high_authority,
-    continuous_lqg_poles,
-    continuous_spectral_factor,
+    high_authority_limits,
+    lqg_poles,
     realisation,
     regulator_locus,
+    spectral_factor,
     standard_problem,
 )
 from compensator_theory.strategies import polynomials, strictly_proper_plants
@@ -59,7 +59,7 @@ def scalar_plants(draw):
 
 def limits_of(plant):
     try:
-        return continuous_high_authority(plant, digits=60)
+        return high_authority_limits(plant, digits=60)
     except (NoSolutionError, NotControllableError):
         return None
     except ValueError as error:  # an unstable mode that y does not show
@@ -113,9 +113,9 @@ def test_one_signal_each_at_small_weights(plant):
         N = plant.numerator(channel)
         (pattern,) = limit.patterns
         assert pattern.order == plant.n - N.degree() and pattern.gain == N.LC() ** 2
-        assert limit.finite.enclosure == continuous_spectral_factor(N, digits=60).enclosure
+        assert limit.finite.enclosure == spectral_factor(N, digits=60, time="continuous").enclosure
     first, second = Rational(1, 10**20), Rational(1, 10**24)
-    near, nearer = (continuous_lqg_poles(weighed(plant, r), digits=60) for r in (first, second))
+    near, nearer = (lqg_poles(weighed(plant, r), digits=60) for r in (first, second))
     for side in ("regulator", "estimator"):
         limit = getattr(limits, side)
         k = limit.number_to_infinity
@@ -145,7 +145,7 @@ def test_two_signals_are_one_pattern_for_each_zero_at_infinity(plants, same):
         found = sorted((pattern.order, pattern.gain) for pattern in limit.patterns)
         assert found == expected
     small = Rational(1, 10**30)
-    poles = continuous_lqg_poles(weighed(plant, small), digits=60)
+    poles = lqg_poles(weighed(plant, small), digits=60)
     for side in ("regulator", "estimator"):
         finite, away = errors(getattr(limits, side), getattr(poles, side), small**2)
         assert finite < 1e-9 and away < 1
@@ -159,11 +159,11 @@ def test_the_whole_polynomial_converges_after_division(numerator, k):
     D = sympy.Poly((N.gen + 1) ** (int(N.degree()) + k - 1) * (N.gen - 2), N.gen)
     assume(sympy.gcd(N, D).degree() == 0)
     try:
-        limit = continuous_high_authority(standard_like(N, D)).regulator
+        limit = high_authority_limits(standard_like(N, D)).regulator
     except NoSolutionError:
         return
     small = Rational(1, 10**40)
-    chi = continuous_spectral_factor(N, D, small, digits=60).enclosure.coefficients
+    chi = spectral_factor(N, D, small, digits=60, time="continuous").enclosure.coefficients
     finite = limit.finite.enclosure.coefficients
     with mpmath.workdps(70):
         growth = mpmath.mpmathify(sympy.N(limit.growth.subs(R_2, small), 60))
@@ -183,7 +183,7 @@ def standard_like(N, D):
 def test_closed_form_of_the_double_integrator():
     plant = problem(Matrix([[0, 1], [0, 0]]), Matrix([0, 1]), Matrix([[1, 0]]), Matrix([[1, 0]]),
                     Matrix([0, 1]))  # fmt: skip
-    limit = continuous_high_authority(plant).regulator
+    limit = high_authority_limits(plant).regulator
     (pattern,) = limit.patterns
     poles = pattern.poles("1/16")
     x = sympy.Symbol("x")
@@ -198,14 +198,14 @@ def test_irrational_gains_of_two_inputs():
     """G = M/s with M'M = [[2, 1], [1, 1]]: the gains are its eigenvalues (3 +- sqrt(5))/2."""
     M = Matrix([[1, 0], [1, 1]])
     plant = problem(zeros(2, 2), M, eye(2), eye(2), M)
-    found = {pattern.gain for pattern in continuous_high_authority(plant).regulator.patterns}
+    found = {pattern.gain for pattern in high_authority_limits(plant).regulator.patterns}
     assert found == {(3 + sympy.sqrt(5)) / 2, (3 - sympy.sqrt(5)) / 2}
 
 
 def test_fewer_outputs_than_inputs():
     """One combination of the inputs does nothing: its pole tends to that of the plant."""
     plant = problem(diag(-1, -2), eye(2), Matrix([[1, 0]]), Matrix([[1, 1]]), Matrix([1, 1]))
-    limit = continuous_high_authority(plant).regulator
+    limit = high_authority_limits(plant).regulator
     assert limit.finite.polynomial == sympy.Poly(s + 2, s, domain="QQ")
     assert [(p.order, p.gain) for p in limit.patterns] == [(1, 1)]
 
@@ -214,7 +214,7 @@ def test_a_weight_that_is_given_says_its_direction():
     """R_2 = 4 rho in place of rho: a quarter of the gain."""
     base = problem(Matrix([[-1]]), Matrix([[1]]), Matrix([[3], [0]]), Matrix([[1]]),
                    Matrix([[1, 0]]), Matrix([[0], [2]]), Matrix([[0, 1]]))  # fmt: skip
-    assert continuous_high_authority(base).regulator.patterns[0].gain == Rational(9, 4)
+    assert high_authority_limits(base).regulator.patterns[0].gain == Rational(9, 4)
 
 
 @pytest.mark.parametrize(
@@ -232,11 +232,11 @@ def test_a_weight_that_is_given_says_its_direction():
 )  # fmt: skip
 def test_refusals(plant, error, words):
     with pytest.raises(error, match=words):
-        continuous_high_authority(plant)
+        high_authority_limits(plant)
 
 
 @pytest.mark.parametrize("weight", [0, -1, "sqrt(2)", "a"])
 def test_a_weight_is_a_positive_rational_number(weight):
-    limit = continuous_high_authority(standard_like(sympy.Poly(1, s), sympy.Poly(s + 1, s)))
+    limit = high_authority_limits(standard_like(sympy.Poly(1, s), sympy.Poly(s + 1, s)))
     with pytest.raises(InputError, match="positive rational"):
         limit.regulator.patterns[0].poles(weight)

@@ -16,10 +16,10 @@ from compensator_theory import (
     UnitCircleError,
     certified_roots,
     closed_loop_polynomial,
-    decide_schur,
+    decide_stability,
     enclose_split_at_unit_circle,
-    high_authority_lqg,
     high_authority_target,
+    lqg_controller,
     lqg_poles,
     monic_reciprocal_polynomial,
     regulator_spectrum,
@@ -79,13 +79,13 @@ def coefficients(enclosure):
 
 @pytest.mark.parametrize("plant", [EXAMPLE_A1, EXAMPLE_A2], ids=["A.1", "A.2"])
 def test_examples_a1_and_a2_are_exact(plant):
-    found = high_authority_lqg(plant)
+    found = lqg_controller(plant)
     for side in (found.regulator, found.estimator):
         assert side.is_exact
         assert all(ball.centre == ball.radius == 0 for row in side.residual for ball in row)
         closed = side.A + side.B * side.K
         assert characteristic_polynomial(closed, q) == side.factor.polynomial
-        assert decide_schur(side.factor.polynomial).by_roots
+        assert decide_stability(side.factor.polynomial, time="discrete").by_roots
         assert (side.B.T * side.P * side.B)[0] == side.factor.constant.centre
     assert closed_loop_polynomial(
         plant, found.compensator.numerator, found.compensator.denominator
@@ -93,14 +93,14 @@ def test_examples_a1_and_a2_are_exact(plant):
 
 
 def test_example_a1_has_the_zeros_of_the_plant_and_two_poles_at_0():
-    found = high_authority_lqg(EXAMPLE_A1).polynomial
+    found = lqg_controller(EXAMPLE_A1).polynomial
     expected = q**2 * (EXAMPLE_A1.numerator("zu") * EXAMPLE_A1.numerator("yw")).monic().as_expr()
     assert sympy.expand(found.as_expr() - expected) == 0
 
 
 def test_example_a2_has_one_pole_at_0_on_each_side():
     """(A.15) as printed has only n - n_u = 1 zeros on each side; the plant has order 3."""
-    poles = high_authority_lqg(EXAMPLE_A2).poles
+    poles = lqg_controller(EXAMPLE_A2).poles
     for factor, channel in ((poles.regulator, "zu"), (poles.estimator, "yw")):
         N = EXAMPLE_A2.numerator(channel)
         inside, outside = split_at_unit_circle(N)
@@ -112,7 +112,7 @@ def test_example_a2_has_one_pole_at_0_on_each_side():
 
 
 def test_example_4_1_is_enclosed():
-    found = high_authority_lqg(EXAMPLE_4_1)
+    found = lqg_controller(EXAMPLE_4_1)
     innovation = found.regulator.factor.constant
     assert "0.8953897282086" in repr(innovation) and innovation.radius < sympy.Rational(1, 10**30)
     outside = enclose_split_at_unit_circle(EXAMPLE_4_1.numerator("zu"))[1]
@@ -140,7 +140,7 @@ def test_example_4_1_is_enclosed():
 @given(standard_problems(max_order=3, max_signals=1, has_direct_term=True))
 def test_riccati_equations_of_random_plants(plant):
     try:
-        found = high_authority_lqg(plant)
+        found = lqg_controller(plant)
     except CompensatorError as error:
         assert isinstance(error, NoSolutionError | UnitCircleError | NotControllableError)
         assume(False)
@@ -162,7 +162,7 @@ def test_riccati_equations_of_random_plants(plant):
 @given(standard_problems(max_order=3, max_signals=1))
 def test_scipy_agrees_on_the_coefficients(plant):
     try:
-        side = high_authority_lqg(plant).regulator
+        side = lqg_controller(plant).regulator
     except CompensatorError:
         assume(False)
     assume(all(abs(abs(r.value) - 1) > 0.05 for r in certified_roots(plant.numerator("zu"))))
@@ -174,7 +174,7 @@ def test_scipy_agrees_on_the_coefficients(plant):
 def test_the_pencil_of_several_signals(n, l_u, l_z, data):
     A, B = data.draw(matrices(n, n)), data.draw(matrices(n, l_u))
     E_1, E_2 = data.draw(matrices(l_z, n)), data.draw(matrices(l_z, l_u))
-    spectrum = regulator_spectrum(A, B, E_1, E_2, z)
+    spectrum = regulator_spectrum(A, B, E_1, E_2, time="discrete", variable=z)
     # The identity G~ G = p / (D D~), by the transfer matrices themselves.
     point = sympy.Rational(7, 3)
     assume(all((x * sympy.eye(n) - A).det() != 0 for x in (point, 1 / point)))
@@ -218,8 +218,8 @@ def test_unique_only_among_the_stabilising_solutions():
     innovation = (B.T * P * B)[0]
     assert (A.T * P * A - gain_row.T * gain_row / innovation + E_1.T * E_1 - P).is_zero_matrix
     closed = characteristic_polynomial(A - B * gain_row / innovation, q)
-    assert not decide_schur(closed).is_stable
-    assert solve_riccati(A, B, E_1).P != P
+    assert not decide_stability(closed, time="discrete").is_stable
+    assert solve_riccati(A, B, E_1, time="discrete").P != P
 
 
 @pytest.mark.parametrize(
@@ -235,12 +235,12 @@ def test_unique_only_among_the_stabilising_solutions():
 )
 def test_refused_by_name(G, error, message):
     with pytest.raises(error, match=message):
-        high_authority_lqg(standard_problem(G, "q"))
+        lqg_controller(standard_problem(G, "q"))
 
 
 def test_other_bad_input():
     two = StandardProblem([[2]], [[1, 1]], [[1]], [[1]], None, None, [[1]], None, None)
-    for function in (high_authority_lqg, high_authority_target):
+    for function in (lqg_controller, high_authority_target):
         with pytest.raises(InputError, match="scalar"):
             function(two)
         with pytest.raises(InputError):
@@ -253,16 +253,16 @@ def test_other_bad_input():
                       ([[1]], [[1]], [[1, 2]]), ([[float("nan")]], [[1]], [[1]]),
                       ([], [], [])):  # fmt: skip
         with pytest.raises(InputError):
-            solve_riccati(*arguments)
+            solve_riccati(*arguments, time="discrete")
         with pytest.raises(InputError):
-            regulator_spectrum(*arguments, [[0]], q)
+            regulator_spectrum(*arguments, [[0]], time="discrete", variable=q)
     with pytest.raises(InputError):
-        high_authority_lqg(standard_problem("(q - 2)/(q**2 - 1/4)"), digits=0)
+        lqg_controller(standard_problem("(q - 2)/(q**2 - 1/4)"), digits=0)
 
 
 def test_they_print():
     for plant in (EXAMPLE_A2, EXAMPLE_4_1):
-        found = high_authority_lqg(plant)
+        found = lqg_controller(plant)
         things = (found, found.poles, found.regulator, high_authority_target(plant))
         for thing in things:
             assert str(thing) and thing._repr_latex_().startswith(r"$\displaystyle")

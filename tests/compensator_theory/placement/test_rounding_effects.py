@@ -3,7 +3,7 @@
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import locate_half_plane_roots, locate_unit_disk_roots, polynomial
+from compensator_theory import locate_roots, polynomial
 from compensator_theory.placement.displacement_bounds import are_far, stay_close
 from compensator_theory.placement.rounding_effects import RoundingEffect, is_stable
 from compensator_theory.strategies import polynomials
@@ -56,6 +56,8 @@ def test_a_large_change_is_proved_large(before):
 @given(polynomials("s", min_degree=1, max_degree=6), polynomials("z", min_degree=1, max_degree=6))
 def test_stability_by_coefficients_and_by_roots(continuous, discrete):
     assert is_stable(continuous) == (
-        locate_half_plane_roots(continuous).stable == continuous.degree()
+        locate_roots(continuous, time="continuous").stable == continuous.degree()
     )
-    assert is_stable(discrete) == (locate_unit_disk_roots(discrete).stable == discrete.degree())
+    assert is_stable(discrete) == (
+        locate_roots(discrete, time="discrete").stable == discrete.degree()
+    )

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from compensator_theory import (
     RootCount,
     certified_roots,
-    count_half_plane_roots,
-    locate_half_plane_roots,
+    count_roots,
+    locate_roots,
     number_of_real_roots,
     polynomial,
 )
@@ -45,7 +45,7 @@ def test_planted_roots_of_higher_degree(real, pairs):
     expected = RootCount(
         sum(r < 0 for r in signs), sum(r == 0 for r in signs), sum(r > 0 for r in signs)
     )
-    assert count_half_plane_roots(poly) == expected
+    assert count_roots(poly, time="continuous") == expected
 
 
 @given(st.lists(st.integers(-50, 50), min_size=14, max_size=30).filter(lambda c: c[0]))
@@ -57,7 +57,7 @@ def test_routh_in_balls_and_in_full_and_the_roots_agree(descending):
     boundary = number_of_real_roots(chain[-1])
     unstable = (poly.degree() - boundary - difference) // 2
     assert found in (None, RootCount(poly.degree() - boundary - unstable, boundary, unstable))
-    assert count_half_plane_roots(poly) == locate_half_plane_roots(poly)
+    assert count_roots(poly, time="continuous") == locate_roots(poly, time="continuous")
     assert number_of_real_roots(poly) == sum(r.multiplicity * r.is_real for r in
                                              certified_roots(poly))  # fmt: skip
 
@@ -71,7 +71,7 @@ def test_symmetric_roots_are_taken_out_and_a_singular_array_is_left_to_the_chain
         assert counts._count_in_balls(polynomial(text)) == expected
     singular = polynomial("s**15 + s**14 + 2*s**13 + 2*s**12 + 3")  # a zero in the first column
     assert counts._count_in_balls(singular) is None
-    assert count_half_plane_roots(singular) == locate_half_plane_roots(singular)
+    assert count_roots(singular, time="continuous") == locate_roots(singular, time="continuous")
 
 
 @pytest.mark.parametrize("degree", [30, 60])

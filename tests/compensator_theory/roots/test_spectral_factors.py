@@ -12,14 +12,14 @@ from compensator_theory import (
     NoSolutionError,
     UnitCircleError,
     certified_roots,
-    decide_schur,
+    decide_stability,
     enclose_split_at_unit_circle,
     monic_reciprocal_polynomial,
     polynomial,
     spectral_factor,
     split_at_unit_circle,
 )
-from compensator_theory.roots.spectral_factors import factor_palindrome
+from compensator_theory.roots.spectral_factors import factor_spectrum
 from compensator_theory.strategies import polynomials, rationals
 
 ONE_TENTH = sympy.Rational(1, 10)
@@ -28,7 +28,7 @@ ONE_TENTH = sympy.Rational(1, 10)
 @given(polynomials("z", max_degree=4), polynomials("z", max_degree=4), rationals())
 def test_the_product_is_the_spectrum(N, D, r):
     try:
-        found = spectral_factor(N, D, abs(r))
+        found = spectral_factor(N, D, abs(r), time="discrete")
     except UnitCircleError:
         assume(False)
     assert found.degree == max(N.degree(), D.degree()) == found.enclosure.degree
@@ -42,7 +42,7 @@ def test_the_product_is_the_spectrum(N, D, r):
         )
         product = found.constant.centre * chi.as_expr() * chi.as_expr().subs(z, 1 / z)
         assert sympy.cancel(product - spectrum) == 0
-        assert decide_schur(chi).by_roots
+        assert decide_stability(chi, time="discrete").by_roots
 
 
 @given(polynomials("z", max_degree=5))
@@ -52,15 +52,15 @@ def test_without_weight_it_reflects_the_roots_outside(N):
         inside, outside = split_at_unit_circle(N)
     except UnitCircleError:
         with pytest.raises(UnitCircleError):
-            spectral_factor(N)
+            spectral_factor(N, time="discrete")
         return
     except NoSolutionError:
         try:
-            assert not spectral_factor(N).is_rational
+            assert not spectral_factor(N, time="discrete").is_rational
         except UnitCircleError:  # of another factor: both refusals are true
             assert any(abs(abs(complex(r.value)) - 1) < 1e-12 for r in certified_roots(N))
         return
-    found = spectral_factor(N)
+    found = spectral_factor(N, time="discrete")
     assert found.polynomial == inside * monic_reciprocal_polynomial(outside)
     # B'PB = H^2 times the squares of the nonminimum-phase zeros.
     assert found.constant.centre == (N.LC() * outside.TC()) ** 2
@@ -92,9 +92,14 @@ def test_an_irrational_split_is_where_the_radicals_are():
 
 
 def test_they_print():
-    found = spectral_factor("(z - 2)*(z - 1/2)", "z**2", 3)
+    found = spectral_factor("(z - 2)*(z - 1/2)", "z**2", 3, time="discrete")
     assert str(found).startswith("χ = z**2 - 0.507179")
-    for thing in (found, spectral_factor("z - 2"), found.enclosure, found.constant):
+    for thing in (
+        found,
+        spectral_factor("z - 2", time="discrete"),
+        found.enclosure,
+        found.constant,
+    ):
         assert thing._repr_latex_().startswith(r"$\displaystyle")
     assert repr(Enclosure(sympy.Rational(1, 3), sympy.Integer(0))) == "1/3"
     assert repr(Enclosure(sympy.Integer(0), sympy.Rational(1, 1000))) == "0.000 ± 1.0e-3"
@@ -102,22 +107,22 @@ def test_they_print():
 
 def test_bad_input():
     with pytest.raises(NoSolutionError):
-        spectral_factor(polynomial(0, "z"))
+        spectral_factor(polynomial(0, "z"), time="discrete")
     for arguments in (("z - 1",), ("z**2 + 1", "z**2 + 1", 2)):
         with pytest.raises(UnitCircleError):
-            spectral_factor(*arguments)
+            spectral_factor(*arguments, time="discrete")
     for arguments in (("z - a",), ("z", "z - 2", -1), ("z", "s"), ("z", "z", "a"), ("1/z",),
                       ("z", "z", float("nan"))):  # fmt: skip
         with pytest.raises(InputError):
-            spectral_factor(*arguments)
+            spectral_factor(*arguments, time="discrete")
     for digits in (0, -1, 2.5, True, 10**6):
         with pytest.raises(InputError):
-            spectral_factor("z - 2", digits=digits)
+            spectral_factor("z - 2", digits=digits, time="discrete")
         with pytest.raises(InputError):
             enclose_split_at_unit_circle(polynomial("z - 2"), digits)
     for bad, degree in (("z**2 - 2", 2), ("z**2 - 3*z + 1", 0)):
         with pytest.raises(InputError):
-            factor_palindrome(polynomial(bad), degree)
+            factor_spectrum(polynomial(bad), degree, "discrete")
     for bad in (polynomial(0, "z"), polynomial("z - a", "z"), "1/z"):
         with pytest.raises(InputError):
             enclose_split_at_unit_circle(bad)

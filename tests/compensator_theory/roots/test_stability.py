@@ -1,5 +1,7 @@
 """Roots counted and located by routes that share nothing, against planted spectra and NumPy."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import sympy
@@ -11,13 +13,10 @@ from compensator_theory import (
     RootCount,
     bezout_identity,
     certified_roots,
-    count_half_plane_roots,
-    count_unit_disk_roots,
-    decide_hurwitz,
-    decide_schur,
+    count_roots,
+    decide_stability,
     hurwitz_determinants,
-    locate_half_plane_roots,
-    locate_unit_disk_roots,
+    locate_roots,
     monic_reciprocal_polynomial,
     number_of_real_roots,
     polynomial,
@@ -50,8 +49,10 @@ def test_planted_spectra(planted):
     poly = -3 * polynomial_from_roots(planted, "z")
     half_plane = planted_count([sympy.re(root) for root in planted])
     disk = planted_count([sympy.expand(root * root.conjugate()) - 1 for root in planted])
-    assert count_half_plane_roots(poly) == locate_half_plane_roots(poly) == half_plane
-    assert count_unit_disk_roots(poly) == locate_unit_disk_roots(poly) == disk
+    assert (
+        count_roots(poly, time="continuous") == locate_roots(poly, time="continuous") == half_plane
+    )
+    assert count_roots(poly, time="discrete") == locate_roots(poly, time="discrete") == disk
     assert number_of_real_roots(poly) == sum(root.is_real for root in planted)
     assert has_root_outside(poly) == (disk.unstable > 0)
 
@@ -59,10 +60,10 @@ def test_planted_spectra(planted):
 @given(polynomials(max_degree=5), SYMMETRIC)
 def test_the_singular_cases_of_routh(p, symmetric):
     poly = p * polynomial(symmetric, "s")
-    decision = decide_hurwitz(poly)
+    decision = decide_stability(poly, time="continuous")
     assert decision.is_unanimous and decision.counts_by_roots.total == poly.degree()
     assert decision.counts_by_roots.boundary == (
-        locate_half_plane_roots(p).boundary + ON_AXIS[symmetric]
+        locate_roots(p, time="continuous").boundary + ON_AXIS[symmetric]
     )
 
 
@@ -74,12 +75,12 @@ def test_the_singular_cases_of_routh(p, symmetric):
 )
 def test_roots_outside_beside_roots_on_the_circle_and_in_pairs(p, first, second, of_product_one):
     poly = p * polynomial(first, "z") * polynomial(second, "z") * polynomial(of_product_one, "z")
-    assert has_root_outside(poly) == (locate_unit_disk_roots(poly).unstable > 0)
+    assert has_root_outside(poly) == (locate_roots(poly, time="discrete").unstable > 0)
 
 
 @given(polynomials("z", max_degree=5), ON_CIRCLE)
 def test_the_singular_cases_of_jury(p, special):
-    decision = decide_schur(p * polynomial(special, "z"))
+    decision = decide_stability(p * polynomial(special, "z"), time="discrete")
     assert decision.is_unanimous
     assert decision.is_stable == (decision.counts_by_roots.unstable == 0 and
                                   decision.counts_by_roots.boundary == 0)  # fmt: skip
@@ -90,16 +91,16 @@ def test_the_singular_cases_of_jury(p, special):
 def test_decisions_agree_with_numpy_away_from_the_boundary(p):
     roots = np.roots([float(c) for c in p.all_coeffs()])
     if np.min(np.abs(roots.real)) > 1e-3:
-        assert decide_hurwitz(p).is_stable == (roots.real.max() < 0)
+        assert decide_stability(p, time="continuous").is_stable == (roots.real.max() < 0)
     if np.min(np.abs(np.abs(roots) - 1)) > 1e-3:
-        assert decide_schur(p).is_stable == (np.abs(roots).max() < 1)
+        assert decide_stability(p, time="discrete").is_stable == (np.abs(roots).max() < 1)
 
 
 @given(polynomials(max_degree=6, is_monic=True))
 def test_hurwitz_determinants_decide(p):
     determinants = hurwitz_determinants(p)
     assert len(determinants) == p.degree()
-    assert all(d > 0 for d in determinants) == decide_hurwitz(p).by_roots
+    assert all(d > 0 for d in determinants) == decide_stability(p, time="continuous").by_roots
 
 
 @given(polynomials("z", min_degree=1, max_degree=6))
@@ -116,32 +117,41 @@ def test_reflection_coefficients_rebuild_the_polynomial(p):
 
 def test_classical_arrays():
     # A zero in the first column, a row of zeros, and the one of Gantmacher with roots on the axis.
-    assert count_half_plane_roots(polynomial("s**4 + s**3 + 2*s**2 + 2*s + 3")).unstable == 2
-    assert count_half_plane_roots(polynomial("s**5 + s**4 + 2*s**3 + 2*s**2 + s + 1")) == RootCount(
-        1, 4, 0
+    assert (
+        count_roots(polynomial("s**4 + s**3 + 2*s**2 + 2*s + 3"), time="continuous").unstable == 2
     )
+    assert count_roots(
+        polynomial("s**5 + s**4 + 2*s**3 + 2*s**2 + s + 1"), time="continuous"
+    ) == RootCount(1, 4, 0)
     assert number_of_real_roots(polynomial("(s + 1)**2*(s**2 + 1)**2")) == 2
     assert number_of_real_roots(polynomial(5, "s")) == 0
-    assert decide_hurwitz(polynomial(5, "s")).is_stable
+    assert decide_stability(polynomial(5, "s"), time="continuous").is_stable
 
 
 def test_high_degrees():
     p = polynomial_from_roots([sympy.Rational(-k, 7) for k in range(1, 41)], "s")
-    assert decide_hurwitz(p).counts_by_coefficients == RootCount(40, 0, 0)
+    assert decide_stability(p, time="continuous").counts_by_coefficients == RootCount(40, 0, 0)
     near = polynomial([10**40, -(10**40) - 1], "z") * polynomial([10**40, -(10**40) + 1], "z")
-    decision = decide_schur(near * polynomial("z**2 + 1"))
+    decision = decide_stability(near * polynomial("z**2 + 1"), time="discrete")
     assert decision.is_unanimous and decision.counts_by_roots == RootCount(1, 2, 1)
 
 
 def test_symbols():
     a, b = sympy.symbols("a b", positive=True)
     s = sympy.Symbol("s")
-    assert decide_hurwitz(s**3 + (a + 1) * s**2 + (b + 1) * s + b).is_stable is True
-    assert decide_hurwitz(s**3 + a * s**2 + b * s + 1).is_stable is None
-    assert decide_hurwitz(s**2 - a * s + b).is_stable is False
-    assert decide_schur("z**2 + a*z + 2").is_stable is False
-    assert decide_schur("z**2 + a*z + 1/2").is_stable is None
-    for decision in (decide_hurwitz("s + a"), decide_schur("(z - 1/2)"), decide_schur("z - a")):
+    assert (
+        decide_stability(s**3 + (a + 1) * s**2 + (b + 1) * s + b, time="continuous").is_stable
+        is True
+    )
+    assert decide_stability(s**3 + a * s**2 + b * s + 1, time="continuous").is_stable is None
+    assert decide_stability(s**2 - a * s + b, time="continuous").is_stable is False
+    assert decide_stability("z**2 + a*z + 2", time="discrete").is_stable is False
+    assert decide_stability("z**2 + a*z + 1/2", time="discrete").is_stable is None
+    for decision in (
+        decide_stability("s + a", time="continuous"),
+        decide_stability("(z - 1/2)", time="discrete"),
+        decide_stability("z - a", time="discrete"),
+    ):
         assert str(decision) and decision._repr_latex_().startswith("$")
 
 
@@ -181,8 +191,9 @@ def test_bezout_with_symbols():
 
 @pytest.mark.parametrize(
     "function",
-    [number_of_real_roots, count_half_plane_roots, count_unit_disk_roots, locate_half_plane_roots,
-     locate_unit_disk_roots, reflection_coefficients],
+    [number_of_real_roots, reflection_coefficients,
+     *(partial(f, time=time) for f in (count_roots, locate_roots)
+       for time in ("continuous", "discrete"))],
 )  # fmt: skip
 @pytest.mark.parametrize(
     "bad", [polynomial(0, "s"), polynomial("s + a"), "1/s", None, "s*z", [1, 2], float("nan")]
@@ -193,7 +204,8 @@ def test_bad_input_of_counts(function, bad):
 
 
 def test_bad_input():
-    for function in (decide_hurwitz, decide_schur, hurwitz_determinants):
+    decisions = [partial(decide_stability, time=time) for time in ("continuous", "discrete")]
+    for function in (*decisions, hurwitz_determinants):
         for bad in (polynomial(0, "s"), "1/s", float("nan"), None, "s*z"):
             with pytest.raises(InputError):
                 function(bad)
@@ -218,19 +230,21 @@ def test_bad_input():
 )
 def test_roots_closer_to_the_circle_than_float64_can_tell(text, stable, unstable):
     poly = polynomial(text)
-    for count in (locate_unit_disk_roots(poly), count_unit_disk_roots(poly)):
+    for count in (locate_roots(poly, time="discrete"), count_roots(poly, time="discrete")):
         assert (count.stable, count.boundary, count.unstable) == (stable, 0, unstable)
     inside, outside = split_at_unit_circle(poly)
     assert (inside.degree(), outside.degree()) == (stable, unstable)
 
 
 def test_schur_with_irrational_numbers_and_with_symbols():
-    assert decide_schur("q - sqrt(2)/2").is_stable is True
-    assert decide_schur("2*q**2 - sqrt(2)*q + 1").is_stable is True
-    assert decide_schur("q**2 - sqrt(2)*q + 1").is_stable is False
-    assert decide_schur("pi*q - 4").is_stable is False
-    assert decide_schur("a*q**2 + q + 2*a").is_stable is None  # it is q where a = 0
+    assert decide_stability("q - sqrt(2)/2", time="discrete").is_stable is True
+    assert decide_stability("2*q**2 - sqrt(2)*q + 1", time="discrete").is_stable is True
+    assert decide_stability("q**2 - sqrt(2)*q + 1", time="discrete").is_stable is False
+    assert decide_stability("pi*q - 4", time="discrete").is_stable is False
+    assert (
+        decide_stability("a*q**2 + q + 2*a", time="discrete").is_stable is None
+    )  # it is q where a = 0
 
 
 def test_a_large_degree_is_decided_soon():
-    assert decide_hurwitz("(s + 1)**120").is_stable is True
+    assert decide_stability("(s + 1)**120", time="continuous").is_stable is True

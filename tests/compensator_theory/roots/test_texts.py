@@ -8,20 +8,23 @@ import sympy
 import compensator_theory as exact
 
 FUNCTIONS = (
-    "certified_roots", "count_half_plane_roots", "count_unit_disk_roots", "number_of_real_roots",
-    "enclose_split_at_unit_circle", "locate_half_plane_roots", "locate_unit_disk_roots",
+    "certified_roots", "count_roots", "number_of_real_roots",
+    "enclose_split_at_unit_circle", "locate_roots",
     "monic_reciprocal_polynomial", "reciprocal_polynomial", "reflection_coefficients",
     "split_at_unit_circle",
 )  # fmt: skip
+TIMED = ("count_roots", "locate_roots")
 TEXT = "(q - 1/2)*(q - 3)*(q**2 + q/3 + 1/9)"
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_text_is_as_good_as_its_polynomial(name):
     function, q = getattr(exact, name), sympy.Symbol("q")
-    expected = function(exact.polynomial(TEXT))
-    for given in (TEXT, sympy.sympify(TEXT), sympy.Poly(sympy.sympify(TEXT), q)):
-        assert function(given) == expected
+    times = [{"time": "continuous"}, {"time": "discrete"}] if name in TIMED else [{}]
+    for time in times:
+        expected = function(exact.polynomial(TEXT), **time)
+        for given in (TEXT, sympy.sympify(TEXT), sympy.Poly(sympy.sympify(TEXT), q)):
+            assert function(given, **time) == expected
 
 
 def test_no_public_function_of_one_polynomial_wants_a_poly_alone():

@@ -11,7 +11,7 @@ from sympy import Poly, Rational
 
 from compensator_theory import (
     CompensatorError,
-    count_half_plane_roots,
+    count_roots,
     decide_interval_stability,
     decide_simultaneous_stabilisability,
     decide_strong_stabilisability,
@@ -28,7 +28,7 @@ s, z = sympy.symbols("s z")
 
 
 def is_hurwitz(p):
-    count = count_half_plane_roots(p)
+    count = count_roots(p, time="continuous")
     return count.stable == count.total
 
 

@@ -1,5 +1,7 @@
 """Intervals of one parameter and lists of inequalities, against roots at drawn values."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import sympy
@@ -8,8 +10,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     InputError,
-    decide_hurwitz,
-    decide_schur,
+    decide_stability,
     polynomial,
     stabilising_gains,
     stability_conditions,
@@ -56,7 +57,7 @@ def test_known_intervals(text, expected):
 def test_membership_is_stability(first, second, values, variable):
     p, q = (poly.as_expr().subs(poly.gen, variable) for poly in (first, second))
     found = stability_intervals(p + k * q, k, variable=variable)
-    decide = decide_hurwitz if variable == s else decide_schur
+    decide = partial(decide_stability, time="continuous" if variable == s else "discrete")
     for value in values:
         there = polynomial(p + value * q, variable)
         assume(not there.is_zero)
@@ -123,4 +124,5 @@ def test_conditions_decide(n, values, variable):
     at = dict(zip(names, values[:n], strict=True))
     verdict = all(condition.subs(at) > 0 for condition in conditions)
     there = polynomial(generic.subs(at), variable)
-    assert verdict == (decide_hurwitz if variable == s else decide_schur)(there).is_stable
+    time = "continuous" if variable == s else "discrete"
+    assert verdict == decide_stability(there, time=time).is_stable

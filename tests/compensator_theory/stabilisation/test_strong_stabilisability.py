@@ -12,7 +12,7 @@ from compensator_theory import (
     InputError,
     Realisation,
     certified_roots,
-    decide_hurwitz,
+    decide_stability,
     decide_strong_stabilisability,
     place_poles,
     polynomial,
@@ -95,7 +95,7 @@ def test_every_stabiliser_has_the_poles_that_are_told(G, data):
     for low, high in found.pole_intervals:
         end = np.inf if high.place is None else float(high.place)
         assert any(float(low.place) < pole < end for pole in poles)
-    assert not decide_hurwitz(compensator.denominator).is_stable
+    assert not decide_stability(compensator.denominator, time="continuous").is_stable
 
 
 def test_what_is_refused():
@@ -136,9 +136,9 @@ def test_two_of_a_plant_that_needs_an_unstable_compensator_need_none():
     d = Matrix([[s + 1, -10], [10, s + 1]])
     n = Matrix([[2 * s + 1, 15 * s - 2], [-15 * s + 2, 2 * s + 1]])
     assert n * d == (d * n).expand() or (n * d - d * n).expand().is_zero_matrix
-    assert decide_hurwitz(polynomial(d.det())).is_stable
+    assert decide_stability(polynomial(d.det()), time="continuous").is_stable
     loop = s * (s - 2) * d + (s - 1) * n  # D I and N I commute with everything
-    assert decide_hurwitz(polynomial(loop.det().expand())).is_stable
+    assert decide_stability(polynomial(loop.det().expand()), time="continuous").is_stable
     assert not decide_strong_stabilisability(UNSTABLE).is_strongly_stabilisable
 
 

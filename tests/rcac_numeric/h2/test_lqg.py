@@ -12,7 +12,7 @@ from compensator_theory import (
     NotControllableError,
     NotObservableError,
     UnitCircleError,
-    high_authority_lqg,
+    lqg_controller,
 )
 from rcac_numeric import Plant, h2_cost, load_example, lqg, servo_plant, standard_plant, with_bias
 from rcac_numeric.experiments.files.builder import build
@@ -72,7 +72,7 @@ def test_costs_of_the_text(plant, noise, cost, tolerance):
 @pytest.mark.parametrize("plant", [A_1, A_2, PLANT_4_1], ids=["A.1", "A.2", "4.1"])
 def test_spectra_are_the_exact_prediction(plant):
     """Against the spectral factors, which no Riccati solver had a part in; and the exact cost."""
-    design, exact = lqg(plant), high_authority_lqg(plant.problem)
+    design, exact = lqg(plant), lqg_controller(plant.problem)
     assert design.agreement.coefficient_distance < 1e-13
     wanted = [float(c) for c in exact.enclosure.centre.all_coeffs()]
     assert np.abs(np.poly(design.poles).real - wanted).max() < 1e-13

@@ -1,30 +1,88 @@
 """High-authority LQG in continuous time: which poles have limits, and how the others leave."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import flint
 import sympy
 from sympy import QQ, Expr, Matrix, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.latex import displayed, latex, lines
-from compensator_theory.lqg.continuous.butterworth_patterns import (
-    ButterworthPattern,
-    butterworth_patterns,
-)
+from compensator_theory.latex import displayed, fraction, latex, lines
 from compensator_theory.lqg.locus import R_2
 from compensator_theory.lqg.poles import require_stable_hidden_modes
-from compensator_theory.lqg.regulator_spectra import continuous_regulator_spectrum, interpolated
+from compensator_theory.lqg.regulator_data import regulator_and_estimator
+from compensator_theory.lqg.regulator_spectra import interpolated, regulator_spectrum
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.linear_algebra import rank
-from compensator_theory.polynomials.budget import shown
+from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import is_discrete
-from compensator_theory.roots.counts import count_half_plane_roots
+from compensator_theory.polynomials.variables import time_of
+from compensator_theory.printing import text
 from compensator_theory.roots.enclosures import latex_of
-from compensator_theory.roots.half_plane_factors import HalfPlaneFactor, factor_even
+from compensator_theory.roots.spectral_factors import SpectralFactor, factor_spectrum
 from compensator_theory.systems.standard_problems import StandardProblem
+
+
+@dataclass(frozen=True)
+class ButterworthPattern(ExactValue):
+    r"""Poles that go to infinity together, evenly spread over a half circle.
+
+    .. math:: \lambda_i = \left(\frac{c}{\rho}\right)^{1/(2k)} e^{\mathrm{j}\theta_i}
+              + O(\rho^{1/(2k)}), \qquad
+              \theta_i = \frac{\pi}{2} + \frac{(2i + 1)\pi}{2k}, \quad i = 0, \ldots, k - 1
+
+    The bound of the error is for a gain c that no other pattern of the same order has.
+
+    Attributes
+    ----------
+    order : int
+        k, the number of the poles.
+    gain : sympy.Expr
+        c > 0, exact: rational, with a square root, or a CRootOf.
+    """
+
+    order: int
+    gain: Expr
+
+    @property
+    def angles(self) -> tuple[Expr, ...]:
+        """The k angles in rad, between pi/2 and 3 pi/2."""
+        k = self.order
+        return tuple(sympy.pi * (Rational(1, 2) + Rational(2 * i + 1, 2 * k)) for i in range(k))
+
+    @property
+    def distance(self) -> Expr:
+        """The distance from 0 as a function of the weight R_2."""
+        root = Rational(1, 2 * self.order)
+        return self.gain**root * R_2**-root
+
+    def poles(self, weight: NumberLike) -> tuple[Expr, ...]:
+        """Return the k poles, to first order, for a weight.
+
+        Raises
+        ------
+        InputError
+            If the weight is not a positive rational number.
+        """
+        value = exact_number(weight)
+        if not (value.is_Rational and value > 0):
+            raise InputError(f"the weight {value} must be a positive rational number")
+        distance = self.distance.subs(R_2, value)
+        return tuple(distance * sympy.exp(sympy.I * angle) for angle in self.angles)
+
+    def __str__(self) -> str:
+        return f"{self.order} pole(s) to infinity at the distance {text(self.distance)}"
+
+    def _repr_latex_(self) -> str:
+        k = self.order
+        angle = rf"\theta_i = \frac{{\pi}}{{2}} + \frac{{(2i + 1)\pi}}{{{2 * k}}}"
+        distance = rf"\left({fraction(self.gain, R_2)}\right)^{{1/{2 * k}}}"
+        return displayed(
+            rf"\lambda_i \approx {distance} e^{{\mathrm{{j}}\theta_i}}", angle, f"i < {k}"
+        )
 
 
 @dataclass(frozen=True)
@@ -37,7 +95,7 @@ class HighAuthorityLimit(ExactValue):
     ----------
     spectrum : sympy.Poly
         p, in s, with coefficients in R_2, which stands for :math:`\rho`.
-    finite : HalfPlaneFactor
+    finite : SpectralFactor
         The limits of the poles that have one: for as many inputs as outputs the zeros of G, those
         of the right half plane reflected. A simple one is reached with an error of order rho.
     patterns : tuple of ButterworthPattern
@@ -45,7 +103,7 @@ class HighAuthorityLimit(ExactValue):
     """
 
     spectrum: Poly
-    finite: HalfPlaneFactor
+    finite: SpectralFactor
     patterns: tuple[ButterworthPattern, ...]
 
     @property
@@ -75,7 +133,7 @@ class HighAuthorityLimit(ExactValue):
 
 
 @dataclass(frozen=True)
-class ContinuousHighAuthority(ExactValue):
+class HighAuthorityLimits(ExactValue):
     """Where LQG in continuous time puts the poles as its weights go to nothing.
 
     Attributes
@@ -103,9 +161,7 @@ def _distance(pattern: ButterworthPattern, weight: str) -> str:
     return rf"|\lambda| \approx \left({gain}/{weight}\right)^{{1/{2 * pattern.order}}}"
 
 
-def continuous_high_authority(
-    plant: StandardProblem, *, digits: int = 30
-) -> ContinuousHighAuthority:
+def high_authority_limits(plant: StandardProblem, *, digits: int = 30) -> HighAuthorityLimits:
     r"""Find the exact limits of the LQG poles in continuous time as the weights go to 0.
 
     .. math:: \chi(s; \rho) \to g(\rho)\,\chi_f(s), \qquad
@@ -122,7 +178,7 @@ def continuous_high_authority(
 
     Returns
     -------
-    ContinuousHighAuthority
+    HighAuthorityLimits
 
     Raises
     ------
@@ -136,7 +192,8 @@ def continuous_high_authority(
 
     Notes
     -----
-    The counterpart of :func:`high_authority_lqg`, whose n poles are all finite. Here the gains grow
+    The counterpart of :func:`lqg_controller` with :math:`R_2 = 0` in discrete time, whose n poles
+    are all finite. Here the gains grow
     without a bound, and :math:`n - m` poles leave: for scalar z and u one pattern of order
     :math:`k = n - m`, the relative degree, with :math:`c = H^2`, H the leading coefficient of
     :math:`N_{zu}`; for several signals one for each zero at infinity of G, of its order, from the
@@ -147,29 +204,29 @@ def continuous_high_authority(
 
     Examples
     --------
-    >>> from compensator_theory import StandardProblem, continuous_high_authority
+    >>> from compensator_theory import StandardProblem, high_authority_limits
     >>> plant = StandardProblem(A=[[0, 1, 0], [0, 0, 1], [0, 0, 0]], B=[[0], [0], [1]],
     ...     C=[[1, 0, 0]], D_1=[[0], [0], [3]], D_0=None, D_2=[[0]], E_1=[[-2, 2, 0]], E_2=[[0]],
     ...     E_0=None, variable="s")
-    >>> limits = continuous_high_authority(plant)
+    >>> limits = high_authority_limits(plant)
     >>> print(limits)  # G_zu = 2 (s - 1)/s**3, G_yw = 3/s**3
     regulator: s + 1; 2 pole(s) to infinity at the distance sqrt(2)/R_2**(1/4)
     estimator: 1; 3 pole(s) to infinity at the distance 3**(1/3)/R_2**(1/6)
     >>> limits.regulator.patterns[0].angles
     (3*pi/4, 5*pi/4)
     """
-    if not isinstance(plant, StandardProblem):
-        raise InputError(f"{shown(plant)} is not a StandardProblem; see standard_problem()")
+    regulator, estimator = regulator_and_estimator(plant)
     s = plant.variable
-    if is_discrete(s, "high-authority LQG"):
-        raise InputError(f"{s} means discrete time; use high_authority_lqg or lqg_poles")
-    require_stable_hidden_modes(plant, count_half_plane_roots, "left of the imaginary axis")
-    return ContinuousHighAuthority(
-        _limit((plant.A, plant.B, plant.E_1, plant.E_2), ("E_1'E_2", "E_2"), s, digits),
-        _limit(
-            (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T), ("D_1 D_2'", "D_2"), s, digits
-        ),
-    )  # fmt: skip
+    if time_of(s, "high-authority LQG") == "discrete":
+        raise InputError(
+            f"{s} means discrete time, in which all poles have limits: those of lqg_poles, or "
+            "lqg_controller, for E_2 = 0 and D_2 = 0"
+        )
+    require_stable_hidden_modes(plant, "continuous")
+    return HighAuthorityLimits(
+        _limit(regulator, ("E_1'E_2", "E_2"), s, digits),
+        _limit(estimator, ("D_1 D_2'", "D_2"), s, digits),
+    )
 
 
 def _limit(
@@ -184,7 +241,7 @@ def _limit(
         if order == least:
             even[2 * (last - j)] = value
     try:
-        finite = factor_even(canonical(Poly(even, s)), digits)
+        finite = factor_spectrum(canonical(Poly(even, s)), last, "continuous", digits)
     except NoSolutionError as error:
         raise NoSolutionError(
             f"a zero on the imaginary axis is the limit of poles, so that the limit is no stable "
@@ -194,7 +251,7 @@ def _limit(
     for c in reversed(coefficients):
         descending += [sum(v * R_2**i for i, v in enumerate(c)), sympy.S.Zero]
     spectrum = canonical(Poly(descending[:-1], s, domain=QQ[R_2]))
-    return HighAuthorityLimit(spectrum, finite, butterworth_patterns(known, last))
+    return HighAuthorityLimit(spectrum, finite, _butterworth_patterns(known, last))
 
 
 def _coefficients(
@@ -212,7 +269,7 @@ def _coefficients(
     spectra = []
     for k in range(width + 1):
         inputs = Matrix.vstack(sympy.zeros(E_1.rows, width), k * unit)
-        spectra.append(continuous_regulator_spectrum(A, B, outputs, inputs, s))
+        spectra.append(regulator_spectrum(A, B, outputs, inputs, time="continuous", variable=s))
     points = [flint.fmpq(k * k) for k in range(width + 1)]
     found = []
     for j in range(A.rows + 1):
@@ -225,3 +282,36 @@ def _coefficients(
 def _order(ascending: list[Rational]) -> tuple[int, Rational]:
     """Return the lowest power and its coefficient."""
     return next((i, value) for i, value in enumerate(ascending) if value != 0)
+
+
+def _butterworth_patterns(
+    known: dict[int, tuple[int, Rational]], start: int
+) -> tuple[ButterworthPattern, ...]:
+    """Read the edges of positive slope of a Newton polygon; each has slope 1/k, k natural.
+
+    `known` has for every j the lowest power of the weight in the coefficient of s**(2 j), and its
+    factor; `start` is the largest j with the lowest power of all.
+    """
+    corners = [start]
+    while corners[-1] < max(known):
+        j, v = corners[-1], known[corners[-1]][0]
+        slopes = {i: Rational(known[i][0] - v, i - j) for i in known if i > j}
+        steepest = min(slopes.values())
+        corners.append(max(i for i, slope in slopes.items() if slope == steepest))
+    found = []
+    for first, last in pairwise(corners):
+        rise = known[last][0] - known[first][0]
+        k = (last - first) // rise
+        ask("field_degree", rise, "the gains of the poles that go to infinity")
+        x = Symbol("x")
+        edge = Poly(0, x, domain=QQ)
+        for t in range(rise + 1):
+            j = first + k * t
+            order, value = known.get(j, (-1, sympy.S.Zero))
+            if order == known[first][0] + t:
+                edge += Poly(value * (-1) ** (j + t), x, domain=QQ) * Poly(x**t, x, domain=QQ)
+        gains = [gain for gain in edge.real_roots() if gain > 0]
+        if rise * k != last - first or len(gains) != rise:
+            raise NoSolutionError(f"the edge {edge} is no Butterworth pattern; please report it")
+        found += [ButterworthPattern(k, gain) for gain in gains]
+    return tuple(sorted(found, key=lambda pattern: pattern.order))

@@ -1,1 +1,0 @@
-"""LQG in continuous time: controllers, poles, Riccati equations, limits of high authority."""
