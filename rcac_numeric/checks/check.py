@@ -16,6 +16,7 @@ from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant
@@ -108,10 +109,7 @@ class ControllerCheck(Value):
 
     def report(self) -> str:
         """The whole check in words and numbers."""
-        from rcac_numeric.reports.check import check_sheet
-        from rcac_numeric.reports.sheets.terminal import as_text
-
-        return as_text(check_sheet(self))
+        return report_of(self)
 
     def __str__(self) -> str:
         return self.report()
@@ -123,16 +121,11 @@ class ControllerCheck(Value):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and its sheet of pictures."""
-        from rcac_numeric.reports.check import check_sheet
-        from rcac_numeric.reports.page.notebook import notebook_html
-
-        return notebook_html(check_sheet(self), self.plot)
+        return notebook_of(self, self.plot)
 
     def plot(self) -> figures.Figure:
         """One sheet: signals and coefficients, poles, the match and the Nyquist curve."""
-        from rcac_numeric.plots.check import plot_check
-
-        return plot_check(self)
+        return picture_of(self)
 
 
 def check_controller(

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.showing import report_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
@@ -70,10 +71,7 @@ class ReplayedRun(Value):
 
     def report(self) -> str:
         """What was run, and whether it is what the store holds."""
-        from rcac_numeric.reports.sheets.terminal import as_text
-        from rcac_numeric.reports.studies.replay import replay_sheet
-
-        return as_text(replay_sheet(self))
+        return report_of(self)
 
     def __str__(self) -> str:
         return self.report()
