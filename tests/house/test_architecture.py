@@ -1,9 +1,8 @@
-"""The rules of the house that a machine can check: layers, sizes, documented names."""
+"""The rules of the house that a machine can check: layers, circles, documented names."""
 
 import ast
 import importlib
 import inspect
-import statistics
 from pathlib import Path
 
 import pytest
@@ -25,7 +24,6 @@ BY_NAME = {
     "rcac_numeric/reports/page/displays.py",
     "rcac_numeric/sweeps/study/canonical.py",
 }
-LARGEST_FOLDER, LONGEST_MEDIAN = 12, 180
 
 FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
 SOURCES = [p for p in FILES if p.name != "__init__.py"]
@@ -153,7 +151,6 @@ def test_no_import_circle():
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda p: str(p.relative_to(ROOT)))
 def test_a_folder_is_one_idea(folder):
-    assert len([p for p in SOURCES if p.parent == folder]) <= LARGEST_FOLDER
     docstring = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
     assert docstring and docstring.split("\n")[0].endswith(".")
 
@@ -166,14 +163,6 @@ def test_the_list_of_layers_is_the_tree():
             if (p / "__init__.py").exists()
         }
         assert found == set(layers)
-
-
-def test_files_are_short():
-    lengths = [
-        len(p.read_text().splitlines()) for p in SOURCES if p.relative_to(ROOT).parts[0] in LAYERS
-    ]
-    assert statistics.median(lengths) < LONGEST_MEDIAN
-    assert max(lengths) < 300
 
 
 def public_names():
