@@ -9,6 +9,7 @@ import numpy as np
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.targets.model import TargetModel
@@ -49,9 +50,7 @@ class IntercalatedMatch(Value):
 
     def plot(self) -> figures.Figure:
         """Gain and phase of both, on one branch."""
-        from rcac_numeric.plots.run import plot_match
-
-        return plot_match(self)
+        return picture_of(self)
 
     def __repr__(self) -> str:
         return f"IntercalatedMatch(worst={self.worst:.3g}, median={self.median:.3g})"

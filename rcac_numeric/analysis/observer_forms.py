@@ -29,6 +29,7 @@ from rcac_numeric.analysis.invariant_subspaces import (
 )
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import matrix_latex
@@ -130,9 +131,7 @@ class NumericObserverForms(Value):
 
     def plot(self) -> figures.Figure:
         """The closed-loop roots, divided into regulator and observer roots form by form."""
-        from rcac_numeric.plots.observer_forms import plot_observer_forms
-
-        return plot_observer_forms(self)
+        return picture_of(self)
 
     def _repr_latex_(self) -> str:
         forms = []

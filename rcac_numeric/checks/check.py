@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,15 @@ from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, with_plant
+from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, require_widths
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
@@ -29,13 +31,15 @@ from rcac_numeric.engine.runs import Run
 from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.margins.classical import Margins
-from rcac_numeric.margins.disk import DiskMargin
+from rcac_numeric.margins.disk import DiskMargin, multivariable_disk_margin
 from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
 # Where `simulate` calls a loop diverged; beyond it float64 cannot multiply coefficients.
 LARGEST = 1e100
+NEED_THE_PLANT = ("poles", "costs", "margins", "match", "split")
+NEED_THE_TARGET = ("target", "match", "split")
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,10 +112,7 @@ class ControllerCheck(Value):
 
     def report(self) -> str:
         """The whole check in words and numbers."""
-        from rcac_numeric.reports.check import check_sheet
-        from rcac_numeric.reports.sheets.terminal import as_text
-
-        return as_text(check_sheet(self))
+        return report_of(self)
 
     def __str__(self) -> str:
         return self.report()
@@ -123,16 +124,11 @@ class ControllerCheck(Value):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and its sheet of pictures."""
-        from rcac_numeric.reports.check import check_sheet
-        from rcac_numeric.reports.page.notebook import notebook_html
-
-        return notebook_html(check_sheet(self), self.plot)
+        return notebook_of(self, self.plot)
 
     def plot(self) -> figures.Figure:
         """One sheet: signals and coefficients, poles, the match and the Nyquist curve."""
-        from rcac_numeric.plots.check import plot_check
-
-        return plot_check(self)
+        return picture_of(self)
 
 
 def check_controller(
@@ -207,70 +203,122 @@ def check_controller(
     >>> check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2)).unsaid["poles"]
     'the plant is not known'
     """
-    if plant is not None:
-        plant = linear_plant(plant)
-    is_own = isinstance(u, Run) and plant is None
+    plant = None if plant is None else linear_plant(plant)
+    knows_its_plant = isinstance(u, Run) and plant is None
     if isinstance(u, Run):
         own = arguments_of_run(u)
-        signals: ArrayLike | ControllerLog = own["log"]
+        u = own["log"]
         plant = own.get("plant") if plant is None else plant
         target = own.get("target") if target is None else target
         if structure is None and compensator is None:
             structure, compensator = own.get("structure"), own.get("compensator")
             k_w = own.get("k_w") if k_w is None else k_w
-    else:
-        signals = u
-    if isinstance(signals, ControllerLog):
-        if any(v is not None for v in (y, z, w, r, theta)):
-            raise InputError("give a ControllerLog, or arrays, not both.")
-        log = signals
-    else:
-        log = ControllerLog(u=signals, y=y, z=z, w=w, r=r, theta=theta)
+    log = _log_of(u, y=y, z=z, w=w, r=r, theta=theta)
     if target is not None:
         instance_of(target, "target", TargetModel)
     if sample_time is not None and not number(sample_time, "sample_time") > 0:
         raise InputError(f"sample_time = {sample_time} must be positive, in seconds.")
     if k_w is not None:
         integer(k_w, "k_w")
-    unsaid: dict[str, str] = {}
-    known: dict[str, Any] = {}
     fixed = fixed_compensator(log, structure, compensator)
-    if (largest := max(np.abs(fixed.past_u).max(initial=0), np.abs(fixed.past_y).max())) > LARGEST:
+    _require_bounded(log, fixed)
+    check = ControllerCheck(log, structure, fixed, plant, target)
+    used = None if compensator is not None else structure
+    check = _with_log(check, used, k_w, tolerance)
+    if plant is None:
+        if noise is not None:
+            raise InputError("noise is for the H2 costs, and they need the plant; give both.")
+        nothing = dict.fromkeys(NEED_THE_PLANT, "the plant is not known")
+        check = replace(check, unsaid=check.unsaid | nothing)
+    else:
+        with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
+            check = _with_loop(check, plant)
+            if not knows_its_plant:  # a run's plant may have changed on the way
+                check = replace(check, plant_residual=plant_residual(log, plant))
+        check = _with_costs_and_margins(check, noise, sample_time)
+    return replace(check, internal_models=internal_models(fixed, check.loop))
+
+
+def _log_of(signals: ArrayLike | ControllerLog, **arrays: Any) -> ControllerLog:
+    if not isinstance(signals, ControllerLog):
+        return ControllerLog(u=signals, **arrays)
+    if any(values is not None for values in arrays.values()):
+        raise InputError("give a ControllerLog, or arrays, not both.")
+    return signals
+
+
+def _require_bounded(log: ControllerLog, fixed: Compensator) -> None:
+    largest = max(np.abs(fixed.past_u).max(initial=0), np.abs(fixed.past_y).max())
+    if largest > LARGEST:
         raise DivergedError(
             f"{log.source}: the controller has a coefficient of size {largest:.3g}: the loop has "
             "diverged. Cut the log before that."
         )
-    if log.theta is not None and structure is not None and compensator is None:
-        known["replay"] = replay(log, structure, k_w=k_w, tolerance=tolerance)
+
+
+def _with_log(
+    check: ControllerCheck, structure: Structure | None, k_w: int | None, tolerance: float | None
+) -> ControllerCheck:
+    """What the log says by itself; with a structure its theta made u, else a compensator did."""
+    log, fixed = check.log, check.compensator
+    if log.theta is not None and structure is not None:
+        replayed = replay(log, structure, k_w=k_w, tolerance=tolerance)
         if log.theta.ndim == 2:
-            known["drift"] = drift_of(log.theta)
-        else:
-            unsaid["convergence"] = "theta was logged only once"
+            return replace(check, replay=replayed, drift=drift_of(log.theta))
+        reason = "theta was logged only once"
+        return replace(check, replay=replayed, unsaid={"convergence": reason})
+    reason = "no theta was logged" if log.theta is None else "theta was not used"
+    if log.steps > len(fixed.past_u):
+        replayed = replay_compensator(log, fixed, tolerance=tolerance)
+        return replace(check, replay=replayed, unsaid={"convergence": reason})
+    short = f"the log of {log.steps} steps does not fill the controller's memory"
+    return replace(check, unsaid={"convergence": reason, "replay": short})
+
+
+def _with_loop(check: ControllerCheck, plant: Plant) -> ControllerCheck:
+    """The loop with that plant: poles and zeros, and what it is beside the target model."""
+    require_widths(check.log, plant)
+    analysis = LoopAnalysis(plant, check.compensator, check.target)
+    check = replace(check, loop=analysis.loop)
+    if check.target is None:
+        nothing = dict.fromkeys(NEED_THE_TARGET, "the target model is not known")
+        check = replace(check, unsaid=check.unsaid | nothing)
     else:
-        unsaid["convergence"] = "no theta was logged" if log.theta is None else "theta was not used"
-        if log.steps > len(fixed.past_u):
-            known["replay"] = replay_compensator(log, fixed, tolerance=tolerance)
-        else:
-            unsaid["replay"] = f"the log of {log.steps} steps does not fill the controller's memory"
-    if plant is None:
-        if noise is not None:
-            raise InputError("noise is for the H2 costs, and they need the plant; give both.")
-        for name in ("poles", "costs", "margins", "match", "split"):
-            unsaid[name] = "the plant is not known"
-    else:
-        with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
-            known |= with_plant(log, fixed, linear_plant(plant), target, unsaid)
-            if not is_own:  # a run of ours knows its plant, which may have changed on the way
-                known["plant_residual"] = plant_residual(log, linear_plant(plant))
-        known["costs"] = loop_costs(known["loop"], noise)
-        known["margins"], known["disk"] = channel_margins(known["loop"], sample_time, unsaid)
-    return ControllerCheck(
-        log=log,
-        structure=structure,
-        compensator=fixed,
-        plant=plant,
-        target=target,
-        internal_models=internal_models(fixed, known.get("loop")),
-        unsaid=unsaid,
-        **known,
+        check = _against_target(check, analysis)
+    if check.comparison is not None or plant.l_z == 1:
+        return replace(check, zeros=analysis.zeros)
+    reason = f"they are for one z, and the plant has l_z = {plant.l_z}"
+    return replace(check, unsaid=check.unsaid | {"zeros": reason})
+
+
+def _against_target(check: ControllerCheck, analysis: LoopAnalysis) -> ControllerCheck:
+    comparison, no_comparison = attempted(lambda: analysis.comparison)
+    match, no_match = attempted(lambda: analysis.match)
+    split, no_split = _split(check.log, analysis)
+    reasons = {"exact poles": no_comparison, "match": no_match, "split": no_split}
+    reasons = {name: reason for name, reason in reasons.items() if reason}
+    return replace(
+        check, comparison=comparison, match=match, split=split, unsaid=check.unsaid | reasons
     )
+
+
+def _split(log: ControllerLog, analysis: LoopAnalysis) -> tuple[ResidualSplit | None, str]:
+    """The split of the logged residual, or why there is none."""
+    if log.w is None:
+        return None, "the exogenous input w was not logged"
+    if log.z is None:
+        return None, "the performance z was not logged"
+    u, y, z, w, r = log.u, log.y, log.z, log.w, log.r
+    return attempted(lambda: analysis.split(u=u, y=y, z=z, w=w, r=r))
+
+
+def _with_costs_and_margins(
+    check: ControllerCheck, noise: NoiseIntensities | None, sample_time: float | None
+) -> ControllerCheck:
+    loop = check.loop
+    assert loop is not None
+    costs = loop_costs(loop, noise)
+    margins, reasons = channel_margins(loop, sample_time)
+    several = loop.plant.l_u > 1 and loop.is_stable
+    disk = multivariable_disk_margin(loop) if several else None
+    return replace(check, costs=costs, margins=margins, disk=disk, unsaid=check.unsaid | reasons)

@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypedDict
 
 from compensator_theory.errors import InputError
 from rcac_numeric.checks.logs import ControllerLog
+from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.stepwise import StepwiseController
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.compatibility import command_position, controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.functions import FunctionPlant
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.targets.model import TargetModel
 
 
-def arguments_of_run(run: Run, source: str = "run") -> dict[str, Any]:
+class RunArguments(TypedDict, total=False):
+    """What a run knows: keyword arguments of `check_controller`, and its log."""
+
+    log: ControllerLog
+    plant: Plant
+    target: TargetModel
+    structure: Structure
+    compensator: Compensator
+    k_w: int
+
+
+def arguments_of_run(run: Run, source: str = "run") -> RunArguments:
     """The arguments of `check_controller` that a run knows by itself.
 
     Behind a saturation, and for several controllers or a fixed one, in parallel too, it is handed
@@ -32,7 +47,7 @@ def arguments_of_run(run: Run, source: str = "run") -> dict[str, Any]:
         raise InputError("the run has no step that could be checked.")
     if isinstance(run.settings, StepwiseController):
         run.settings.compensator_of(())  # says why there is none
-    known: dict[str, Any] = {}
+    known: RunArguments = {}
     last = run.first_step + run.steps - 1
     if not isinstance(run.plant, FunctionPlant):
         known["plant"] = plant_at(run.plant, last)
@@ -45,8 +60,9 @@ def arguments_of_run(run: Run, source: str = "run") -> dict[str, Any]:
         changes = [model for k, model in sorted(settings.target_changes.items()) if k <= last]
         known["target"] = [settings.target, *changes][-1]
         if run.saturation is None and settings.fixed is None and not run.first_step:
-            known |= {"structure": settings.structure, "k_w": settings.k_w}
+            known["structure"], known["k_w"] = settings.structure, settings.k_w
             signals["theta"] = run.theta if run.stride == 1 else run.theta_final
     if "structure" not in known:
         known["compensator"] = run.compensator
-    return {**known, "log": ControllerLog(**signals, source=source)}
+    known["log"] = ControllerLog(**signals, source=source)
+    return known

@@ -98,9 +98,10 @@ class PreparedRun:
     def _continue(self, start: SavedState) -> None:
         if self.x_0 is not None:
             raise InputError("give either x_0 or start: the saved state holds the plant's state.")
-        saved_state(start, "start").restore_into(
-            self._whole, "loop", self._name, lambda: self._kernels[0].k
-        )
+        saved_state(start, "start").restored(
+            "loop", self._name,
+            save=self._whole.save, restore=self._whole.restore, steps=lambda: self._kernels[0].k,
+        )  # fmt: skip
         self.first_step = start.k
 
     def hold(self, row: int) -> None:

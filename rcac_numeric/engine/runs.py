@@ -14,6 +14,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import DataFrame, Dataset, imported
 from rcac_numeric.arrays.record_files import read_record, write_record
 from rcac_numeric.arrays.records import Records, require_declared
+from rcac_numeric.arrays.showing import notebook_of, picture_of
 from rcac_numeric.arrays.validation import integer, one_of, real_array, signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
@@ -228,15 +229,11 @@ class Run(Value):
 
     def plot(self) -> figures.Figure:
         """The signals z and u and the coefficients theta over the step k."""
-        from rcac_numeric.plots.figures.runs import plot_runs
-
-        return plot_runs([self])
+        return picture_of(self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how it ended, and its pictures."""
-        from rcac_numeric.reports.page.notebook import run_html
-
-        return run_html(self)
+        return notebook_of(self, self.plot if self.steps else None)
 
     def __repr__(self) -> str:
         return f"Run({self.outcome}, steps={self.steps}, {self.plant!r})"

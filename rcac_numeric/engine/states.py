@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -17,19 +17,8 @@ from rcac_numeric.arrays.untrusted import read_npz
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.arrays.values import Value, fingerprint
 
-Counter = Callable[[], int]
 _WORDS = re.compile(r"[a-z ]{1,40}")
 _HEX = re.compile(r"[0-9a-f]{16}")
-
-
-class Restorable(Protocol):
-    """What hands out its state as numbers, and takes them back."""
-
-    def save(self) -> Array:
-        """Every number of the state, in one dimension."""
-
-    def restore(self, state: Array, /) -> None:
-        """Take them back; ValueError or IndexError where they are something else."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,10 +132,25 @@ class SavedState(Value):
             raise InputError(f"{path} is damaged: its checksum is not that of its contents.")
         return found
 
-    def restore_into(self, compiled: Restorable, kind: str, of: str, steps: Counter) -> None:
-        """Put the state into an object; raise where it does not belong there.
+    def restored(
+        self,
+        kind: str,
+        of: str,
+        *,
+        save: Callable[[], Array],
+        restore: Callable[[Array], None],
+        steps: Callable[[], int],
+    ) -> None:
+        """Put the state into an object, or leave that as it was and raise.
 
-        `steps` says how many steps the object has taken.
+        Parameters
+        ----------
+        kind, of : str
+            What the object is, and the fingerprint of its settings.
+        save, restore : functions
+            Its numbers, and from them; ValueError or IndexError where they are something else.
+        steps : function
+            How many steps it has taken.
         """
         if self.kind != kind:
             raise InputError(f"a {kind} cannot be restored from the state of a {self.kind}.")
@@ -166,13 +170,13 @@ class SavedState(Value):
             raise InputError(
                 f"the state of this {kind} is damaged: it was changed after it was saved."
             )
-        before = compiled.save()
+        before = save()
         try:
-            compiled.restore(values)
+            restore(values)
             if steps() != self.k:
                 raise ValueError(f"it is said to be of step {self.k} and holds step {steps()}")
         except (ValueError, IndexError) as error:
-            compiled.restore(before)
+            restore(before)
             raise InputError(f"the state of this {kind} is damaged: {error}.") from None
 
 

@@ -78,16 +78,16 @@ class StepwiseLoop:
                 "a schedule with state_map or delay is not continued with a stepwise controller: "
                 "run it whole."
             )
-        saved_state(start, "start").restore_into(
-            self, "loop", self._name, lambda: self._controller.k
-        )
+        saved_state(start, "start").restored(
+            "loop", self._name,
+            save=self._save, restore=self._restore, steps=lambda: self._controller.k,
+        )  # fmt: skip
 
-    def save(self) -> Array:
+    def _save(self) -> Array:
         """The controller's numbers and the plant's state."""
         return np.concatenate([self._controller.save(), self._body.x])
 
-    def restore(self, values: Array) -> None:
-        """What `save` gave."""
+    def _restore(self, values: Array) -> None:
         n = self.plant.n
         self._controller.take_up(values[: len(values) - n])
         x = initial_state(values[len(values) - n :], n)
@@ -153,7 +153,7 @@ class StepwiseLoop:
         if whole and _resumes(self.plant):
             k = self.first_step + done
             scale = scale_of(self._before, self.w[: self.done], self.x_0)
-            state = SavedState.taken("loop", k, self.save(), self._name, scale)
+            state = SavedState.taken("loop", k, self._save(), self._name, scale)
         return Run(
             plant=self.plant,
             settings=self.settings,

@@ -50,19 +50,13 @@ class Resumable(ABC, Generic[S]):
         InputError
             Where the state belongs to other settings or is damaged; nothing has moved.
         """
-        saved_state(state, "state").restore_into(
-            _Numbers(self), self.kind, fingerprint(self.settings), lambda: self.k
-        )
+        saved_state(state, "state").restored(
+            self.kind, fingerprint(self.settings),
+            save=self.save, restore=self.take_up, steps=lambda: self.k,
+        )  # fmt: skip
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuilt, (type(self), self.settings, self.state)
-
-
-class _Numbers:
-    """The numbers of the state, without the words around them."""
-
-    def __init__(self, of: Resumable[Any]) -> None:
-        self.save, self.restore = of.save, of.take_up
 
 
 def _rebuilt(kind: type[Resumable[Any]], settings: Any, state: SavedState) -> Resumable[Any]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
 from rcac_numeric.experiments.estimation.measures import MEASURES as ESTIMATION_MEASURES
@@ -67,10 +68,7 @@ class Verification(Value):
 
     def report(self) -> str:
         """The whole verification in words and numbers."""
-        from rcac_numeric.reports.sheets.terminal import as_text
-        from rcac_numeric.reports.verification import verification_sheet
-
-        return as_text(verification_sheet(self))
+        return report_of(self)
 
     def __str__(self) -> str:
         return self.report()
@@ -80,10 +78,7 @@ class Verification(Value):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and, where something ran, its sheet of pictures."""
-        from rcac_numeric.reports.page.notebook import notebook_html
-        from rcac_numeric.reports.verification import verification_sheet
-
-        return notebook_html(verification_sheet(self), self.plot if self.results else None)
+        return notebook_of(self, self.plot if self.results else None)
 
     @property
     def figure_requests(self) -> tuple[FigureRequest, ...]:
@@ -99,15 +94,7 @@ class Verification(Value):
 
         `figure_requests` are those that an example asks for, or the usual ones.
         """
-        from rcac_numeric.plots.figures.requested import plot_request
-        from rcac_numeric.plots.run import plot_verification
-
-        if request is None and self.estimates:
-            request = next(iter(self.experiment.figures), FigureRequest("estimates", ""))
-
-        if request is None:
-            return plot_verification(self)
-        return plot_request(self, request, width=width)
+        return picture_of(self, request, width=width)
 
     @property
     def exit_status(self) -> int:

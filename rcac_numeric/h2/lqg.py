@@ -11,6 +11,7 @@ from compensator_theory.errors import IllConditionedError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays import figures, frames
 from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.showing import notebook_of, picture_of
 from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
@@ -126,16 +127,11 @@ class LQG(Value):
 
     def plot(self) -> figures.Figure:
         """The closed-loop poles by what made them, and the gain and phase of the controller."""
-        from rcac_numeric.plots.lqg import plot_lqg
-
-        return plot_lqg(self)
+        return picture_of(self)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: cost, margins and the picture."""
-        from rcac_numeric.reports.lqg import lqg_sheet
-        from rcac_numeric.reports.page.notebook import notebook_html
-
-        return notebook_html(lqg_sheet(self), self.plot)
+        return notebook_of(self, self.plot)
 
     def _repr_latex_(self) -> str:
         return rf"$\displaystyle J = {self.cost.value:.6g}, {state_space_latex(self.state_space)}$"

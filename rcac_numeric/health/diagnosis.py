@@ -114,6 +114,6 @@ def _of_loop(ask: Callable[[], ClosedLoop]) -> dict[str, Any]:
             if not np.isfinite(radius):
                 return {**nothing, "obstacle": "the controller left the range of float64"}
             known = {"is_stable": loop.is_stable, "spectral_radius": radius}
-            return {**known, "margins": channel_margins(loop, None, {}, disk=False)[0]}
+            return {**known, "margins": channel_margins(loop, disk=False)[0]}
     except (CompensatorError, np.linalg.LinAlgError) as error:
         return {**nothing, "obstacle": str(error).rstrip(".")}

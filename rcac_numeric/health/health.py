@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from rcac_numeric.arrays.showing import notebook_of, sheet_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.health.excitation import Excitation
 from rcac_numeric.health.signals import SignalHealth, SignalSize
@@ -72,17 +73,11 @@ class LoopHealth(Value):
 
     def report(self) -> str:
         """The health in words and numbers, a line for each."""
-        from rcac_numeric.reports.health import health_lines
-
-        return "\n".join(line.words for line in health_lines(self))
+        return "\n".join(line.words for line in sheet_of(self).health)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the lines of the report, the warnings in colour."""
-        from rcac_numeric.reports.health import health_lines
-        from rcac_numeric.reports.page.notebook import notebook_html
-        from rcac_numeric.reports.sheets.sheet import Sheet
-
-        return notebook_html(Sheet("Health of the loop", health=health_lines(self)))
+        return notebook_of(self)
 
     def __str__(self) -> str:
         return self.report()

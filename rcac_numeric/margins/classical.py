@@ -10,6 +10,7 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.showing import notebook_of, picture_of
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.boundaries import (
@@ -112,17 +113,11 @@ class Margins(Value):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the table of margins and the Nyquist curve."""
-        from rcac_numeric.reports.margins import margins_section
-        from rcac_numeric.reports.page.notebook import notebook_html
-        from rcac_numeric.reports.sheets.sheet import Sheet
-
-        return notebook_html(Sheet("", sections=(margins_section("u", self),)), self.plot)
+        return notebook_of(self, self.plot)
 
     def plot(self) -> figures.Figure:
         """The Nyquist curve near -1 with the margins marked."""
-        from rcac_numeric.plots.margins import plot_margins
-
-        return plot_margins(self)
+        return picture_of(self)
 
 
 def stability_margins(

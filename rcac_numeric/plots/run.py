@@ -6,7 +6,6 @@ from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
-from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.axes import draw_control, draw_pole_zero
 from rcac_numeric.plots.coefficients import draw_theta
 from rcac_numeric.plots.library import Figure
@@ -73,13 +72,6 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
     for axis in axes.ravel():
         axis.grid(alpha=0.25)
     return figure
-
-
-def plot_verification(verification: Verification) -> Figure:
-    """The sheet of the main run, under the name of the experiment."""
-    experiment = verification.experiment
-    title = f"{experiment.id}: {experiment.title}".strip(": ")
-    return plot_sheet(verification.main.first, title)
 
 
 def plot_match(match: IntercalatedMatch) -> Figure:

@@ -8,7 +8,7 @@ from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.health.margin_words import margin_words
 from rcac_numeric.health.signals import SignalHealth, SignalSize
 from rcac_numeric.margins.classical import Margins
-from rcac_numeric.reports.sheets.sheet import Level, Text
+from rcac_numeric.reports.sheets.sheet import Level, Sheet, Text
 
 
 def health_lines(health: LoopHealth) -> tuple[Text, ...]:
@@ -49,6 +49,11 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
         steps = f"{health.bounded} of {health.steps} steps"
         lines.append(Text(f"bounds: theta was moved to its bounds in {steps}"))
     return tuple(lines)
+
+
+def health_sheet(health: LoopHealth) -> Sheet:
+    """The lines of the health as a report of their own."""
+    return Sheet("Health of the loop", health=health_lines(health))
 
 
 def health_record(health: LoopHealth) -> dict[str, Any]:

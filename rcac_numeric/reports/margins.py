@@ -9,7 +9,7 @@ from typing import Any
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
-from rcac_numeric.reports.sheets.sheet import Section, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import Section, Sheet, Table, Text, cells
 
 HEADS = ("", "margin", "at rad/sample", "pole radius there")
 
@@ -54,6 +54,11 @@ def margins_section(name: str, margins: Margins) -> Section:
         f"{disk.T_omega:.4g} rad/sample"
     )
     return Section("Margins", (Table(HEADS, tuple(rows)), Text(peaks)), whole, remark)
+
+
+def margins_sheet(margins: Margins) -> Sheet:
+    """The margins of one loop as a report of their own."""
+    return Sheet("", sections=(margins_section("u", margins),))
 
 
 def disk_record(disk: DiskMargin | None) -> dict[str, Any] | None:

@@ -1,9 +1,8 @@
-"""The rules of the house that a machine can check: layers, sizes, documented names."""
+"""The rules of the house that a machine can check: layers, circles, documented names."""
 
 import ast
 import importlib
 import inspect
-import statistics
 from pathlib import Path
 
 import pytest
@@ -15,9 +14,16 @@ PACKAGES = ("compensator_theory", "rcac_numeric", "proofs")
 
 # What a fixed controller does to a loop is computed from its data, never by running it.
 WITHOUT_ENGINE = ("analysis", "margins", "h2")
-# A result's own methods that show it may ask for what stands above it, and nothing else may.
-SHOWING = ("plot", "report", "_repr_html_", "_repr_latex_")
-LARGEST_FOLDER, LONGEST_MEDIAN = 12, 180
+# Imports by name in the packages: commands, entries of tables that are tested, optional libraries.
+BY_NAME = {
+    "rcac_numeric/arrays/frames.py",
+    "rcac_numeric/arrays/showing.py",
+    "rcac_numeric/cli/__main__.py",
+    "rcac_numeric/cli/main.py",
+    "rcac_numeric/errata/checking.py",
+    "rcac_numeric/reports/page/displays.py",
+    "rcac_numeric/sweeps/study/canonical.py",
+}
 
 FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
 SOURCES = [p for p in FILES if p.name != "__init__.py"]
@@ -75,24 +81,26 @@ def test_arrows_go_one_way(path):
     own = ".".join(path.relative_to(ROOT).with_suffix("").parts)
     package, floor = rank(own) if own.split(".")[0] in LAYERS else (own.split(".")[0], -1)
     order = ["compensator_theory", "rcac_numeric", "proofs"]
-    for line, module, function in imports(path):
+    for line, module, _ in imports(path):
         target = module.split(".")[0]
         where = f"{own}, line {line}: imports {module}"
         assert module != package, f"{where} itself: name the module"
         if target != package:
             assert order.index(target) < order.index(package), where
-        elif package in LAYERS and function not in SHOWING:
+        elif package in LAYERS:
             assert rank(module)[1] <= floor, f"{where}, which stands above it"
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_imports_stand_at_the_top(path):
-    """An import in a function, or for type checking only, hides a circle.
+    """An import in a function, or for type checking only, hides a circle; libraries may come late.
 
-    Those of methods that show a result are the exception; libraries may come late.
+    An import by name hides one too.
     """
-    late = [(line, module, f) for line, module, f in imports(path) if f and f not in SHOWING]
-    assert not late
+    assert not [(line, module, function) for line, module, function in imports(path) if function]
+    name, text = path.relative_to(ROOT).as_posix(), path.read_text()
+    by_name = any(word in text for word in ("import_module", "resolve_name", "__import__"))
+    assert not (by_name and name.startswith("rcac_numeric/")) or name in BY_NAME
 
 
 def test_only_the_engine_knows_the_kernel():
@@ -105,8 +113,8 @@ def test_only_the_engine_knows_the_kernel():
 def test_analyses_run_nothing():
     for name in WITHOUT_ENGINE:
         for path in (ROOT / "rcac_numeric" / name).glob("*.py"):
-            for line, module, function in imports(path):
-                asks = module.startswith("rcac_numeric.engine") and function not in SHOWING
+            for line, module, _ in imports(path):
+                asks = module.startswith("rcac_numeric.engine")
                 assert not asks, f"{path}, line {line}: an analysis imports {module}"
 
 
@@ -122,9 +130,7 @@ def test_the_exact_half_has_no_floats():
 def test_no_import_circle():
     """Also between the files of one folder."""
     graph = {
-        ".".join(p.relative_to(ROOT).with_suffix("").parts): {
-            module for _, module, f in imports(p) if f not in SHOWING
-        }
+        ".".join(p.relative_to(ROOT).with_suffix("").parts): {m for _, m, _ in imports(p)}
         for p in SOURCES
     }
     done, path = set(), []
@@ -145,7 +151,6 @@ def test_no_import_circle():
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda p: str(p.relative_to(ROOT)))
 def test_a_folder_is_one_idea(folder):
-    assert len([p for p in SOURCES if p.parent == folder]) <= LARGEST_FOLDER
     docstring = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
     assert docstring and docstring.split("\n")[0].endswith(".")
 
@@ -158,14 +163,6 @@ def test_the_list_of_layers_is_the_tree():
             if (p / "__init__.py").exists()
         }
         assert found == set(layers)
-
-
-def test_files_are_short():
-    lengths = [
-        len(p.read_text().splitlines()) for p in SOURCES if p.relative_to(ROOT).parts[0] in LAYERS
-    ]
-    assert statistics.median(lengths) < LONGEST_MEDIAN
-    assert max(lengths) < 300
 
 
 def public_names():

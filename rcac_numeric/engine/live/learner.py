@@ -131,7 +131,7 @@ class DataDrivenLearner:
         self._current, self._outside = current.copy(), real + 1j * imaginary
 
 
-class SavesItself(Protocol):
+class Restorable(Protocol):
     """What hands out its state as numbers, and takes them back."""
 
     def save(self) -> Array:
@@ -150,7 +150,7 @@ class LearningLoop:
     learner : DataDrivenLearner or DeviceLearner
     """
 
-    def __init__(self, compiled: SavesItself, learner: SavesItself) -> None:
+    def __init__(self, compiled: Restorable, learner: Restorable) -> None:
         self._compiled, self._learner = compiled, learner
 
     def save(self) -> Array:

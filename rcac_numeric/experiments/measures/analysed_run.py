@@ -13,6 +13,7 @@ from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import ComplexArray
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -165,6 +166,4 @@ class AnalysedRun(Value):
 
     def plot(self, title: str = "") -> figures.Figure:
         """One sheet: response, coefficients, poles and zeros, and the intercalated match."""
-        from rcac_numeric.plots.run import plot_sheet
-
-        return plot_sheet(self, title)
+        return picture_of(self, title)

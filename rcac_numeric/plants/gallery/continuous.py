@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import matrix
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
@@ -101,9 +102,7 @@ class ContinuousPlant(Value):
 
     def plot(self, periods: Sequence[float]) -> figures.Figure:
         """Poles and zeros, step response, and the sampled zeros against the period in s."""
-        from rcac_numeric.plots.figures.plants import plot_continuous_plant
-
-        return plot_continuous_plant(self, periods)
+        return picture_of(self, periods)
 
     def __repr__(self) -> str:
         n, l_u, l_y = len(self.A), self.B.shape[1], len(self.C)

@@ -12,6 +12,7 @@ import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.frozen import plant_at
@@ -46,9 +47,7 @@ class ZeroPath(Value):
 
     def plot(self) -> figures.Figure:
         """The zeros in the plane and their moduli over the steps, figures 3.4 and 3.5."""
-        from rcac_numeric.plots.figures.plants import plot_zero_path
-
-        return plot_zero_path(self)
+        return picture_of(self)
 
 
 def plant_zeros(plant: Plant) -> ComplexArray:

@@ -73,6 +73,19 @@ def plot_request(
     return _titled(figure, title, width)
 
 
+def plot_verification(
+    verification: Verification, request: FigureRequest | None = None, *, width: float = 9.0
+) -> Figure:
+    """The figure that is asked for; else the first of the estimates, or a sheet on the main run."""
+    experiment = verification.experiment
+    if request is None and verification.estimates:
+        request = next(iter(experiment.figures), FigureRequest("estimates", ""))
+    if request is None:
+        title = f"{experiment.id}: {experiment.title}".strip(": ")
+        return plot_sheet(verification.main.first, title)
+    return plot_request(verification, request, width=width)
+
+
 def _study_figure(
     results: Mapping[str, StudyResult], request: FigureRequest, width: float
 ) -> Figure:

@@ -102,6 +102,11 @@ def plot_runs(
     return figure
 
 
+def plot_run(run: Run) -> Figure:
+    """The signals z and u and the coefficients theta over the step k."""
+    return plot_runs([run])
+
+
 def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal: str) -> None:
     index = 0
     parts: list[np.ndarray] = []

@@ -8,11 +8,11 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, Verdict
 from rcac_numeric.experiments.verdicts import Verification
+from rcac_numeric.reports.page.displays import small_pictures_of
 from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
@@ -151,25 +151,13 @@ def _pictures(verification: Verification, name: str) -> tuple[Picture, ...]:
         return ()
     prefix = re.sub(r"[^A-Za-z0-9]+", "-", name)
     try:
-        drawn = plot(verification)
+        drawn = small_pictures_of(verification)
     except CompensatorError as error:
         return (Picture(f"No picture: {shortened(str(error))}", ""),)
     return tuple(
         Picture(title, svg_of(figure, f"p{prefix}-{i}", f"{name}: {title}"))
         for i, (title, figure) in enumerate(drawn.items())
     )
-
-
-def plot(verification: Verification) -> dict[str, figures.Figure]:
-    """The pictures that the experiment asks for, or those of its main run, by what they show."""
-    from rcac_numeric.reports.page.single import WIDTH, single_figures
-
-    requests = [r for r in verification.experiment.figures if r.kind != "sheet"]
-    if not requests and verification.estimates:
-        return {"What is estimated.": verification.plot(width=WIDTH)}
-    if not requests:
-        return single_figures(verification.main.first)
-    return {request.caption: verification.plot(request, width=WIDTH) for request in requests}
 
 
 def _settings(verification: Verification) -> str:

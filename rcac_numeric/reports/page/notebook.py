@@ -8,9 +8,6 @@ from itertools import count
 
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.wording import in_a_line
-from rcac_numeric.engine.runs import Run
-from rcac_numeric.health.diagnosis import loop_health
-from rcac_numeric.reports.health import health_lines
 from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
@@ -45,10 +42,3 @@ def notebook_html(sheet: Sheet, draw: Callable[[], figures.Figure] | None = None
     if draw is not None and find_spec("matplotlib") is not None:
         parts.append(svg_of(draw(), f"rcac{next(_numbers)}", sheet.title))
     return "\n".join([*parts, "</div>"])
-
-
-def run_html(run: Run) -> str:
-    """A run: how it ended, the health of its loop, and its signals."""
-    remark = f": {run.outcome} after {run.steps} steps"
-    health = health_lines(loop_health(run))
-    return notebook_html(Sheet("Run", remark, health), run.plot if run.steps else None)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.axes import draw_control, draw_pole_zero, legend_below
 from rcac_numeric.plots.coefficients import draw_theta
+from rcac_numeric.plots.figures.requested import plot_verification
 from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import draw_history, draw_magnitude, draw_phase
 
@@ -33,6 +35,16 @@ def single_figures(repetition: AnalysedRun) -> dict[str, Figure]:
     except CompensatorError:
         return found
     return {**found, "Target model and what was reached": _match(repetition)}
+
+
+def page_figures(verification: Verification) -> dict[str, Figure]:
+    """The pictures that the experiment asks for, or those of its main run, by what they show."""
+    requests = [r for r in verification.experiment.figures if r.kind != "sheet"]
+    if not requests and verification.estimates:
+        return {"What is estimated.": plot_verification(verification, width=WIDTH)}
+    if not requests:
+        return single_figures(verification.main.first)
+    return {r.caption: plot_verification(verification, r, width=WIDTH) for r in requests}
 
 
 def _response(repetition: AnalysedRun) -> Figure:

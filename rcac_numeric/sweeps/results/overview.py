@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from rcac_numeric.arrays.showing import report_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.sweeps.results.statistics import SweepSummary, summarise
 from rcac_numeric.sweeps.results.table import SweepTable, table_in
@@ -73,10 +74,7 @@ class SweepOverview(Value):
 
     def report(self) -> str:
         """The study, its outcomes and statistics in words and numbers."""
-        from rcac_numeric.reports.sheets.terminal import as_text
-        from rcac_numeric.reports.studies.sweep import sweep_sheet
-
-        return as_text(sweep_sheet(self))
+        return report_of(self)
 
     def __str__(self) -> str:
         return self.report()

@@ -12,6 +12,7 @@ import numpy as np
 
 from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.showing import report_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import printable, shortened
@@ -76,10 +77,7 @@ class ReplayedRun(Value):
 
     def report(self) -> str:
         """What was run, and whether it is what the store holds."""
-        from rcac_numeric.reports.sheets.terminal import as_text
-        from rcac_numeric.reports.studies.replay import replay_sheet
-
-        return as_text(replay_sheet(self))
+        return report_of(self)
 
     def __str__(self) -> str:
         return self.report()

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import instance_of, items, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.sweeps.results.table import Columns, SweepTable
@@ -110,9 +111,7 @@ class SweepSummary(Value):
 
     def plot(self) -> figures.Figure:
         """The share of runs that did not complete, and the median, over one axis or two."""
-        from rcac_numeric.plots.sweep import plot_summary
-
-        return plot_summary(self)
+        return picture_of(self)
 
 
 def summarise(

@@ -1,0 +1,122 @@
+"""The table of what shows each type of result: its picture, its report, its display in a notebook.
+
+`rcac_numeric.arrays.showing` is how a result asks it. A type and what shows it are named, and
+imported when they are needed: a report needs no Matplotlib, and the picture of a run no studies.
+A type that is derived from one of these is shown like it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pkgutil import resolve_name
+from typing import Any
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays import figures
+from rcac_numeric.reports.page.notebook import notebook_html
+from rcac_numeric.reports.sheets.sheet import Sheet
+from rcac_numeric.reports.sheets.terminal import as_text
+
+# From a type to the function that draws it.
+PICTURES = {
+    "rcac_numeric.analysis.match:IntercalatedMatch": "rcac_numeric.plots.run:plot_match",
+    "rcac_numeric.analysis.observer_forms:NumericObserverForms": (
+        "rcac_numeric.plots.observer_forms:plot_observer_forms"
+    ),
+    "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.plots.check:plot_check",
+    "rcac_numeric.engine.runs:Run": "rcac_numeric.plots.figures.runs:plot_run",
+    "rcac_numeric.experiments.measures.analysed_run:AnalysedRun": (
+        "rcac_numeric.plots.run:plot_sheet"
+    ),
+    "rcac_numeric.experiments.verdicts:Verification": (
+        "rcac_numeric.plots.figures.requested:plot_verification"
+    ),
+    "rcac_numeric.h2.lqg:LQG": "rcac_numeric.plots.lqg:plot_lqg",
+    "rcac_numeric.margins.classical:Margins": "rcac_numeric.plots.margins:plot_margins",
+    "rcac_numeric.plants.gallery.continuous:ContinuousPlant": (
+        "rcac_numeric.plots.figures.plants:plot_continuous_plant"
+    ),
+    "rcac_numeric.plants.gallery.zeros:ZeroPath": (
+        "rcac_numeric.plots.figures.plants:plot_zero_path"
+    ),
+    "rcac_numeric.sweeps.results.statistics:SweepSummary": "rcac_numeric.plots.sweep:plot_summary",
+}
+
+# From a type to the function that writes its report.
+SHEETS = {
+    "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.reports.check:check_sheet",
+    "rcac_numeric.engine.runs:Run": "rcac_numeric.reports.run:run_sheet",
+    "rcac_numeric.experiments.verdicts:Verification": (
+        "rcac_numeric.reports.verification:verification_sheet"
+    ),
+    "rcac_numeric.h2.lqg:LQG": "rcac_numeric.reports.lqg:lqg_sheet",
+    "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.health:health_sheet",
+    "rcac_numeric.margins.classical:Margins": "rcac_numeric.reports.margins:margins_sheet",
+    "rcac_numeric.sweeps.results.overview:SweepOverview": (
+        "rcac_numeric.reports.studies.sweep:sweep_sheet"
+    ),
+    "rcac_numeric.sweeps.results.replay:ReplayedRun": (
+        "rcac_numeric.reports.studies.replay:replay_sheet"
+    ),
+}
+
+# From a type to the function that draws it as several small pictures for a page.
+SMALL_PICTURES = {
+    "rcac_numeric.experiments.verdicts:Verification": (
+        "rcac_numeric.reports.page.single:page_figures"
+    ),
+}
+
+
+def picture_of(result: object, *arguments: Any, **options: Any) -> figures.Figure:
+    """The picture of a result.
+
+    Raises
+    ------
+    InputError
+        Where its type has none, or Matplotlib is not installed.
+
+    Examples
+    --------
+    >>> from rcac_numeric import lqg, standard_plant
+    >>> from rcac_numeric.reports.page.displays import picture_of
+    >>> len(picture_of(lqg(standard_plant("1/(q - 1.2)"))).axes)
+    3
+    """
+    drawn: figures.Figure = _shows(PICTURES, result)(result, *arguments, **options)
+    return drawn
+
+
+def small_pictures_of(result: object) -> dict[str, figures.Figure]:
+    """The pictures of a result for a page that is read on a phone, by what they show."""
+    return dict(_shows(SMALL_PICTURES, result)(result))
+
+
+def sheet_of(result: object) -> Sheet:
+    """The report of a result as data.
+
+    Raises
+    ------
+    InputError
+        Where its type has none.
+    """
+    sheet: Sheet = _shows(SHEETS, result)(result)
+    return sheet
+
+
+def report_of(result: object) -> str:
+    """The report of a result as plain text."""
+    return as_text(sheet_of(result))
+
+
+def notebook_of(result: object, draw: Callable[[], figures.Figure] | None = None) -> str:
+    """The report of a result as HTML and, where it is drawn, its picture below."""
+    return notebook_html(sheet_of(result), draw)
+
+
+def _shows(table: Mapping[str, str], result: object) -> Any:
+    """What shows a result; that of a base class where its own has none."""
+    for kind in type(result).__mro__:
+        if shown := table.get(f"{kind.__module__}:{kind.__qualname__}"):
+            return resolve_name(shown)
+    raise InputError(f"a {type(result).__name__} cannot be shown in this way.")
