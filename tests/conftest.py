@@ -1,6 +1,7 @@
-"""Hypothesis profiles: `dev` by default, `ci` derandomised, `thorough` for long hunts.
+"""Hypothesis profiles: `dev` by default, `ci` for the check, `thorough` for long hunts.
 
-Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in full.
+Choose with HYPOTHESIS_PROFILE=ci. Every run draws anew; `--hypothesis-seed` and `--randomly-seed`
+repeat the draws and the order of another. `--long` runs the marked long statistics in full.
 """
 
 import os
@@ -10,7 +11,7 @@ import hypothesis
 import pytest
 
 hypothesis.settings.register_profile("dev", max_examples=30, deadline=None)
-hypothesis.settings.register_profile("ci", max_examples=60, deadline=None, derandomize=True)
+hypothesis.settings.register_profile("ci", max_examples=60, deadline=None, print_blob=True)
 hypothesis.settings.register_profile("thorough", max_examples=1000, deadline=None)
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
