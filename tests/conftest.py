@@ -1,7 +1,9 @@
-"""Hypothesis profiles: `dev` by default, `ci` derandomised, `thorough` for long hunts.
+"""Hypothesis profiles: `dev` by default, `ci` for the check, `fresh` and `thorough` for hunts.
 
-Choose with HYPOTHESIS_PROFILE=ci. `--long` runs the marked long statistics in full; `--perturb
-SEED` moves the last digits of all data, but in tests marked `exact_data`.
+Choose with HYPOTHESIS_PROFILE=ci. All but `ci` draw anew in every run; `--hypothesis-seed` and
+`--randomly-seed` repeat the draws and the order of another. `--long` runs the marked long
+statistics in full; `--perturb SEED` moves the last digits of all data, but in tests marked
+`exact_data`.
 """
 
 import os
@@ -14,6 +16,7 @@ from tests.support.last_digits import LastDigits
 
 hypothesis.settings.register_profile("dev", max_examples=30, deadline=None)
 hypothesis.settings.register_profile("ci", max_examples=60, deadline=None, derandomize=True)
+hypothesis.settings.register_profile("fresh", max_examples=60, deadline=None, print_blob=True)
 hypothesis.settings.register_profile("thorough", max_examples=1000, deadline=None)
 hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
