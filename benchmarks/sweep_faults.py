@@ -65,7 +65,6 @@ def small_chunks():
 
 def coordinate(store, workers, kind="rms", **limits):
     """A coordinator as a process of its own."""
-
     command = [sys.executable, __file__, "--coordinate", str(store), str(workers), kind]
     command += [f"{which}={most}" for which, most in limits.items()]
     return subprocess.Popen(

@@ -288,7 +288,7 @@ def _chunk_size(study: Study, first: Cell, executor: Executor) -> int:
     if isinstance(executor, InProcess):
         ours = executor
     runs, seconds = 1, 0.0
-    for _ in range(4):
+    for attempt in range(5):
         numbers = [(i, i % study.repetitions) for i in range(runs)]
         task = ChunkTask(pickle.dumps(study), study.fingerprint, instruction_set(),
                          [(first.coordinates, numbers)])  # fmt: skip
@@ -303,6 +303,8 @@ def _chunk_size(study: Study, first: Cell, executor: Executor) -> int:
             ) from None
         except WorkerLost:
             seconds = CHUNK_SECONDS  # one by one, where it is recorded what is wrong with them
+        if attempt == 0 and seconds < 10 * CHUNK_SECONDS:
+            continue  # it read libraries
         if seconds > CHUNK_SECONDS / 8 or runs * 8 > study.runs:
             break
         runs *= 8
