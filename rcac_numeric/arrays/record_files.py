@@ -163,5 +163,5 @@ def _checksum(text: str, arrays: Mapping[str, Array]) -> str:
     for name in sorted(arrays):
         part = arrays[name]
         digest.update(f"{name} {part.dtype.str} {part.shape}".encode())
-        digest.update(np.ascontiguousarray(part).reshape(-1).view(np.uint8))
+        digest.update(np.ascontiguousarray(part).reshape(-1).view(np.uint8).data)
     return digest.hexdigest()

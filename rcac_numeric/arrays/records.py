@@ -158,14 +158,14 @@ def require_declared(made: Any) -> None:
         ...
     TypeError: delay of a Tap is of type str
     """
-    for name, hint in _declared(type(made)).items():
+    for name, hint in _declared(made.__class__).items():
         if not _is_of(getattr(made, name), hint):
             kind = type(getattr(made, name)).__name__
             raise TypeError(f"{name} of a {type(made).__name__} is of type {kind}")
 
 
 @cache
-def _declared(cls: type) -> dict[str, Any]:
+def _declared(cls: type[Any]) -> dict[str, Any]:
     hints = get_type_hints(cls)
     return {f.name: hints[f.name] for f in fields(cls)}
 

@@ -101,7 +101,7 @@ def read_npz(file: Path) -> dict[str, np.ndarray]:
     with file.open("rb") as opened:
         try:
             listing = _Listing(opened)
-            with zipfile.ZipFile(listing) as archive:  # type: ignore[call-overload]
+            with zipfile.ZipFile(listing) as archive:
                 listing.is_listed = True
                 for member in archive.infolist():
                     name = member.filename.removesuffix(".npy")
@@ -132,7 +132,7 @@ def names_in(file: Path) -> list[str]:
     """
     with file.open("rb") as opened:
         try:
-            with zipfile.ZipFile(_Listing(opened)) as archive:  # type: ignore[call-overload]
+            with zipfile.ZipFile(_Listing(opened)) as archive:
                 return [name.removesuffix(".npy") for name in archive.namelist()]
         except Exception as error:
             raise _unreadable(file, "an .npz file", error) from None

@@ -42,8 +42,8 @@ def label_words(name: str) -> str:
     Examples
     --------
     >>> from rcac_numeric.plots.style import label_words
-    >>> print(label_words("5 $\frac"))
-    5 \$\frac
+    >>> print(label_words("R = 5 $ a"))
+    R = 5 \$ a
     """
     return in_a_line(name).replace("$", r"\$")
 

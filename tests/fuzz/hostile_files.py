@@ -276,8 +276,10 @@ def hostile_run(path, rng, parts):
         checksum = "0"
     signed = json.dumps({"checksum": checksum, "record": text})
     if rng.random() < 0.03:
-        signed = rng.choice(["", "null", "[1, 2]", "[" * 10**5, '{"record": 3}', "9" * 10**6, signed[:-9],
-                             json.dumps({"checksum": "0", "record": "{"})])  # fmt: skip
+        signed = rng.choice(
+            ["", "null", "[1, 2]", "[" * 10**5, '{"record": 3}', "9" * 10**6, signed[:-9],
+             json.dumps({"checksum": "0", "record": "{"})]
+        )  # fmt: skip
     write(path, rng, {KEY: signed}, arrays)
 
 
@@ -336,7 +338,7 @@ def require_ours(error, path):
 
 
 def require_harmless_run(path, *, drawn=False):
-    """Read a run and use it: refused by an error of ours, or good for all that a run is good for."""
+    """Read a run and use it: refused by an error of ours, or good for what a run is good for."""
     with watched(), np.errstate(all="ignore"):
         try:
             run = r.load_run(path)
@@ -348,7 +350,7 @@ def require_harmless_run(path, *, drawn=False):
         assert fingerprint(run) and hash(run) is not None
         for change in run.changes:
             assert not CONTROL.search(str(change))
-        with_errors(lambda: run.compensator.poles())
+        with_errors(lambda: poles_of(run))
         health = with_errors(lambda: r.loop_health(run))
         assert health is None or not CONTROL.search(str(health))
         found = with_errors(lambda: as_text(check_sheet(r.check_controller(run))))
@@ -364,6 +366,11 @@ def require_harmless_run(path, *, drawn=False):
             page = with_errors(run._repr_html_)
             assert page is None or ("<script" not in page and not CONTROL.search(page))
     return run
+
+
+def poles_of(run):
+    """Poles of its last controller."""
+    return run.compensator.poles()
 
 
 def with_errors(ask):

@@ -18,8 +18,8 @@ STYLE = """.rcac { --ink: currentColor; --quiet: #808790; --line: #80879066; --g
 --c5: #9068c9; --c6: #a0705f; --c7: #c2559f; --c8: #858600; --c9: #1f8d9c; }
 .rcac svg { max-width: 46rem; width: 100%; height: auto; } .rcac svg text { fill: currentColor; }
 .rcac .good { color: var(--good); } .rcac .warning { color: var(--warning); }
-.rcac .bad { color: var(--bad); } .rcac svg * { stroke-linejoin: round; stroke-linecap: butt; }
-.rcac .quiet, .rcac dt { color: var(--quiet); }"""
+.rcac .bad { color: var(--bad); } .rcac .quiet, .rcac dt { color: var(--quiet); }
+.rcac svg * { stroke-linejoin: round; stroke-linecap: butt; }"""
 _numbers = count()
 
 

@@ -27,9 +27,9 @@ def export_table(store: str | Path, path: str | Path) -> None:
     Runs that failed are no results, and are not in the file.
 
     Floats are written in full, and where there is no value, nothing; coordinates that are lists
-    or tables as JSON. A text in a .csv file is never a formula: one that begins as a formula does
-    gets an apostrophe in front, and control characters are written out. Parquet needs pyarrow,
-    which `compensator-theory[pandas]` brings.
+    or tables as JSON. A text in a .csv file is never a formula of a spreadsheet: one that begins
+    as a formula does gets an apostrophe in front, and control characters are written out. Parquet
+    needs pyarrow, which `compensator-theory[pandas]` brings.
 
     Raises
     ------
