@@ -41,6 +41,22 @@ PATIENCE = 60.0  # seconds that SQLite waits for another process
 JOURNALS = {"wal": "WAL", "rollback": "DELETE"}
 Row = tuple[Any, ...]
 
+# All that reading a study that is none may raise.
+NO_STUDY = (
+    CompensatorError,
+    LookupError,
+    TypeError,
+    ValueError,
+    AttributeError,
+    ArithmeticError,
+    RecursionError,
+)
+# What is in a study, see `Study.resolved`.
+KEYS = {
+    "base", "files", "axes", "keep", "repetitions", "seed", "common_noise", "lanes",
+    "keep_signals",
+}  # fmt: skip
+
 # What SQLite keeps of these statements is compared letter by letter: a store holds these tables
 # and nothing else, no view and no trigger above all.
 FIXED = {
@@ -256,7 +272,7 @@ class Store:
             raise StoreError(damaged(self.path, "its study is not what was written"))
         try:
             self._study = _study_row(rows[0][:-1])
-        except (CompensatorError, LookupError, TypeError, ValueError, RecursionError) as error:
+        except NO_STUDY as error:
             # Somebody wrote it so: its digest is right.
             raise StoreError(damaged(self.path, f"its study is none ({error})")) from None
         return self._study
@@ -572,6 +588,8 @@ def _study_row(row: Row) -> StudyRow:
 
 def _plan(resolved: Resolved, stages: tuple[Stage, ...], chunk_size: int) -> Plan:
     """The plan of a study; raises where it cannot be one."""
+    if resolved.keys() != KEYS or type(resolved["seed"]) is not int:
+        raise ValueError("it has not what a study has")
     axes = [Axis(axis["name"], axis["values"], axis["sets"]) for axis in resolved["axes"]]
     for kept in resolved["keep"]:
         require_column(kept["name"])
