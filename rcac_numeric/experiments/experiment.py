@@ -183,7 +183,8 @@ class Experiment(Value):
         """The same experiment with at most so many seeds for each run, for a quick look.
 
         Runs that a claim judges by a share of their seeds keep them all: a share of a few says
-        nothing.
+        nothing. So do runs in plain arithmetic, in which rounding makes an outlier of one seed or
+        another: it is the median of all that is the same on every machine.
 
         Examples
         --------
@@ -194,6 +195,7 @@ class Experiment(Value):
         """
         checks = [c for claim in self.claims for c in claim.checks if isinstance(c, Check)]
         whole = {check.run for check in checks if check.share < 1}
+        whole |= {name for name, run in self.runs.items() if run.arithmetic == "covariance"}
         pairs = [{check.run, check.relative_to} for check in checks if check.relative_to]
         while more := [pair for pair in pairs if pair & whole and pair - whole]:
             whole.update(*more)

@@ -51,7 +51,8 @@ def newton(case, gain, digits=50, steps=8):
 @pytest.mark.parametrize("case", CASES)
 def test_published_equations(case):
     found = solve_dare(case.A, case.B, *case.weights)
-    assert found.residual < 1e-14
+    # The gain, and with it the residual of a rounded P, is solved for with the innovation.
+    assert found.residual < 10 * len(found.P) * EPS * np.linalg.cond(found.innovation)
     assert 0 < found.margin == 1 - np.abs(found.poles).max()
     left = found.closed_loop.T @ found.P @ found.closed_loop - found.P
     left += (

@@ -65,6 +65,7 @@ def test_channels_of_a_record():
     assert np.array_equal(noise[:, 2], exogenous([Step(), Step(), WhiteNoise()], 4, seed=1)[:, 2])
 
 
+@pytest.mark.exact_data
 def test_recordings_in_files(tmp_path):
     table = np.array([[0.1, -1e-300], [0.2, 3.0]])
     names, plain, binary = (tmp_path / name for name in ("a.csv", "b.CSV", "c.npy"))

@@ -131,6 +131,7 @@ def test_the_poles_of_a_matrix_denominator_are_those_of_its_determinant(hundredt
             with_coupled_rows(gain)
 
 
+@pytest.mark.exact_data
 @pytest.mark.parametrize(
     ("make", "error", "message"),
     [

@@ -52,6 +52,7 @@ def test_its_poles_are_those_of_the_riccati_pencil():
     assert response == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.exact_data
 def test_it_is_the_exact_target_rounded_once():
     plant = standard_plant("3*(q - 2)*(q - 1/3)/(q**3 - 1/8)")
     exact = compensator_theory.high_authority_target(plant.problem).transfer_function

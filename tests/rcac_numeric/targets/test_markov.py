@@ -43,6 +43,7 @@ def test_what_the_truncation_leaves_out(plant, n_bar):
     assert G_f + rest == pytest.approx(G_zu, abs=1e-9 * np.abs(state).max())
 
 
+@pytest.mark.exact_data
 def test_cancellation_does_not_hide_the_relative_degree():
     """E_1 B = 0.1*3 - 0.3 is 5.6e-17 in float64 and 0 in truth."""
     plant = Plant(A=[[0.5, 0], [0, 0.2]], B=[[3.0], [-0.3]], D_1=[[1.0], [0]], C=[[0.1, 1.0]])

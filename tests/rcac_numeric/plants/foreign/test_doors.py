@@ -97,6 +97,7 @@ def test_lqg_of_several_signals_goes_out_with_its_sample_time():
         assert design.to_control().dt == 0.01 and design.cost.value == own.cost.value
 
 
+@pytest.mark.exact_data
 def test_target_models_are_built_from_foreign_plants():
     system, own = control.tf([1, -1.3], [1, -1.1, 0.3], 0.01), standard_plant(
         "(q - 1.3)/(q**2 - 1.1*q + 0.3)")  # fmt: skip

@@ -37,6 +37,8 @@ from rcac_numeric import (
 )
 from tests.support.foreign_systems import POINTS, of_control, random_system
 
+pytestmark = pytest.mark.exact_data  # a system that is read keeps every digit
+
 z, s = sympy.symbols("z s")
 HALF = sympy.Rational(1, 2)
 G, H = TransferFunction(1, z - HALF, z), TransferFunction(z - 2, z**2 - z / 4, z)

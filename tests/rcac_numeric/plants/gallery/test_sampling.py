@@ -51,6 +51,7 @@ def exponential(A, B, h):
     return np.array(rows)[:, :n], np.array(rows)[:, n:]
 
 
+@pytest.mark.exact_data
 @pytest.mark.parametrize("name", GALLERY)
 def test_sampling_is_the_50_digit_exponential_rounded_once(name):
     plant, h = GALLERY[name]
@@ -62,6 +63,7 @@ def test_sampling_is_the_50_digit_exponential_rounded_once(name):
     assert np.array_equal(servo.E_1, -plant.C)
 
 
+@pytest.mark.exact_data
 @given(st.integers(0, 2**32), st.integers(1, 4), st.integers(1, 2), st.floats(1e-6, 10))
 def test_random_plants_against_the_50_digit_exponential_and_scipy(seed, n, m, h):
     M = np.random.default_rng(seed).normal(size=(n, n + m)).round(3)

@@ -169,6 +169,7 @@ def test_delays_of_their_own_per_row():
     assert np.abs([1, 2] @ value).max() < 1e-12
 
 
+@pytest.mark.exact_data
 def test_refusals():
     repeated = plant_of_fractions([(0.1, 0.2)] * 2, np.eye(2), np.array([[1.5, 1.0], [0.0, 1.5]]))
     with pytest.raises(NoSolutionError, match="multiplicity 2 and 1"):
