@@ -15,7 +15,7 @@ from rcac_numeric.arrays.frames import DataFrame, Dataset, imported
 from rcac_numeric.arrays.record_files import read_record, write_record
 from rcac_numeric.arrays.records import Records, require_declared
 from rcac_numeric.arrays.showing import notebook_of, picture_of
-from rcac_numeric.arrays.validation import integer, one_of, real_array, signal_array
+from rcac_numeric.arrays.validation import integer, one_of, real_array, rounded, signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.bounds import CoefficientBounds
@@ -46,7 +46,7 @@ from rcac_numeric.engine.compatibility import (
 from rcac_numeric.engine.live.changes import AppliedChange, ControllerChange
 from rcac_numeric.engine.states import SavedState
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.linear import MATRICES, Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 from rcac_numeric.targets.data_driven import DataDriven
@@ -303,6 +303,8 @@ def require_consistent(run: Run) -> None:
     compensator_theory.errors.InputError: u has shape (3, 1); (100, 1) is needed.
     """
     plant, settings = run.plant, run.settings
+    for one in _linear_plants(plant):
+        _require_exact_form(one)
     if isinstance(settings, StepwiseController):
         require_stepwise_fits(plant, settings)
         l_theta = settings.l_theta
@@ -343,3 +345,19 @@ def require_consistent(run: Run) -> None:
             f"its state is one of a {run.state.kind} after {run.state.k} steps; that of a loop "
             f"after {run.first_step + steps} is needed."
         )
+
+
+def _linear_plants(plant: AnyPlant) -> list[Plant]:
+    if isinstance(plant, PlantSchedule):
+        return [change.plant for change in plant.changes]
+    return [plant] if isinstance(plant, Plant) else []
+
+
+def _require_exact_form(plant: Plant) -> None:
+    """Refuse an exact form whose matrices are not rounded to those of the plant."""
+    if plant.exact is None:
+        return
+    for name in MATRICES:
+        values, exact = getattr(plant, name), getattr(plant.exact, name)
+        if exact.shape != values.shape or rounded([*exact], name).tolist() != [*values.ravel()]:
+            raise InputError(f"{name} of its plant is not that of the plant's exact form.")

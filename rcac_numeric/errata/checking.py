@@ -11,6 +11,8 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.errata.entries import Erratum
 
+EVIDENCE = "rcac_numeric.errata.evidence"
+
 
 @dataclass(frozen=True)
 class Fact(Value):
@@ -59,11 +61,13 @@ def check_erratum(erratum: Erratum) -> Checked:
         raise InputError(f"the evidence of {erratum.name!r} is no check: {erratum.evidence.words}")
     module, _, name = erratum.evidence.check.partition(".")
     try:
-        found = getattr(importlib.import_module(f"rcac_numeric.errata.evidence.{module}"), name)
-    except (ModuleNotFoundError, AttributeError):
+        home = f"{EVIDENCE}.{module}" if module.isidentifier() else ""
+        found = getattr(importlib.import_module(home), name)
+        if found.__module__ != home:  # what the module imports is no check
+            raise AttributeError(name)
+    except (ImportError, ValueError, AttributeError):
         raise InputError(
-            f"rcac_numeric.errata.evidence has no check {erratum.evidence.check!r}; correct "
-            f"{erratum.name!r}."
+            f"{EVIDENCE} has no check {erratum.evidence.check!r}; correct {erratum.name!r}."
         ) from None
     facts = tuple(Fact(words, _truth(words, holds)) for words, holds in found())
     return Checked(erratum, facts)

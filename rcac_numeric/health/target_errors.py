@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.validation import require_dense
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -45,6 +46,8 @@ def target_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
     """
     if (plant.l_u, plant.l_z, target.l_u, target.l_z) != (1, 1, 1, 1):
         return ()
+    require_dense(plant.n, "the plant")
+    require_dense(target.n_f, "the target model")
     response = _impulse_response(plant)
     found: list[TargetError] = []
     d_zu = _first(response)

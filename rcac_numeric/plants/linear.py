@@ -14,7 +14,7 @@ import compensator_theory
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import StateSpace, control_state_space
-from rcac_numeric.arrays.validation import matrix, number
+from rcac_numeric.arrays.validation import matrix, number, require_dense
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import matrix_latex
 from rcac_numeric.plants.any_plant import blocks_of_w
@@ -154,7 +154,14 @@ class Plant(Value):
 
     @cached_property
     def problem(self) -> compensator_theory.StandardProblem:
-        """The exact standard problem; float64 entries mean their shortest decimals."""
+        """The exact standard problem; float64 entries mean their shortest decimals.
+
+        Raises
+        ------
+        BudgetError
+            Where there are more states than full matrices are made for.
+        """
+        require_dense(self.n, "the plant")
         period = self.sample_time
         time = None if period is None else compensator_theory.exact_number(period)
         if self.exact is not None:

@@ -15,6 +15,7 @@ from rcac_numeric.plots.style import line_style
 
 NAMED = 12  # lines that a legend can name; more are told apart by the signal that they weigh
 SHORT, COLUMN = 16, 1.1  # characters of a label that stands in a column of so many inches
+LONG = 50_000  # rows of theta that are drawn
 GAINS = ("P", "I", "D", "PI", "PD", "ID", "PID")
 
 
@@ -72,7 +73,8 @@ def draw_theta(
     The legend stands beside the axes or, in a picture that is `above` inches wide, above them.
     """
     k = run.first_step + np.arange(len(run.theta)) * run.stride
-    rows = slice(None) if shown is None else shown
+    every = max(len(run.theta) // LONG, 1)
+    rows = slice(None, None, every) if shown is None else shown
     draw_coefficients(
         axis, k[rows], run.theta[rows], coefficient_names(run), legend=legend and not above
     )

@@ -11,11 +11,13 @@ from rcac_numeric.arrays.validation import instance_of, number
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plots.coefficients import draw_theta, legend_above
+from rcac_numeric.plots.figures.histories import thinned
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, draw_over_decades, label_words, line_style
 
 NARROW = 6.0  # inches: below, legends stand above their axes and letters are smaller
 NARROWEST = 3.0
+LONG = 50_000  # steps, above which a line has a point for the extremes of each block of them
 LETTER, MOST_LEGEND = 0.07, 0.3  # inches of a letter; the share of the width that names may take
 
 
@@ -119,7 +121,8 @@ def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal:
                 component = f"${signal}_{i + 1}$" if values.shape[1] > 1 else ""
                 own = name if len(runs) > 1 else ""
                 label = " ".join(filter(None, (own, component, remark)))
-                axis.step(run.k, column, where="post", linewidth=1.1, label=label or None,
+                k, shown = thinned(run.k, column) if len(column) > LONG else (run.k, column)
+                axis.step(k, shown, where="post", linewidth=1.1, label=label or None,
                           **line_style(index))  # fmt: skip
                 index += 1
             parts.append(values)
