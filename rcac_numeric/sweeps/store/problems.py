@@ -39,6 +39,15 @@ def damaged(path: Path, what: str) -> str:
     )
 
 
+def without_study(path: Path, what: str) -> str:
+    """That a file cannot say what its runs are, which nothing in it can mend."""
+    return (
+        f"{path} is damaged or no store of a study: {what}. Nothing was changed. Without its study "
+        "nothing in it can be checked or repaired; take it from a copy, or run the study into "
+        "another file."
+    )
+
+
 def _of_operation(path: Path, error: sqlite3.OperationalError) -> str:
     name = getattr(error, "sqlite_errorname", "") or ""
     if name == "SQLITE_IOERR_SHORT_READ":

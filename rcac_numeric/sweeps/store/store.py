@@ -27,7 +27,7 @@ from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.sweeps.chunks.failures import FAILED
 from rcac_numeric.sweeps.store.plan import Plan, Resolved, Stage, grown, stage_of
-from rcac_numeric.sweeps.store.problems import StoreError, damaged, explained
+from rcac_numeric.sweeps.store.problems import StoreError, damaged, explained, without_study
 from rcac_numeric.sweeps.store.versions import versions
 from rcac_numeric.sweeps.study.axes import Axis
 from rcac_numeric.sweeps.study.canonical import canonical_json, digest
@@ -269,12 +269,12 @@ class Store:
         with explained(self.path):
             rows = self.connection.execute("SELECT * FROM study").fetchall()
         if len(rows) != 1 or not _is_digest(rows[0][-1], list(rows[0][:-1])):
-            raise StoreError(damaged(self.path, "its study is not what was written"))
+            raise StoreError(without_study(self.path, "its study is not what was written"))
         try:
             self._study = _study_row(rows[0][:-1])
         except NO_STUDY as error:
             # Somebody wrote it so: its digest is right.
-            raise StoreError(damaged(self.path, f"its study is none ({error})")) from None
+            raise StoreError(without_study(self.path, f"its study is none ({error})")) from None
         return self._study
 
     def chunks(self) -> list[ChunkRow]:
@@ -434,7 +434,7 @@ class Store:
             expected = {name: ("table", sql) for name, sql in tables_of(self.refreshed()).items()}
             if found == expected:
                 return
-        raise StoreError(damaged(self.path, "its tables are not those of a store"))
+        raise StoreError(without_study(self.path, "its tables are not those of a store"))
 
     def _add_cells(self, first: int, plan: Plan) -> None:
         """For whoever joins tables in SQL; what is read here follows from the plan."""
