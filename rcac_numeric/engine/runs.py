@@ -15,7 +15,14 @@ from rcac_numeric.arrays.frames import DataFrame, Dataset, imported
 from rcac_numeric.arrays.record_files import read_record, write_record
 from rcac_numeric.arrays.records import Records, require_declared
 from rcac_numeric.arrays.showing import notebook_of, picture_of
-from rcac_numeric.arrays.validation import integer, one_of, real_array, rounded, signal_array
+from rcac_numeric.arrays.validation import (
+    instance_of,
+    integer,
+    one_of,
+    real_array,
+    rounded,
+    signal_array,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.bounds import CoefficientBounds
@@ -275,6 +282,8 @@ def load_run(
     try:
         run = Run(**parts)
         require_declared(run)
+        if plant is None:
+            instance_of(run.plant, "plant", Plant | PlantSchedule)
         require_consistent(run)
     except (CompensatorError, TypeError) as error:
         words = shortened(str(error).rstrip("."), 300)

@@ -8,6 +8,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.internal_models import drift_of
+from rcac_numeric.arrays.validation import MOST_STATES
 from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
@@ -252,9 +253,9 @@ def _of_target(error: TargetError) -> HealthWarning:
 
 def _first_gain(found: AnalysedRun) -> float:
     """The largest entry of the first Markov parameter of G_zu that is not zero; 0 if unknown."""
-    if type(found.run.plant) is not Plant:
-        return 0.0
     plant = found.run.plant
+    if type(plant) is not Plant or plant.n > MOST_STATES:
+        return 0.0
     state, parameter = plant.B, plant.E_2
     for _ in range(plant.n + 1):
         if size := _peak(parameter):

@@ -15,7 +15,7 @@ from rcac_numeric.plots.style import line_style
 
 NAMED = 12  # lines that a legend can name; more are told apart by the signal that they weigh
 SHORT, COLUMN = 16, 1.1  # characters of a label that stands in a column of so many inches
-LONG = 50_000  # rows of theta that are drawn
+LONG = 200_000  # rows of theta that are drawn
 GAINS = ("P", "I", "D", "PI", "PD", "ID", "PID")
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import SavedState, check_controller, load_run, read_log, simulate
+from rcac_numeric import ClosedLoop, SavedState, load_run, read_log, simulate
 from rcac_numeric.arrays import untrusted
 from rcac_numeric.arrays.record_files import KEY, _checksum, is_record
 from tests.fuzz.hostile_files import (
@@ -142,7 +142,7 @@ def test_a_controller_of_many_lags_is_read_and_its_poles_are_refused(tmp_path, p
     with pytest.raises(CompensatorError, match=f"{n_c} states"):
         run.compensator.poles()
     with pytest.raises(CompensatorError, match="states"):
-        check_controller(run).loop.poles()
+        ClosedLoop(run.plant, run.compensator).poles()
 
 
 def test_no_member_is_unpacked_that_claims_too_much(tmp_path, monkeypatch):

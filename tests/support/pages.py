@@ -11,6 +11,7 @@ class Page(HTMLParser):
     def __init__(self, text):
         super().__init__()
         self.elements, self.open, self.words = [], [], []
+        self.sources = []  # of scripts and style sheets: tag and text
         self.feed(text)
         self.close()
 
@@ -27,7 +28,9 @@ class Page(HTMLParser):
         self.open.pop()
 
     def handle_data(self, data):
-        if not {"style", "script"} & set(self.open):
+        if {"style", "script"} & set(self.open):
+            self.sources.append((self.open[-1], data))
+        else:
             self.words.append(data)
 
     def all(self, tag):

@@ -17,7 +17,7 @@ from rcac_numeric.plots.style import INK, draw_over_decades, label_words, line_s
 
 NARROW = 6.0  # inches: below, legends stand above their axes and letters are smaller
 NARROWEST = 3.0
-LONG = 50_000  # steps, above which a line has a point for the extremes of each block of them
+LONG = 200_000  # steps, above which a line has a point for the extremes of each block of them
 LETTER, MOST_LEGEND = 0.07, 0.3  # inches of a letter; the share of the width that names may take
 
 

@@ -1,12 +1,13 @@
 """The page in headless Chromium, where there is one: no error, no request, filters, phones."""
 
 import shutil
+from dataclasses import replace
 
 import pytest
 
 from rcac_numeric import load_example, verify
 from rcac_numeric.reports.page.cases import case_of
-from rcac_numeric.reports.page.pages import gallery_page, write_page
+from rcac_numeric.reports.page.pages import case_page, gallery_page, write_page
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install it")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -120,3 +121,29 @@ def test_the_button_changes_the_theme(opened):
     before = page.evaluate("getComputedStyle(document.body).backgroundColor")
     page.click("#theme")
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") != before
+
+
+def test_an_injected_script_does_not_run(browser, tmp_path):
+    """Whatever a field holds: the policy knows one script by its hash."""
+    case = case_of(verify(load_example("B.2")))
+    attack = (
+        "<script>document.title = 'run'</script><img src=x onerror=\"document.title = 'run'\">"
+        '<svg onload="document.title = \'run\'"></svg><a id=link href="javascript:'
+        "document.title = 'run'\">x</a><style>body { display: none }</style>"
+    )
+    fields = ("id", "title", "source", "body", "details", "settings")
+    text = case_page(replace(case, **dict.fromkeys(fields, attack)))
+    file = tmp_path / "page.html"
+    write_page(text, file)
+    refused = []
+    page = browser.new_page()
+    page.on("console", lambda message: refused.append(message.text))
+    page.goto(file.as_uri())
+    page.evaluate("document.querySelector('main a[id=link]').click()")
+    page.wait_for_timeout(300)
+    assert page.title() != "run"
+    assert page.evaluate("getComputedStyle(document.body).display") == "block"
+    assert any("Content Security Policy" in words for words in refused)
+    page.click("#theme")  # our own script runs
+    assert page.evaluate("document.documentElement.dataset.theme") in ("dark", "light")
+    page.close()

@@ -1,5 +1,7 @@
 """Pages: whole, without a network, the same words as the report, one id for each thing."""
 
+import base64
+import hashlib
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -16,6 +18,8 @@ from rcac_numeric.reports.page.pages import case_page, gallery_page
 from rcac_numeric.reports.page.summaries import LETTERS, MEANINGS, PHRASES, told_of
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.terminal import as_text
+from rcac_numeric.reports.verification import verification_sheet
 from tests.support.pages import Page
 
 NUMBERS = ("2.2", "2.5", "7.1", "B.2")
@@ -149,6 +153,52 @@ def test_words_of_a_user_are_words_and_no_markup():
     assert len(page.all("script")) == 1 and not page.all("b") and not page.all("img")
     assert '<script>alert("x")</script>' in page.text and "<img src=x>" in page.text
     assert "a & b" in page.text and words("<\x1b") == "&lt;\\x1b"
+
+
+def policy_of(text):
+    (policy,) = [a["content"] for a in Page(text).all("meta") if "http-equiv" in a]
+    return {name: rest for name, _, rest in (d.partition(" ") for d in policy.split("; "))}
+
+
+def test_the_policy_lets_run_what_is_ours_and_nothing_else(gallery):
+    """One script and one style sheet, by their hashes; no handler, no frame, no network."""
+    policy = policy_of(gallery)
+    assert policy["default-src"] == policy["base-uri"] == policy["form-action"] == "'none'"
+    assert policy["img-src"] == "data:"
+    allowed = {"script": policy["script-src"], "style": policy["style-src-elem"]}
+    sources = Page(gallery).sources
+    assert sorted(tag for tag, _ in sources) == ["script", "style"]
+    for tag, text in sources:
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        assert allowed[tag] == f"'sha256-{digest}'"
+    assert not [name for _, a in Page(gallery).elements for name in a if name.startswith("on")]
+    before = gallery[: gallery.index("Content-Security-Policy")]
+    assert "<script" not in before and "<style" not in before and "<link" not in before
+
+
+@pytest.mark.parametrize("field", ["id", "title", "source", "body", "details", "settings"])
+def test_a_script_in_any_field_is_words_or_has_no_hash(cases, field):
+    """The body is HTML that was made from words; kept cases are files, and may hold anything."""
+    injected = "<script>document.title = 'run'</script><img src=x onerror=alert(1)>"
+    text = case_page(replace(cases[0], **{field: injected}))
+    allowed = policy_of(text)["script-src"]
+    for tag, source in Page(text).sources:
+        digest = base64.b64encode(hashlib.sha256(source.encode()).digest()).decode()
+        assert tag == "style" or (digest in allowed) == ("document.title" not in source)
+    if field not in ("body", "details"):
+        assert len(Page(text).all("script")) == 1 and not Page(text).all("img")
+
+
+def test_control_characters_of_a_user_are_written_out():
+    table = {
+        "id": "x", "title": "a\x1b[31m\nb\u202e", "notes": "c\x9b\u2066",
+        "exact": {"a": "s + 1", "b": "s + 2"},
+        "claims": [{"text": "d\x07", "checks": [{"statement": "common_roots", "equals": 0}]}],
+    }  # fmt: skip
+    found = verify(build(table, "case.toml"))
+    for text in (case_page(case_of(found)), as_text(verification_sheet(found)), found.text):
+        assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", text)
+        assert r"a\x1b[31m\nb\u202e" in text and r"c\x9b\u2066" in text and r"d\x07" in text
 
 
 def test_a_sheet_keeps_the_order_of_its_blocks():
