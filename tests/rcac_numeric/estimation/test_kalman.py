@@ -42,14 +42,18 @@ def test_it_is_the_kalman_filter_where_the_model_is_linear(make, seed):
     assert np.allclose(found.deviation**2, np.diagonal(P, axis1=1, axis2=2), rtol=1e-9)
 
 
+def changing_noises(seed, steps, R_0):
+    """Q(k), a multiple of the identity, and R(k)."""
+    rng = np.random.default_rng(seed)
+    return 0.1 + 10 * rng.random(steps), 0.1 + 10 * rng.random((steps, 1, 1)) * R_0 + np.eye(2)
+
+
 @every_filter
 @given(seed=seeds)
 def test_noises_that_change(make, seed):
-    """The Kalman filter with Q(k) and R(k), in plain NumPy; step by step it is the same."""
+    """The Kalman filter with Q(k) and R(k), in plain NumPy."""
     model, Q_0, R_0, y, u = linear_case(seed)
-    rng = np.random.default_rng(seed)
-    Q, R = 0.1 + 10 * rng.random(len(y)), 0.1 + 10 * rng.random((len(y), 1, 1)) * R_0
-    R = R + np.eye(2)
+    Q, R = changing_noises(seed, len(y), R_0)
     x, P, expected = np.zeros(3), np.eye(3), []
     for k in range(len(y)):
         S = model.C @ P @ model.C.T + R[k]
@@ -58,9 +62,18 @@ def test_noises_that_change(make, seed):
         P = P - K @ S @ K.T
         expected.append(x)
         x, P = model.A @ x + model.B @ u[k], model.A @ P @ model.A.T + Q[k] * np.eye(3)
+    found = estimate(make(model, Q=Q_0, R=R_0), y, u, Q=Q, R=R)
+    assert relative_error(found.x, np.array(expected)) < 1e-10
+
+
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
+@every_filter
+@given(seed=seeds)
+def test_noises_that_change_step_by_step(make, seed):
+    model, Q_0, R_0, y, u = linear_case(seed)
+    Q, R = changing_noises(seed, len(y), R_0)
     settings = make(model, Q=Q_0, R=R_0)
     found = estimate(settings, y, u, Q=Q, R=R)
-    assert relative_error(found.x, np.array(expected)) < 1e-10
     estimator = Estimator(settings)
     steps = [estimator.step(y[k], u[k], Q=Q[k], R=R[k]) for k in range(len(y))]
     assert np.array_equal(steps, found.x)
@@ -157,6 +170,7 @@ def test_the_model_may_be_written_in_sympy_or_in_python(kind):
     assert relative_error(python.x, symbolic.x) < tolerance
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @every_filter
 def test_steps_are_those_of_the_record(make):
     y, u = pendulum_record(5, steps=50)
@@ -186,6 +200,7 @@ def test_it_is_saved_and_resumed(make, tmp_path):
     assert np.array_equal(first.P, second.P)
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_missing_measurements_are_predicted_over():
     model, Q, R, y, u = linear_case(7, steps=12)
     there = np.ones(12, dtype=bool)

@@ -148,6 +148,7 @@ def test_simulate_is_a_loop_of_ones_own(observed):
     assert np.allclose(run.theta_final, theta[-1], rtol=1e-9)
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @both
 @pytest.mark.parametrize("cut", [1, 99, 101, 249, 250, 399])
 def test_it_goes_on_bit_for_bit(observed, cut, tmp_path):
