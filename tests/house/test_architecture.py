@@ -5,8 +5,6 @@ import importlib
 import inspect
 from pathlib import Path
 
-import pytest
-
 from tests.house.layers import LAYERS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,7 +20,7 @@ BY_NAME = {
     "rcac_numeric/cli/main.py",
     "rcac_numeric/errata/checking.py",
     "rcac_numeric/reports/page/displays.py",
-    "rcac_numeric/sweeps/study/canonical.py",
+    "rcac_numeric/sweeps/store/versions.py",
 }
 
 FILES = sorted(p for package in PACKAGES for p in (ROOT / package).rglob("*.py"))
@@ -76,31 +74,39 @@ def rank(module):
     return package, layers.index(rest) if rest else -1
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
-def test_arrows_go_one_way(path):
+def wrong_arrows(path):
+    """What a module imports that stands above it, as sentences."""
     own = ".".join(path.relative_to(ROOT).with_suffix("").parts)
     package, floor = rank(own) if own.split(".")[0] in LAYERS else (own.split(".")[0], -1)
     order = ["compensator_theory", "rcac_numeric", "proofs"]
     for line, module, _ in imports(path):
         target = module.split(".")[0]
         where = f"{own}, line {line}: imports {module}"
-        assert module != package, f"{where} itself: name the module"
-        if target != package:
-            assert order.index(target) < order.index(package), where
-        elif package in LAYERS:
-            assert rank(module)[1] <= floor, f"{where}, which stands above it"
+        if module == package:
+            yield f"{where} itself: name the module"
+        elif target != package:
+            if order.index(target) > order.index(package):
+                yield where
+        elif package in LAYERS and rank(module)[1] > floor:
+            yield f"{where}, which stands above it"
 
 
-@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
-def test_imports_stand_at_the_top(path):
+def test_arrows_go_one_way():
+    wrong = [sentence for path in SOURCES for sentence in wrong_arrows(path)]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_imports_stand_at_the_top():
     """An import in a function, or for type checking only, hides a circle; libraries may come late.
 
     An import by name hides one too.
     """
-    assert not [(line, module, function) for line, module, function in imports(path) if function]
-    name, text = path.relative_to(ROOT).as_posix(), path.read_text()
-    by_name = any(word in text for word in ("import_module", "resolve_name", "__import__"))
-    assert not (by_name and name.startswith("rcac_numeric/")) or name in BY_NAME
+    for path in SOURCES:
+        late = [(line, module) for line, module, function in imports(path) if function]
+        assert not late, f"{path}: {late}"
+        name, text = path.relative_to(ROOT).as_posix(), path.read_text()
+        by_name = any(word in text for word in ("import_module", "resolve_name", "__import__"))
+        assert not (by_name and name.startswith("rcac_numeric/")) or name in BY_NAME, name
 
 
 def test_only_the_engine_knows_the_kernel():
@@ -149,10 +155,10 @@ def test_no_import_circle():
         visit(module)
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda p: str(p.relative_to(ROOT)))
-def test_a_folder_is_one_idea(folder):
-    docstring = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
-    assert docstring and docstring.split("\n")[0].endswith(".")
+def test_a_folder_says_in_a_sentence_what_it_is():
+    for folder in FOLDERS:
+        docstring = ast.get_docstring(ast.parse((folder / "__init__.py").read_text()))
+        assert docstring and docstring.split("\n")[0].endswith("."), folder
 
 
 def test_the_list_of_layers_is_the_tree():
@@ -165,24 +171,16 @@ def test_the_list_of_layers_is_the_tree():
         assert found == set(layers)
 
 
-def public_names():
+def test_public_names_are_documented():
     for package in ("compensator_theory", "rcac_numeric"):
         module = importlib.import_module(package)
-        for name in sorted(module.__all__):
+        for name in module.__all__:
             value = getattr(module, name)
-            if inspect.isclass(value) or inspect.isfunction(value):
-                yield pytest.param(value, id=f"{package}.{name}")
-
-
-@pytest.mark.parametrize("value", list(public_names()))
-def test_public_names_are_documented(value):
-    text = inspect.getdoc(value) or ""
-    assert len(text.splitlines()[0]) > 10
-    if inspect.isclass(value) and issubclass(value, Exception):
-        return
-    assert ">>>" in text or _is_result(value), "a public docstring shows an example that runs"
-
-
-def _is_result(value):
-    """Results are shown where they are made."""
-    return inspect.isclass(value) and "Attributes\n----------" in inspect.getdoc(value)
+            if not (inspect.isclass(value) or inspect.isfunction(value)):
+                continue
+            text = inspect.getdoc(value) or ""
+            assert len(text.splitlines()[0]) > 10, f"{package}.{name} says nothing"
+            error = inspect.isclass(value) and issubclass(value, Exception)
+            # A result is shown where it is made.
+            shown = ">>>" in text or "Attributes\n----------" in text
+            assert error or shown, f"{package}.{name} shows no example that runs"

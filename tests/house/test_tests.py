@@ -17,16 +17,11 @@ FOLDERS = sorted({p.parent for p in FILES})
 OF_A_TEST = re.compile(r"^[ \t]*(?:from|import)\s+(?:[^\n(]*\([^)]*|[^\n]*?)\btest_\w+", re.M)
 
 
-def of_tests(path):
-    """Paths below `tests` as a reader sees them."""
-    return str(path.relative_to(TESTS))
-
-
-@pytest.mark.parametrize("path", FILES, ids=of_tests)
-def test_no_test_imports_a_test(path):
+def test_no_test_imports_a_test():
     """What two of them use is no test, and stands in `support`."""
-    found = OF_A_TEST.search(path.read_text())
-    assert not found, found.group()
+    for path in FILES:
+        found = OF_A_TEST.search(path.read_text())
+        assert not found, f"{path}: {found.group()}"
 
 
 @pytest.mark.parametrize(
@@ -43,22 +38,22 @@ def test_every_way_to_import_a_test_is_seen(line):
     assert OF_A_TEST.search(line)
 
 
-@pytest.mark.parametrize("path", HELPERS, ids=of_tests)
-def test_every_helper_has_one_idea_and_a_user(path):
-    docstring = ast.get_docstring(ast.parse(path.read_text()))
-    assert docstring and docstring.split("\n\n")[0].endswith("."), "says in a sentence what it is"
-    name = f"tests.support.{path.stem}"
-    imported = re.compile(rf"(from|import) {name}\b|from tests.support import .*\b{path.stem}\b")
-    users = [p for p in FILES if p != path and imported.search(p.read_text())]
-    assert users, f"nobody imports {name}"
+def test_every_helper_has_one_idea_and_a_user():
+    texts = {path: path.read_text() for path in FILES}
+    for path in HELPERS:
+        docstring = ast.get_docstring(ast.parse(texts[path]))
+        assert docstring and docstring.split("\n\n")[0].endswith("."), f"{path} says what it is"
+        name = f"tests.support.{path.stem}"
+        # Imported, or run with -m by a test.
+        used = re.compile(rf"\b{name}\b|from tests.support import .*\b{path.stem}\b")
+        users = [p for p in FILES if p != path and used.search(texts[p])]
+        assert users, f"nobody uses {name}"
 
 
-@pytest.mark.parametrize("folder", FOLDERS, ids=of_tests)
-def test_folders_mirror_the_packages(folder):
-    parts = folder.relative_to(TESTS).parts
-    assert (folder / "__init__.py").exists(), "two tests of the same name collide without it"
-    if not parts or parts[0] in OTHERS:
-        return
-    assert parts[0] in MIRRORED
-    mirrored = ROOT.joinpath(*parts)
-    assert mirrored.is_dir(), f"there is no {mirrored.relative_to(ROOT)}"
+def test_folders_mirror_the_packages():
+    for folder in FOLDERS:
+        parts = folder.relative_to(TESTS).parts
+        assert (folder / "__init__.py").exists(), f"{folder}: tests of one name collide without it"
+        if parts and parts[0] not in OTHERS:
+            assert parts[0] in MIRRORED
+            assert ROOT.joinpath(*parts).is_dir(), f"{folder} mirrors nothing"
