@@ -72,6 +72,7 @@ class Schedule:
         self.waiting: deque[tuple[Work, ChunkTask]] = deque()  # what goes once more
         # Workers of others may share a fate: there what is suspected runs alone.
         self.shared = not isinstance(executor, WorkerPool | InProcess)
+        self._ended = time.monotonic()  # when something ended last
 
     def run(self) -> None:
         """Until the store has nothing left to do."""
@@ -86,6 +87,7 @@ class Schedule:
             done, _ = wait(self.in_flight, timeout=PATIENCE, return_when=FIRST_COMPLETED)
             for future in done:
                 self._end(future)
+            self._require_alive(bool(done))
             self.progress(self.meter.now())
 
     def leave(self) -> None:
@@ -183,6 +185,21 @@ class Schedule:
             future.result()
         except Exception as error:
             raise self._broken(error) from None
+
+    def _require_alive(self, progressed: bool) -> None:
+        """Ask an executor of others in which nothing ends for long whether it takes anything.
+
+        One that lost its scheduler may forget what it was given, and say so only then.
+        """
+        now = time.monotonic()
+        if progressed or not self.shared:
+            self._ended = now
+        elif now - self._ended > ANSWER:
+            self._ended = now
+            try:
+                self.executor.submit(os.getpid).cancel()
+            except Exception as error:
+                raise self._broken(error) from None
 
     def _keep(self, work: Work, task: ChunkTask, records: list[RunRecord]) -> None:
         self.claims.progressed()

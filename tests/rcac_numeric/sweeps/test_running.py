@@ -242,6 +242,21 @@ def test_an_executor_of_others_that_breaks_is_not_made_again(tmp_path, small_chu
     assert run_study(studies.study(2), tmp_path / "store.sqlite", workers=0).done == 12
 
 
+def test_an_executor_that_forgets_what_it_was_given_is_seen(tmp_path, small_chunks, monkeypatch):
+    """As dask does that has lost its scheduler: nothing ends, and it takes nothing more."""
+    monkeypatch.setattr("rcac_numeric.sweeps.running.schedule.ANSWER", 0.1)
+
+    class Forgetful(Executor):
+        def submit(self, fn, /, *args):
+            if fn is not run_chunk:
+                raise RuntimeError("closed")
+            return Future()
+
+    with pytest.raises(StoreError, match="the executor broke"):
+        run_study(studies.study(2), tmp_path / "store.sqlite", executor=Forgetful())
+    assert run_study(studies.study(2), tmp_path / "store.sqlite", workers=0).done == 12
+
+
 def test_a_measure_that_raises_costs_its_run_and_no_other(tmp_path):
     store = tmp_path / "raising"
     run_study(studies.over_R_theta([1.0, studies.RAISING], studies.raising), store, workers=0)
