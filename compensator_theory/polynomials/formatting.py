@@ -28,7 +28,7 @@ def format_polynomial(poly: Poly) -> str:
     for power, coefficient in sorted(poly.as_dict().items(), reverse=True):
         unit = poly.gen ** power[0]
         if coefficient.is_Add:
-            term = f"({text(coefficient)})" if power[0] == 0 else f"({text(coefficient)})*{unit}"
+            term = f"({text(coefficient)})" + (f"*{text(unit)}" if power[0] else "")
         else:
             term = text(coefficient * unit)
         sign, term = ("-", term[1:]) if term.startswith("-") else ("+", term)

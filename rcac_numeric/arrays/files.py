@@ -19,6 +19,8 @@ if sys.platform != "win32":
 FLAGS = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
 MARK = "rcac-"  # in the name of what is being written; nobody else's hidden file has it
 
+MOST_BYTES = 2**28  # of a file that is read: a million steps of thirty signals as float64
+
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
@@ -140,3 +142,17 @@ def _settle(name: str, mode: int | None) -> None:
         os.chmod(name, mode)
     with open(name, "rb") as written:
         os.fsync(written.fileno())
+
+
+def require_readable(file: Path) -> None:
+    """Refuse what is no ordinary file, such as a device that never ends, and what is too large."""
+    try:
+        size = file.stat().st_size
+    except ValueError as error:  # a null character in the path
+        raise InputError(f"{str(file)!r} cannot be read: {error}.") from None
+    if not file.is_file():
+        raise InputError(f"{file} cannot be read: it is no ordinary file.")
+    if size == 0:
+        raise InputError(f"{file} is empty.")
+    if size > MOST_BYTES:
+        raise InputError(f"{file} has {size} bytes; at most {MOST_BYTES} are read. Cut it.")

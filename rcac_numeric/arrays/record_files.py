@@ -12,7 +12,7 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.files import replacing, require_readable
 from rcac_numeric.arrays.records import Records
 from rcac_numeric.arrays.untrusted import (
     MOST_CHARACTERS,
@@ -20,7 +20,6 @@ from rcac_numeric.arrays.untrusted import (
     names_in,
     parsed_json,
     read_npz,
-    require_readable,
 )
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.arrays.wording import shortened

@@ -18,11 +18,11 @@ import numpy as np
 from numpy.lib import format as npy
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.files import require_readable
 from rcac_numeric.arrays.wording import shortened
 
 # A million steps of thirty signals; 268 MB as float64.
 MOST_NUMBERS = 2**25
-MOST_BYTES = 8 * MOST_NUMBERS
 MOST_LISTED = 2**20  # bytes of an archive's table of contents
 MOST_CHARACTERS = 2**22  # of a text in an array
 MOST_PARTS = 2**16  # entries of lists and tables in JSON
@@ -60,20 +60,6 @@ class Budget:
         count = math.prod(sizes)
         self.left -= count
         return count
-
-
-def require_readable(file: Path) -> None:
-    """Refuse what is no ordinary file, such as a device that never ends, and what is too large."""
-    try:
-        size = file.stat().st_size
-    except ValueError as error:  # a null character in the path
-        raise InputError(f"{str(file)!r} cannot be read: {error}.") from None
-    if not file.is_file():
-        raise InputError(f"{file} cannot be read: it is no ordinary file.")
-    if size == 0:
-        raise InputError(f"{file} is empty.")
-    if size > MOST_BYTES:
-        raise InputError(f"{file} has {size} bytes; at most {MOST_BYTES} are read. Cut it.")
 
 
 def read_npz(file: Path) -> dict[str, np.ndarray]:

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.files import replacing
-from rcac_numeric.arrays.untrusted import parsed_json, require_readable
+from rcac_numeric.arrays.files import replacing, require_readable
+from rcac_numeric.arrays.untrusted import parsed_json
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.reports.page.cases import Case

@@ -10,7 +10,8 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.untrusted import read_npz, require_readable
+from rcac_numeric.arrays.files import require_readable
+from rcac_numeric.arrays.untrusted import read_npz
 from rcac_numeric.signals.mat_files import read_mat
 from rcac_numeric.signals.text_tables import read_table
 

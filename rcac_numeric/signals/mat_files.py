@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.untrusted import MOST_BYTES, Budget
+from rcac_numeric.arrays.files import MOST_BYTES
+from rcac_numeric.arrays.untrusted import Budget
 from rcac_numeric.signals.mat_version_4 import read_version_4
 
 COMPRESSED, MATRIX = 15, 14

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.untrusted import read_npy, require_readable
+from rcac_numeric.arrays.files import require_readable
+from rcac_numeric.arrays.untrusted import read_npy
 from rcac_numeric.arrays.validation import instance_of, integer, real_array
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.signals.signal import Signal

@@ -18,7 +18,9 @@ import compensator_theory as exact
 from tests.support.bad_inputs import BAD, GOOD, LAST_ARGUMENTS, NOT_DOORS
 from tests.support.work import Endless, Long, at_most, at_most_bytes
 
-CALLS_TO_REFUSE, CALLS_TO_ANSWER, BYTES = 300_000, 20_000_000, 50_000_000
+# An endless list is read as far as the budget of entries goes, a call for each, and no farther.
+CALLS_TO_REFUSE = exact.Budget().entries + 300_000
+CALLS_TO_ANSWER, BYTES = 20_000_000, 50_000_000
 ENOUGH, DRAWN = 50, 6
 
 

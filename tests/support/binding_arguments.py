@@ -245,6 +245,7 @@ METHODS = {
     "Job": {"pause_at": lambda draw, made: {"step": draw(st.integers(0, STEPS))}},
     "Loop": {**STATE, "theta_before": lambda draw, made: {}},
     "Plant": {
+        **STATE,
         "output": lambda draw, made: dict(ROW),
         "advance": lambda draw, made: dict(ROW),
     },

@@ -57,7 +57,9 @@ def refused():
 
 
 def riccati(digits):
-    found = exact.solve_riccati([[1, 1], [0, 2]], [[0], [1]], [[1, 0]], [[1]], digits=digits)
+    found = exact.solve_riccati(
+        [[1, 1], [0, 2]], [[0], [1]], [[1, 0]], [[1]], time="discrete", digits=digits
+    )
     return *shown(found), found.residual
 
 
@@ -72,8 +74,8 @@ TASKS = [
     lambda: [ball.real.mid() for ball, _, _ in decided_balls(CUBIC, lambda b: True, 700)],
     lambda: riccati(20),
     lambda: riccati(200),
-    lambda: shown(exact.spectral_factor("z - 2", "z", 3)),
-    lambda: shown(exact.continuous_spectral_factor("s + 3", "s**2 + 1", "1/7")),
+    lambda: shown(exact.spectral_factor("z - 2", "z", 3, time="discrete")),
+    lambda: shown(exact.spectral_factor("s + 3", "s**2 + 1", "1/7", time="continuous")),
     lambda: exact.canonical("sqrt(2) + sqrt(3) + 2**(1/3)*s"),
     lambda: [m.tobytes() for m in zero_order_hold([[0.0, 1.0], [-2.0, -0.3]], [[0.0], [1.0]], 0.1)],
     written,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.arrays.untrusted import require_readable
+from rcac_numeric.arrays.files import require_readable
 from rcac_numeric.experiments.format.places import DEEPEST, brief, shortened
 
 Raw = dict[str, Any]

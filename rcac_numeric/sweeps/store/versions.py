@@ -6,6 +6,7 @@ import functools
 import importlib
 import os
 import platform
+import re
 import shutil
 import subprocess
 from importlib.metadata import PackageNotFoundError, version
@@ -98,7 +99,8 @@ def _blas_kernels() -> str:
     kernels = {
         f"{one.get('internal_api')} {one.get('version')} {one.get('architecture', '')}".strip()
         for one in threadpool_info()
-        if one.get("user_api") == "blas"
+        # What else is loaded, a library with a BLAS of its own for instance, decides no digit here.
+        if one.get("user_api") == "blas" and re.search("numpy|scipy", str(one.get("filepath")))
     }
     return ", ".join(sorted(kernels))
 

@@ -23,11 +23,11 @@ def outside():
 
 
 def answers(poly):
-    found = [repr(exact.certified_roots(poly)), repr(exact.count_half_plane_roots(poly))]
+    found = [repr(exact.certified_roots(poly)), repr(exact.count_roots(poly, time="continuous"))]
     for ask in (
         exact.enclose_split_at_unit_circle,
-        exact.spectral_factor,
-        lambda p: exact.continuous_spectral_factor(p, p + 1),
+        lambda p: exact.spectral_factor(p, time="discrete"),
+        lambda p: exact.spectral_factor(p, p + 1, time="continuous"),
     ):
         try:
             found.append(repr(ask(poly)))

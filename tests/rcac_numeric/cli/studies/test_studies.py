@@ -113,7 +113,8 @@ def test_bad_files_end_with_2_before_anything_is_made(tmp_path):
     for changed, words in (
         (text, "6000000000 runs: 3 (R_theta) x 2 (n_c)"),
         (few.replace("controller.n_c", "controller.nc"), "unknown key 'nc' in [controller]"),
-        ("", "no table [study]"),
+        ("", "is empty"),
+        (few.partition("[study]")[0], "no table [study]"),
     ):
         file.write_text(changed)
         result = rcac("sweep", file, "-o", store)
