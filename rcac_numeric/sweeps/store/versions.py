@@ -15,12 +15,16 @@ from typing import Any
 
 import numpy as np
 import scipy
+import scipy.linalg  # with it comes its BLAS
 
 from rcac_numeric.arrays.wording import shortened
 
 LIBRARIES = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint")
 # Said of the machine; what it decides are the instructions, and those are compared by themselves.
 NOT_COMPARED = ("platform", "processor")
+
+# The folders in which the wheels of NumPy and SciPy, or the two themselves, keep a BLAS.
+_OWN = re.compile(r"[/\\](numpy|scipy)(\.libs)?[/\\]")
 
 
 @functools.cache
@@ -100,7 +104,7 @@ def _blas_kernels() -> str:
         f"{one.get('internal_api')} {one.get('version')} {one.get('architecture', '')}".strip()
         for one in threadpool_info()
         # What else is loaded, a library with a BLAS of its own for instance, decides no digit here.
-        if one.get("user_api") == "blas" and re.search("numpy|scipy", str(one.get("filepath")))
+        if one.get("user_api") == "blas" and _OWN.search(str(one.get("filepath")))
     }
     return ", ".join(sorted(kernels))
 

@@ -191,11 +191,13 @@ def test_a_script_in_any_field_is_words_or_has_no_hash(cases, field):
 
 def test_control_characters_of_a_user_are_written_out():
     table = {
-        "id": "x", "title": "a\x1b[31m\nb\u202e", "notes": "c\x9b\u2066",
-        "exact": {"a": "s + 1", "b": "s + 2"},
-        "claims": [{"text": "d\x07", "checks": [{"statement": "common_roots", "equals": 0}]}],
+        "id": "x", "title": "a", "exact": {"a": "s + 1", "b": "s + 2"},
+        "claims": [{"text": "d", "checks": [{"statement": "common_roots", "equals": 0}]}],
     }  # fmt: skip
-    found = verify(build(table, "case.toml"))
+    plain = build(table, "case.toml")  # a file with such characters is refused
+    claims = tuple(replace(claim, text="d\x07") for claim in plain.claims)
+    user = replace(plain, title="a\x1b[31m\nb\u202e", notes="c\x9b\u2066", claims=claims)
+    found = verify(user)
     for text in (case_page(case_of(found)), as_text(verification_sheet(found)), found.text):
         assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", text)
         assert r"a\x1b[31m\nb\u202e" in text and r"c\x9b\u2066" in text and r"d\x07" in text
