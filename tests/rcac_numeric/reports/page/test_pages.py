@@ -198,7 +198,7 @@ def test_control_characters_of_a_user_are_written_out():
     claims = tuple(replace(claim, text="d\x07") for claim in plain.claims)
     user = replace(plain, title="a\x1b[31m\nb\u202e", notes="c\x9b\u2066", claims=claims)
     found = verify(user)
-    for text in (case_page(case_of(found)), as_text(verification_sheet(found)), found.text):
+    for text in (case_page(case_of(found)), as_text(verification_sheet(found)), found.report()):
         assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]", text)
         assert r"a\x1b[31m\nb\u202e" in text and r"c\x9b\u2066" in text and r"d\x07" in text
 
