@@ -13,7 +13,7 @@ from compensator_theory.matrices.flint_polynomials import (
     kept_in_flint,
 )
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.poly import canonical, monic, over_one_field
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
 
@@ -63,7 +63,8 @@ class BezoutIdentity(ExactValue):
     @property
     def residual(self) -> Poly:
         """What is left of x a + y b - g; zero, as computed anew."""
-        return canonical(self.x * self.a + self.y * self.b - self.gcd)
+        x, y, a, b, gcd = over_one_field(self.x, self.y, self.a, self.b, self.gcd)
+        return canonical(x * a + y * b - gcd)
 
     def __str__(self) -> str:
         gcd, x, y = (format_polynomial(p) for p in (self.gcd, self.x, self.y))
@@ -108,8 +109,9 @@ def bezout_identity(
         return _of_rationals(first, second, *kept)
     if first.is_zero and second.is_zero:
         raise InputError("a and b are both zero; every polynomial divides them")
-    field = (first.unify(second)[0]).domain.get_field()
-    over_field = [p.set_domain(field) for p in (first, second)]
+    one, two = over_one_field(first, second)
+    field = one.unify(two)[0].domain.get_field()
+    over_field = [p.set_domain(field) for p in (one, two)]
     x, y, gcd = over_field[0].gcdex(over_field[1])
     leading = gcd.LC()
     gcd = monic(canonical(gcd))

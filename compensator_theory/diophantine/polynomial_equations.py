@@ -18,7 +18,15 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, from_coefficients, monic, scaled
+from compensator_theory.polynomials.poly import (
+    canonical,
+    from_coefficients,
+    monic,
+    over_one_field,
+    product,
+    scaled,
+    total,
+)
 from compensator_theory.polynomials.reading import (
     PolynomialLike,
     in_one_variable,
@@ -131,6 +139,7 @@ def solve_diophantine(
         if side.is_zero:
             raise InputError(f"{name} is zero; the equation is a division, and has one unknown")
     ask("degree", int(first.degree() + second.degree() + max(right.degree(), 0)), "the equation")
+    first, second, right = over_one_field(first, second, right)
     one, two = (first, second) if least == "y" else (second, first)
     over = [p.set_domain(_field(one, two, right)) for p in (one, two, right)]
     g = monic(canonical(over[0].gcd(over[1])))
@@ -144,9 +153,12 @@ def solve_diophantine(
     p, q, r = (canonical(side.quo(divisor)) for side in over)
     u, v = _least(p, q, r)
     x, y, dx, dy = (u, v, q, -p) if least == "y" else (v, u, p, -q)
-    residual = [first * x + second * y - right, first * dx + second * dy]
+    residual = [
+        total(product(first, x), product(second, y), -right),
+        total(product(first, dx), product(second, dy)),
+    ]
     certificate = proven(
-        Certificate(IDENTITY, ImmutableMatrix([[canonical(rest).as_expr() for rest in residual]])),
+        Certificate(IDENTITY, ImmutableMatrix([[rest.as_expr() for rest in residual]])),
         "solution",
     )
     divisors = denominators(PolynomialMatrix(((g, x, y, dx, dy),)))

@@ -13,7 +13,7 @@ from compensator_theory.loops.siso import (
     require_sign,
     well_posed_loop,
 )
-from compensator_theory.polynomials.poly import canonical
+from compensator_theory.polynomials.poly import canonical, over_one_field
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
@@ -89,8 +89,8 @@ def feedback_connection(
         return _of_matrices(plant, compensator, feedback)
     G, G_c = read_loop(plant, compensator, feedback)
     closed = well_posed_loop(G, G_c, feedback)
-    numerator, period = canonical(G.numerator * G_c.denominator), shared_sample_time(G, G_c)
-    return TransferFunction(numerator, closed, sample_time=period)
+    N, D_c = over_one_field(G.numerator, G_c.denominator)
+    return TransferFunction(canonical(N * D_c), closed, sample_time=shared_sample_time(G, G_c))
 
 
 def _of_matrices(

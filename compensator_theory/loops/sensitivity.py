@@ -1,11 +1,10 @@
 """The sensitivity function of a loop, and the compensator that it determines."""
 
-import sympy
 from sympy import Poly
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
-from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.polynomials.poly import canonical, over_one_field
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
@@ -46,8 +45,8 @@ def sensitivity_function(
     """
     G, G_c = read_loop(plant, compensator, feedback)
     closed = well_posed_loop(G, G_c, feedback)
-    numerator, period = canonical(G.denominator * G_c.denominator), shared_sample_time(G, G_c)
-    return TransferFunction(numerator, closed, sample_time=period)
+    D, D_c = over_one_field(G.denominator, G_c.denominator)
+    return TransferFunction(canonical(D * D_c), closed, sample_time=shared_sample_time(G, G_c))
 
 
 def compensator_from_sensitivity(
@@ -90,10 +89,11 @@ def compensator_from_sensitivity(
     for name, function in (("plant", G), ("sensitivity function", S)):
         if function.numerator.is_zero:
             raise InputError(f"the {name} is zero, which no compensator explains")
-    change = canonical(S.numerator - S.denominator)
+    N, D, above, below = over_one_field(G.numerator, G.denominator, S.numerator, S.denominator)
+    change = canonical(above - below)
     G_c = TransferFunction(
-        scaled(canonical(change * G.denominator), sympy.Integer(feedback)),
-        canonical(S.numerator * G.numerator),
+        canonical(change * D * feedback),
+        canonical(above * N),
         sample_time=shared_sample_time(G, S),
     ).reduced()
     if not G_c.is_proper:

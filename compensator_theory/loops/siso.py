@@ -3,13 +3,12 @@
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 
-import sympy
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError, NotCoprimeError
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
-from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.polynomials.poly import canonical, over_one_field
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import is_operator
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
@@ -98,8 +97,8 @@ def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: in
     >>> closed_loop_of_pair(transfer_function("1/s"), transfer_function("2/(s + 1)"), -1)
     Poly(s**2 + s + 2, s, domain='QQ')
     """
-    through = scaled(G.numerator * G_c.numerator, sympy.Integer(feedback))
-    return canonical(G.denominator * G_c.denominator - through)
+    N, D, N_c, D_c = over_one_field(G.numerator, G.denominator, G_c.numerator, G_c.denominator)
+    return canonical(D * D_c - N * N_c * feedback)
 
 
 def well_posed_loop(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:

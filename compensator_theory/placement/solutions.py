@@ -21,7 +21,7 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
-from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.polynomials.poly import canonical, over_one_field, scaled
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
@@ -116,8 +116,9 @@ class PolePlacement(ExactValue):
 
     def residual_of(self, compensator: TransferFunction) -> Poly:
         """Return the residual of any compensator, for instance of a :meth:`member`."""
-        polynomial = self.closed_loop_polynomial(compensator)
-        return canonical(polynomial - scaled(self.target, polynomial.LC()))
+        polynomial, target = over_one_field(self.closed_loop_polynomial(compensator), self.target)
+        leading = Poly({(0,): polynomial.rep.LC()}, polynomial.gen, domain=polynomial.domain)
+        return canonical(polynomial - target * leading)
 
     def closed_loop_polynomial(self, compensator: TransferFunction) -> Poly:
         """Return D D_c - f N N_c for any compensator in the same variable."""

@@ -4,16 +4,18 @@ from collections.abc import Sequence
 
 import sympy
 from sympy import EX, QQ, Expr, Poly, Symbol
+from sympy.polys.constructor import construct_domain
 from sympy.polys.polyerrors import CoercionFailed, GeneratorsError, PolynomialError
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.algebraic import rationalised
-from compensator_theory.polynomials.budget import quoted, shown, unlimited
+from compensator_theory.polynomials.budget import ask, quoted, shown, unlimited
 from compensator_theory.polynomials.formatting import in_least_domain, require_real
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
     by_powers,
+    irrational_parts,
     require_small_field,
     settled,
     tree_of,
@@ -90,6 +92,98 @@ def canonical(poly: Poly) -> Poly:
     if domain.is_Composite and not all(symbol.is_Symbol for symbol in domain.symbols):
         return Poly(poly.as_expr(), poly.gen, extension=True)  # sqrt(2) is no free generator
     return small
+
+
+def over_one_field(*polys: Poly) -> tuple[Poly, ...]:
+    r"""Return polynomials that are to be joined over one field where they are irrational.
+
+    SymPy joins two algebraic fields coefficient by coefficient, with PSLQ over relations of at most
+    ten digits, and raises CoercionFailed for :math:`10^{18}\,10^{3/4}` in Q(10^(3/8)). Where a
+    field is made for all coefficients together, only its surds are related.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials.poly import over_one_field
+    >>> a, b = over_one_field(polynomial("s + sqrt(2)"), polynomial("s + sqrt(3)"))
+    >>> a.domain == b.domain, (a * b).degree()
+    (True, 2)
+    """
+    if sum(domain.is_Algebraic for domain in {poly.domain for poly in polys}) < 2:
+        return polys
+    coefficients = [poly.all_coeffs() for poly in polys]
+    numbers = [number for row in coefficients for number in row]
+    if any(number.free_symbols for number in numbers):
+        return polys
+    require_small_field(list(set().union(*map(irrational_parts, numbers))))
+    domain, values = construct_domain(numbers, extension=True)
+    left = iter(values)
+    return tuple(
+        Poly([next(left) for _ in row], poly.gen, domain=domain)
+        for row, poly in zip(coefficients, polys, strict=True)
+    )
+
+
+def total(*polys: Poly) -> Poly:
+    """Add polynomials in one variable, of whatever fields.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials.poly import total
+    >>> total(polynomial("s + a", "s"), polynomial("s - a", "s"))
+    Poly(2*s, s, domain='QQ')
+    """
+    first, *others = over_one_field(*polys)
+    return canonical(sum(others, first))
+
+
+def product(a: Poly, b: Poly) -> Poly:
+    """Multiply two polynomials, whose degrees together must be within the budget.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials.poly import product
+    >>> product(polynomial("s + 1"), polynomial("s - a", "s"))
+    Poly(s**2 + (1 - a)*s - a, s, domain='QQ[a]')
+    """
+    if not (a.is_zero or b.is_zero):
+        ask("degree", int(a.degree()) + int(b.degree()), "the product")
+    a, b = over_one_field(a, b)
+    return canonical(a * b)
+
+
+def exact_quotient(poly: Poly, divisor: Poly) -> Poly:
+    """Divide by a polynomial that is known to divide, over the field of both.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials.poly import exact_quotient
+    >>> exact_quotient(polynomial("s**2 - a**2", "s"), polynomial("s - a", "s"))
+    Poly(s + a, s, domain='QQ[a]')
+    """
+    top, bottom = over_one_field(poly, divisor)
+    top, bottom = top.unify(bottom)
+    field = top.domain.get_field()
+    return canonical(top.set_domain(field).exquo(bottom.set_domain(field)))
+
+
+def common_divisor(first: Poly, *others: Poly) -> Poly:
+    """Return the monic greatest common divisor.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.polynomials.poly import common_divisor
+    >>> common_divisor(polynomial("2*s**2 - 2"), polynomial("s**2 - s"))
+    Poly(s - 1, s, domain='QQ')
+    """
+    first, *others = over_one_field(first, *others)  # type: ignore[assignment]
+    for other in others:
+        first = first.gcd(other)
+    return monic(canonical(first))
 
 
 def monic(poly: Poly) -> Poly:

@@ -1,5 +1,8 @@
 """SymPy expressions taken apart, and roots put together, under an allow-list and a budget."""
 
+import math
+from collections import Counter
+
 import sympy
 from sympy import Expr, Float, Poly, Rational, Symbol
 
@@ -21,6 +24,7 @@ _IRRATIONAL = (
 )  # fmt: skip
 _ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
 _RADICAND_DIGITS = 300  # SymPy looks for powers in it, and has their size in floats
+_SMALL_PRIMES = 1000  # to which bases of roots are factored, to see what they share
 _X = Symbol("x")
 
 
@@ -240,14 +244,24 @@ def require_small_field(numbers: list[Expr]) -> None:
     >>> require_small_field([sqrt(2), sqrt(3)])
     """
     degree = 1
+    by_base: Counter[Expr] = Counter()  # the powers of one base lie in the field of one root of it
+    by_prime: Counter[int] = Counter()  # and those of rational bases in that of roots of primes
     for atom in set().union(*(irrational_parts(number) for number in numbers)):
         if isinstance(atom, sympy.Pow):
-            degree *= int(atom.exp.q) if atom.exp.is_Rational else 1
+            index = int(atom.exp.q) if atom.exp.is_Rational else 1
+            by_base[atom.base] = math.lcm(by_base[atom.base] or 1, index)
+            if atom.base.is_Rational:
+                for prime in sympy.factorrat(atom.base, limit=_SMALL_PRIMES):
+                    root = index if prime > 0 else 2 * index
+                    by_prime[prime] = math.lcm(by_prime[prime] or 1, root)
         elif isinstance(atom, sympy.polys.rootoftools.ComplexRootOf):
             degree *= int(atom.poly.degree())
         else:
             degree *= 2
-        ask("field_degree", degree, "the irrational numbers together")
+    others = math.prod(index for base, index in by_base.items() if not base.is_Rational)
+    rational = math.prod(index for base, index in by_base.items() if base.is_Rational)
+    degree *= others * min(rational, math.prod(by_prime.values()))
+    ask("field_degree", degree, "the irrational numbers together")
     longest = decimal_digits(max((_bits(number) for number in numbers), default=0))
     what = f"the discriminant of irrational numbers of degree {degree}"
     ask("digits", degree * (degree - 1) * longest, what)

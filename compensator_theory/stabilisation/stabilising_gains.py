@@ -3,7 +3,7 @@
 from sympy import Symbol
 
 from compensator_theory.loops.siso import LoopPart, read_loop
-from compensator_theory.polynomials.poly import canonical, from_coefficients
+from compensator_theory.polynomials.poly import canonical, from_coefficients, over_one_field
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.stabilisation.stability_intervals import (
     StabilityIntervals,
@@ -42,7 +42,8 @@ def stabilising_gains(
     Raises
     ------
     InputError
-        If a coefficient is symbolic, the variables differ, or `feedback` is neither +1 nor -1.
+        If a coefficient is symbolic or irrational, the variables differ, or `feedback` is neither
+        +1 nor -1.
 
     Examples
     --------
@@ -52,7 +53,8 @@ def stabilising_gains(
     """
     G, G_c = read_loop(plant, compensator, feedback)
     k = as_symbol(gain)
-    through, around = G.numerator * G_c.numerator, G.denominator * G_c.denominator
+    N, D, N_c, D_c = over_one_field(G.numerator, G.denominator, G_c.numerator, G_c.denominator)
+    through, around = N * N_c, D * D_c
     size = max(through.degree(), around.degree())
     polynomial = from_coefficients(
         [

@@ -7,9 +7,11 @@ from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, words
+from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
+from compensator_theory.polynomials.sympy_trees import irrational_parts
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import Time, as_symbol, time_of
 from compensator_theory.printing import text
@@ -140,7 +142,8 @@ def stability_intervals(
     Raises
     ------
     InputError
-        If the polynomial is zero, has other symbols, or its variable is none of s, z and q.
+        If the polynomial is zero, has other symbols or irrational coefficients, or its variable is
+        none of s, z and q.
 
     Examples
     --------
@@ -161,6 +164,11 @@ def stability_intervals(
             f"{p.gen}; intervals need one parameter, so give the others values"
             if others
             else f"{k} is the variable of {format_polynomial(p)} and cannot be the parameter"
+        )
+    if irrational := set().union(*(irrational_parts(c) for c in p.all_coeffs())):
+        raise InputError(
+            f"{format_polynomial(p)} has the irrational number {shown(min(irrational, key=str))}, "
+            "and intervals are found over rational numbers; give a rational number close to it"
         )
     k = symbols.get(k.name, k)
     divided, cleared = p.clear_denoms()

@@ -9,7 +9,7 @@ from sympy import QQ, Poly, Rational
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
-from compensator_theory.loops.siso import require_sign
+from compensator_theory.loops.siso import closed_loop_of_pair, require_sign
 from compensator_theory.polynomial_matrices.rings import RationalRing
 from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.poly import canonical
@@ -214,7 +214,7 @@ def _found(
     order: int,
 ) -> StableCompensator:
     compensator = TransferFunction(canonical(top), canonical(bottom), feedback=feedback)
-    whole = G.denominator * compensator.denominator - feedback * G.numerator * compensator.numerator
+    whole = closed_loop_of_pair(G, compensator, feedback)
     time = time_of(G.variable, "strong stabilisability")
     for poly in (whole, compensator.denominator):
         location = count_roots(canonical(poly), time=time)

@@ -160,7 +160,7 @@ def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
         return Matrices(system.A, system.B, system.C, system.D, symbol)
     if (system.num_inputs, system.num_outputs) != (1, 1):
         _refuse_several(system, system.num_outputs, system.num_inputs)
-    joined = _joined(system)
+    joined = joined_of(system)
     if type(joined).__name__ == "TransferFunctionMatrix":
         joined = joined[0, 0]
         joined = joined if type(joined).__name__ == "TransferFunction" else joined.doit()
@@ -174,16 +174,24 @@ def _of_sympy(system: Any, variable: str | Symbol | None) -> Contents:
     return Fraction(joined.num, joined.den, own)
 
 
-def _joined(system: Any) -> Any:
-    """What a Series, Parallel or Feedback amounts to.
+def joined_of(system: Any) -> Any:
+    """Return what a Series, Parallel or Feedback of SymPy amounts to.
 
     SymPy 1.14 keeps in the class whether a connection holds a StateSpace, so that one answers for
     the connection that was made last: each is made again just before it is asked.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from sympy.physics.control import Series, TransferFunction
+    >>> from compensator_theory.systems.foreign import joined_of
+    >>> joined_of(Series(TransferFunction(1, s, s), TransferFunction(2, s + 1, s)))
+    TransferFunction(2, s*(s + 1), s)
     """
     name = type(system).__name__
     if name in ("TransferFunction", "StateSpace", "TransferFunctionMatrix"):
         return system
-    parts = [_joined(p) if hasattr(p, "num_inputs") else p for p in system.args]
+    parts = [joined_of(p) if hasattr(p, "num_inputs") else p for p in system.args]
     return system.func(*parts).doit()
 
 

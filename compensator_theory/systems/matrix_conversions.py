@@ -11,17 +11,17 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials.budget import ask, listed
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import exact_number
-from compensator_theory.polynomials.poly import canonical, monic
+from compensator_theory.polynomials.poly import common_divisor, exact_quotient, monic, product
 from compensator_theory.polynomials.variables import (
     as_symbol,
     evident_variable,
     require_one_symbol_a_name,
 )
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
-from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
+from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign, joined_of
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
-from compensator_theory.transfer_functions.transfer_functions import TransferFunction, product
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
 TransferMatrixLike: TypeAlias = (
@@ -102,7 +102,7 @@ def over_one_denominator(rows: Sequence[Sequence[TransferFunction]]) -> Transfer
     """
     different: dict[Poly, None] = dict.fromkeys(G.denominator for row in rows for G in row)
     common = reduce(_least_common_multiple, different)
-    cofactors = {bottom: _quotient(common, bottom) for bottom in different}
+    cofactors = {bottom: exact_quotient(common, monic(bottom)) for bottom in different}
     return TransferMatrix(
         tuple(tuple(product(G.numerator, cofactors[G.denominator]) for G in row) for row in rows),
         common,
@@ -111,13 +111,7 @@ def over_one_denominator(rows: Sequence[Sequence[TransferFunction]]) -> Transfer
 
 
 def _least_common_multiple(a: Poly, b: Poly) -> Poly:
-    return product(a, _quotient(b, canonical(a.gcd(b))))
-
-
-def _quotient(a: Poly, b: Poly) -> Poly:
-    top, bottom = a.unify(monic(b))
-    field = top.domain.get_field()
-    return canonical(top.set_domain(field).exquo(bottom.set_domain(field)))
+    return product(a, exact_quotient(b, common_divisor(a, b)))
 
 
 def _entries(rows: Any, variable: str | Symbol | None) -> list[list[Any]] | TransferMatrix:
@@ -140,7 +134,7 @@ def _entries(rows: Any, variable: str | Symbol | None) -> list[list[Any]] | Tran
 
 def _foreign(system: Any, variable: str | Symbol | None) -> list[list[Any]] | TransferMatrix:
     if type(system).__module__.startswith("sympy") and type(system).__name__.startswith("MIMO"):
-        system = system.doit()
+        system = joined_of(system)
     outputs = getattr(system, "noutputs", getattr(system, "num_outputs", 1))
     inputs = getattr(system, "ninputs", getattr(system, "num_inputs", 1))
     if (outputs, inputs) == (1, 1) or not hasattr(system, "num"):

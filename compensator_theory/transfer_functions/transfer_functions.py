@@ -19,10 +19,15 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import (
     canonical,
+    common_divisor,
+    exact_quotient,
     from_coefficients,
     monic,
+    over_one_field,
+    product,
     scaled,
     sides_in,
+    total,
 )
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.reading import polynomial
@@ -164,20 +169,21 @@ class TransferFunction(ExactValue):
             return False
         if self.numerator.domain.is_QQ and self.denominator.domain.is_QQ:
             return True
-        resultant = sympy.sympify(self.numerator.resultant(self.denominator))
+        top, bottom = over_one_field(self.numerator, self.denominator)
+        resultant = sympy.sympify(top.resultant(bottom))
         known: bool | None = resultant.is_nonzero
         return known
 
     def common_factor(self) -> Poly:
         """Return the monic greatest common divisor of numerator and denominator."""
-        return monic(canonical(self.numerator.gcd(self.denominator)))
+        return common_divisor(self.numerator, self.denominator)
 
     def reduced(self) -> TransferFunction:
         """Return the same transfer function without its common factor."""
         factor = self.common_factor()
         return TransferFunction(
-            canonical(self.numerator.exquo(factor)),
-            canonical(self.denominator.exquo(factor)),
+            exact_quotient(self.numerator, factor),
+            exact_quotient(self.denominator, factor),
             feedback=self.feedback,
             sample_time=self.sample_time,
         )
@@ -452,9 +458,9 @@ def added(a: Sides, b: Sides) -> Sides:
     (Poly(s + 1, s, domain='QQ'), Poly(s + 1, s, domain='QQ'))
     """
     if a[1] == b[1]:
-        return canonical(a[0] + b[0]), a[1]
+        return total(a[0], b[0]), a[1]
     (n_1, d_2), (n_2, d_1) = (a[0], b[1]), (b[0], a[1])
-    return canonical(product(n_1, d_2) + product(n_2, d_1)), product(d_1, d_2)
+    return total(product(n_1, d_2), product(n_2, d_1)), product(d_1, d_2)
 
 
 def multiplied(a: Sides, b: Sides) -> Sides:
@@ -488,21 +494,6 @@ def inverted(sides: Sides) -> Sides:
     if sides[0].is_zero:
         raise InputError("the transfer function 0 has no inverse")
     return sides[1], sides[0]
-
-
-def product(a: Poly, b: Poly) -> Poly:
-    """Multiply two polynomials, whose degrees together must be within the budget.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.transfer_functions.transfer_functions import product
-    >>> product(polynomial("s + 1"), polynomial("s - a", "s"))
-    Poly(s**2 + (1 - a)*s - a, s, domain='QQ[a]')
-    """
-    if not (a.is_zero or b.is_zero):
-        ask("degree", int(a.degree()) + int(b.degree()), "the product")
-    return canonical(a * b)
 
 
 def constant_one(like: Poly) -> Poly:

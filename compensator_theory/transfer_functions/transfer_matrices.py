@@ -17,7 +17,13 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike
-from compensator_theory.polynomials.poly import canonical, from_expression
+from compensator_theory.polynomials.poly import (
+    common_divisor,
+    exact_quotient,
+    from_expression,
+    product,
+    total,
+)
 from compensator_theory.polynomials.reading import polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.transfer_functions.adjugates import adjugate_and_determinant
@@ -29,7 +35,6 @@ from compensator_theory.transfer_functions.sample_times import (
 from compensator_theory.transfer_functions.transfer_functions import (
     TransferFunction,
     constant_one,
-    product,
     sides_of,
 )
 
@@ -205,13 +210,12 @@ class TransferMatrix(ExactValue):
 
     def reduced(self) -> TransferMatrix:
         """Return the same matrix without the factor that all entries share with the denominator."""
-        common = self.denominator
-        for entry in (entry for row in self.numerators for entry in row):
-            common = common.gcd(entry)
+        entries = (entry for row in self.numerators for entry in row)
+        common = common_divisor(self.denominator, *entries)
         if common.degree() < 1:
             return self
-        rows = tuple(tuple(_quotient(e, common) for e in row) for row in self.numerators)
-        return self._with(rows, _quotient(self.denominator, common))
+        rows = tuple(tuple(exact_quotient(e, common) for e in row) for row in self.numerators)
+        return self._with(rows, exact_quotient(self.denominator, common))
 
     def inverse(self) -> TransferMatrix:
         """Return the inverse of a square matrix, reduced; InputError if it is singular."""
@@ -297,10 +301,7 @@ def _added(a: MatrixSides, b: MatrixSides, sign: int) -> MatrixSides:
     over_one = a[1] == b[1]
     left, right = (one, one) if over_one else (b[1], a[1])
     rows = tuple(
-        tuple(
-            canonical(product(x, left) + sign * product(y, right))
-            for x, y in zip(r, q, strict=True)
-        )
+        tuple(total(product(x, left), product(y * sign, right)) for x, y in zip(r, q, strict=True))
         for r, q in zip(a[0], b[0], strict=True)
     )
     return rows, a[1] if over_one else product(a[1], b[1])
@@ -316,18 +317,12 @@ def _multiplied(a: MatrixSides, b: MatrixSides) -> MatrixSides:
     columns = list(zip(*b[0], strict=True))
     rows = tuple(
         tuple(
-            canonical(sum((product(x, y) for x, y in zip(row, column, strict=True)), _zero(a[1])))
+            total(_zero(a[1]), *(product(x, y) for x, y in zip(row, column, strict=True)))
             for column in columns
         )
         for row in a[0]
     )
     return rows, product(a[1], b[1])
-
-
-def _quotient(poly: Poly, divisor: Poly) -> Poly:
-    top, bottom = poly.unify(divisor)
-    field = top.domain.get_field()
-    return canonical(top.set_domain(field).quo(bottom.set_domain(field)))
 
 
 def _zero(like: Poly) -> Poly:

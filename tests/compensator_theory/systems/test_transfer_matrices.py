@@ -7,8 +7,8 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Matrix
+from sympy.physics.control import MIMOSeries, StateSpace, TransferFunctionMatrix
 from sympy.physics.control import TransferFunction as Sympys
-from sympy.physics.control import TransferFunctionMatrix
 
 from compensator_theory import InputError, Realisation, transfer_function, transfer_matrix
 from compensator_theory.strategies import rationals
@@ -118,3 +118,13 @@ def test_bad_operands():
         G * object()
     with pytest.raises(InputError):
         G * float("nan")
+
+
+def test_what_sympy_joined_last_does_not_answer_for_another():
+    """SymPy 1.14 keeps in its class whether a connection holds a StateSpace."""
+    entry = Sympys(1, s + 1, s)
+    rows = TransferFunctionMatrix([[entry, entry], [entry, entry]])
+    joined = MIMOSeries(rows, rows)
+    gain = StateSpace(*[sympy.eye(2)] * 4)
+    MIMOSeries(gain, gain)
+    assert transfer_matrix(joined) == transfer_matrix([[2 / (s + 1) ** 2] * 2] * 2)
