@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import io
 import re
+import threading
 
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.wording import in_a_line
@@ -31,6 +32,7 @@ STYLE = {
     "savefig.facecolor": "none",
     "font.size": 9,
 }
+_DRAWING = threading.Lock()  # Matplotlib's settings are those of the process: one page at a time
 _NUMBER = re.compile(r"-?\d+\.\d{2,}")
 # Where rounding cannot be seen; the words of a label are no coordinates.
 _COORDINATES = re.compile(r'\b(?:d|x|y)="[^"]*"|\btranslate\([^)]*\)')
@@ -60,7 +62,7 @@ def svg_of(figure: figures.Figure, prefix: str, title: str) -> str:
     import matplotlib as mpl  # a third of a second, for those who draw
 
     drawn = io.StringIO()
-    with mpl.rc_context(STYLE):
+    with _DRAWING, mpl.rc_context(STYLE):
         figure.patch.set_alpha(0)
         for axis in figure.axes:
             axis.patch.set_alpha(0)

@@ -101,11 +101,12 @@ def data_files(value: Any) -> set[str]:
 def file_digests(value: Any, folder: str) -> dict[str, str]:
     """Every data file that a text in `value` names, with what is in it in short."""
     found = {name: Path(folder) / name for name in sorted(data_files(value))}
-    return {
-        name: hashlib.sha256(path.read_bytes()).hexdigest()[:16]
-        for name, path in found.items()
-        if path.is_file()
-    }
+    return {name: _digest_of_file(path) for name, path in found.items() if path.is_file()}
+
+
+def _digest_of_file(path: Path) -> str:
+    with path.open("rb") as stream:  # in blocks: a log may be larger than the memory
+        return hashlib.file_digest(stream, "sha256").hexdigest()[:16]
 
 
 def source_of(function: Callable[..., Any]) -> str:

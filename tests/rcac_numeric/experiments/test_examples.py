@@ -12,12 +12,22 @@ from rcac_numeric.experiments.measures.measures import MEASURES
 WITHOUT_TARGET = ("1.", "3.", "7.", "8.", "9.", "A.", "B.")
 
 
+class Verifications(dict):
+    """Each example is verified when it is first looked up."""
+
+    def __init__(self, *, in_full):
+        self.in_full = in_full
+
+    def __missing__(self, number):
+        example = load_example(number)
+        self[number] = verify(example if self.in_full else example.reduced())
+        return self[number]
+
+
 @pytest.fixture(scope="module")
 def verifications(request):
     """All of them; over three seeds where the examples have more, over all with --long."""
-    in_full = request.config.getoption("--long")
-    experiments = {number: load_example(number) for number in example_ids()}
-    return {n: verify(e if in_full else e.reduced()) for n, e in experiments.items()}
+    return Verifications(in_full=request.config.getoption("--long"))
 
 
 @pytest.mark.parametrize("number", example_ids())
