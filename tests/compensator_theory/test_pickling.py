@@ -52,7 +52,7 @@ def test_every_public_data_class_has_a_sample():
 
 
 @pytest.mark.parametrize("cls", DATA_CLASSES, ids=lambda cls: cls.__name__)
-@settings(suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=8, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_a_result_survives(elsewhere, cls, data):
     value = data.draw(SAMPLES[cls])

@@ -11,7 +11,9 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 @pytest.mark.filterwarnings("ignore")  # of Jupyter's own machinery
-def test_notebook_runs(path):
+def test_notebook_runs(path, in_full):
+    if not in_full:
+        pytest.skip("with --long; the docs build runs it")
     from nbclient import NotebookClient
 
     notebook = nbformat.read(path, as_version=4)

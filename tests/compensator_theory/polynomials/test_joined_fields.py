@@ -30,7 +30,7 @@ surds = st.builds(
 same_field = st.builds(
     "{}e{}*10**({}/8)".format, st.integers(1, 9), st.integers(-4, 15), st.sampled_from([2, 3, 6])
 )
-few = settings(max_examples=12, phases=set(Phase) - {Phase.shrink, Phase.explain})  # seconds
+few = settings(max_examples=8, phases=set(Phase) - {Phase.shrink, Phase.explain})  # seconds
 POINT = sympy.Rational(7, 5)
 
 

@@ -122,7 +122,7 @@ def in_units(loop, units):
     )
 
 
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(seeds)
 def test_the_units_of_the_channels_do_not_matter(seed):
     rng = np.random.default_rng(seed)
@@ -132,7 +132,7 @@ def test_the_units_of_the_channels_do_not_matter(seed):
     assert multivariable_disk_margin(in_units(loop, units)).alpha == pytest.approx(ours, rel=1e-6)
 
 
-@settings(max_examples=10)
+@settings(max_examples=4)
 @given(seeds)
 def test_up_to_three_channels_the_margin_is_reached(seed):
     """mu = max of rho(M U) over diagonal unitary U, a bound from below that scalings know not of.
