@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from compensator_theory.errors import CompensatorError
+from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.analysis.internal_models import drift_of
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import MOST_STATES
 from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
-from rcac_numeric.health.direction_errors import direction_errors
 from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.health.learning_rules import CAUSES, learning_warnings
 from rcac_numeric.health.margin_words import small_margins
-from rcac_numeric.health.sampling_zeros import sampling_zero_mends
-from rcac_numeric.health.target_errors import TargetError, target_errors
+from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors, zeros_of
 from rcac_numeric.health.warning import HealthWarning
+from rcac_numeric.identification.online.arx import WHITE, RecursiveARX
+from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.targets.data_driven import DataDriven
+from rcac_numeric.targets.directions.checks import check_directions
+from rcac_numeric.targets.model import TargetModel
 
 TRANSIENT = 30.0  # |z| under control over the largest |w|, |z| before control and |z| at the end
 LARGE_U = 100.0  # |u| over the largest of |w| and |z|, and the u that moves z by it in one step
@@ -277,3 +282,215 @@ def _or(*steps: list[str] | str) -> str:
 
 def _capital(sentence: str) -> str:
     return sentence[:1].upper() + sentence[1:]
+
+
+# Where a target model for several inputs and outputs loses zeros and their directions.
+
+LARGEST = 10  # states of a plant whose zeros and directions are asked for, exactly, in a second
+CODES = {
+    "not a zero": "unmodelled zero",
+    "in every channel": "zero in every channel",
+    "in one channel": "zero in one channel",
+    "on the input side": "zero on the input side",
+    "in another direction": "zero in another direction",
+}
+MEND = 'zero_direction_target(plant), in a file model = "zero directions"'
+
+
+def direction_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
+    """What `check_directions` finds of a square G_zu with several inputs; nothing of others.
+
+    They are said of loops that look well too: a zero that is lost hides an instability from z.
+
+    Parameters
+    ----------
+    plant : Plant
+    target : TargetModel
+
+    Raises
+    ------
+    InputError, NoSolutionError
+        Where zeros or directions cannot be found, as `check_directions`.
+
+    Examples
+    --------
+    >>> from rcac_numeric import DirectionInformation, load_example, zero_direction_target
+    >>> from rcac_numeric.health.rules import direction_errors
+    >>> plant = load_example("9.1").main_run.plant
+    >>> direction_errors(plant, zero_direction_target(plant))
+    ()
+    >>> channels = DirectionInformation([[1, 0.5], [-0.3, 1.2]], [(1.5, [1, 0]), (1.5, [0, 1])])
+    >>> [error.code for error in direction_errors(plant, zero_direction_target(channels))]
+    ['zero in every channel']
+    """
+    if plant.l_u < 2 or plant.l_u != plant.l_z or plant.n > LARGEST:
+        return ()
+    check = check_directions(target, plant)
+    forms = [form for form in check.forms if form != "kept"]
+    return tuple(
+        TargetError(CODES[form], f"{sentence}.", MEND)
+        for form, sentence in zip(forms, check.warnings, strict=True)
+    )
+
+
+# When a target model was not learnt as it should have been: the rules of `DataDriven` runs.
+
+LONGEST = 20_000  # steps that the model is fitted to again
+VISIBLE = 1e-3  # a residual this small beside z is of a start, a step or rounding, and never white
+POOR = 0.1  # share of R_theta in what is known of the worst known coefficient
+GROWTH = 1e6  # of an unstable mode while u is the dither alone
+CAUSES = ("poor excitation", "unstable start")  # said where there is another warning
+
+
+@dataclass(frozen=True)
+class _Look:
+    """What an ARX model of so many steps says of itself."""
+
+    steps: int
+    whiteness: float
+    excitation: float
+    visible: bool
+
+
+def learning_warnings(run: Run) -> Iterator[HealthWarning]:
+    """The warnings of a run with `DataDriven`, `CAUSES` among them where they would explain others.
+
+    Parameters
+    ----------
+    run : Run
+
+    Examples
+    --------
+    >>> from rcac_numeric import (
+    ...     UD, ControllerSettings, DataDriven, WhiteNoise, exogenous, iir, simulate,
+    ...     standard_plant)
+    >>> from rcac_numeric.health.rules import learning_warnings
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=4), update=UD(R_theta=1), target=DataDriven(order=4, dither=1e-6))
+    >>> run = simulate(standard_plant("1/(q - 0.5)"), settings, exogenous([WhiteNoise()], 400))
+    >>> [warning.code for warning in learning_warnings(run)]
+    ['nothing learnt']
+    """
+    settings = run.settings
+    if not isinstance(settings, ControllerSettings) or settings.learning is None:
+        return
+    learning = settings.learning
+    if run.first_step or run.steps <= learning.order + 1:
+        return
+    yield from _unstable_start(run, learning)
+    if run.steps <= learning.start:
+        return
+    if not run.changes:
+        yield HealthWarning(
+            "nothing learnt",
+            f"In {run.steps} steps u was not seen to act on z: there is no target model, and u is "
+            "the dither alone.",
+            f"a larger dither than {learning.dither:.3g}, ten times the noise in z; then a later "
+            "start",
+            is_grave=True,
+        )
+        return
+    looks = _looks(run, learning)
+    coloured = [look for look in looks if look.visible and look.whiteness < WHITE]
+    if coloured:
+        first = coloured[0]
+        yield HealthWarning(
+            "low order",
+            f"The residuals of the ARX({learning.order}) are not white after {first.steps} steps "
+            f"(probability {first.whiteness:.1g}): the order is below that of the plant and its "
+            "noise, or the plant changed, and the zeros that were learnt may be wrong.",
+            f"order = {2 * learning.order}; for a plant that changes lambda = 0.999 and a running "
+            "dither",
+        )
+    if looks and looks[0].excitation > POOR:
+        yield HealthWarning(
+            "poor excitation",
+            f"In the {looks[0].steps} steps of the start the dither of {learning.dither:.3g} did "
+            "not excite every coefficient of the model: of the worst, "
+            f"{looks[0].excitation:.0%} of what is known comes from its R_theta.",
+            "a larger dither, a later start, or a smaller order",
+        )
+
+
+def _unstable_start(run: Run, learning: DataDriven) -> Iterator[HealthWarning]:
+    try:
+        plant = plant_at(run.plant, 0)
+    except CompensatorError:  # no linear plant is known
+        return
+    radius = float(np.abs(np.linalg.eigvals(plant.A)).max(initial=0.0))
+    with np.errstate(over="ignore"):
+        growth = np.float64(radius) ** learning.start
+    if radius > 1 and growth > GROWTH:
+        least = max(learning.order + 1, int(np.log(1e3) / np.log(radius)))
+        yield HealthWarning(
+            "unstable start",
+            f"The plant is unstable, spectral radius {radius:.4g}: in the {learning.start} steps "
+            f"with the dither alone a mode grows {growth:.2g} times.",
+            f"start = {least} or so, the least order, a dither ten times the noise, and d_zu and H "
+            "told",
+        )
+
+
+def _looks(run: Run, learning: DataDriven) -> list[_Look]:
+    """After the start, and at the end of what is looked at."""
+    model = RecursiveARX(learning.order, R_theta=learning.R_theta, lambda_=learning.lambda_)
+    found: list[_Look] = []
+    steps = min(run.steps, LONGEST)
+    for first, last in ((0, learning.start), (learning.start, steps)):
+        try:
+            model.update(run.u_applied[first:last], run.z[first:last])
+            online = model.estimate()
+        except DivergedError:
+            break
+        except InputError:  # u is not seen to act on z yet
+            continue
+        size = _rms(run.z[:last])
+        visible = np.sqrt(model.variance) > VISIBLE * size
+        found.append(_Look(last, online.whiteness, model.excitation(), bool(visible)))
+    return found
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+# Sampling zeros near -1 that a target model has the controller cancel, and their mend.
+
+RINGING = 0.9  # a cancelled zero of this modulus or more rings for tens of steps
+
+
+def sampling_zero_mends(plant: Plant, target: TargetModel) -> tuple[str, ...]:
+    """What to try where G_f asks for the cancellation of a zero of G_zu in (-1, -0.9].
+
+    The controller pole that cancels it rings at half the sampling frequency, and a larger R_theta
+    may make that worse: abs u from 2e4 to 9e4 for a second-order lag sampled at 10 Hz. Zeros
+    elsewhere near the circle are left alone: telling those near 1 or near j made u larger
+    wherever it was tried.
+
+    Examples
+    --------
+    >>> from rcac_numeric import TargetModel, standard_plant
+    >>> from rcac_numeric.health.rules import sampling_zero_mends
+    >>> plant = standard_plant("(q + 0.92)/((q - 0.8)*(q - 0.9))")
+    >>> sampling_zero_mends(plant, TargetModel([0.0, 1.0]))[0][:55]
+    'the zero -0.92 of the plant told as one on the unit cir'
+    >>> sampling_zero_mends(plant, TargetModel([0.0, 1.0, 1.0]))  # told as -1
+    ()
+    """
+    if (plant.l_u, plant.l_z, target.l_u, target.l_z) != (1, 1, 1, 1):
+        return ()
+    zeros = zeros_of(plant)
+    real = zeros.real[np.abs(zeros.imag) < TURNED]
+    near = np.sort(real[(real >= -1 - TURNED) & (real <= -RINGING)])
+    modelled = np.roots(target.numerator[target.relative_degree :, 0, 0])
+    told = int((np.abs(modelled + 1) <= 1 - RINGING + TURNED).sum())
+    left = [f"{zero:.4g}" for zero in near[told:]]
+    if not left:
+        return ()
+    words, on_circle = ", ".join(left), ", ".join(["-1"] * len(left))
+    many, those = ("zeros", "ones") if len(left) > 1 else ("zero", "one")
+    return (
+        f"the {many} {words} of the plant told as {those} on the unit circle, nmp_zeros with "
+        f"{on_circle}: with this G_f the controller cancels what rings, and a larger R_theta may "
+        "make that worse",
+    )

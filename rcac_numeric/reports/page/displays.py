@@ -8,12 +8,16 @@ A type that is derived from one of these is shown like it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from importlib.util import find_spec
+from itertools import count
 from pkgutil import resolve_name
 from typing import Any
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
-from rcac_numeric.reports.page.notebook import notebook_html
+from rcac_numeric.arrays.wording import in_a_line
+from rcac_numeric.reports.page.html import sheet_html, words
+from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
 from rcac_numeric.reports.sheets.terminal import as_text
 
@@ -32,7 +36,7 @@ PICTURES = {
         "rcac_numeric.plots.figures.requested:plot_verification"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.plots.lqg:plot_lqg",
-    "rcac_numeric.margins.classical:Margins": "rcac_numeric.plots.margins:plot_margins",
+    "rcac_numeric.margins.classical:Margins": "rcac_numeric.plots.check:plot_margins",
     "rcac_numeric.plants.gallery.continuous:ContinuousPlant": (
         "rcac_numeric.plots.figures.plants:plot_continuous_plant"
     ),
@@ -51,7 +55,7 @@ SHEETS = {
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.reports.lqg:lqg_sheet",
     "rcac_numeric.health.health:LoopHealth": "rcac_numeric.reports.health:health_sheet",
-    "rcac_numeric.margins.classical:Margins": "rcac_numeric.reports.margins:margins_sheet",
+    "rcac_numeric.margins.classical:Margins": "rcac_numeric.reports.check:margins_sheet",
     "rcac_numeric.sweeps.results.overview:SweepOverview": (
         "rcac_numeric.reports.studies.sweep:sweep_sheet"
     ),
@@ -120,3 +124,37 @@ def _shows(table: Mapping[str, str], result: object) -> Any:
         if shown := table.get(f"{kind.__module__}:{kind.__qualname__}"):
             return resolve_name(shown)
     raise InputError(f"a {type(result).__name__} cannot be shown in this way.")
+
+
+# What a notebook shows of a result: its report and its picture, on paper of any colour.
+
+# The notebook's own ink, and colours that stand out from white and from black by 3 to 1.
+STYLE = """.rcac { --ink: currentColor; --quiet: #808790; --line: #80879066; --good: #2b8a3e;
+--warning: #b26a00; --bad: #d6455d; --c1: #2f7fc1; --c2: #d6553f; --c3: #2a9080; --c4: #bf7215;
+--c5: #9068c9; --c6: #a0705f; --c7: #c2559f; --c8: #858600; --c9: #1f8d9c; }
+.rcac svg { max-width: 46rem; width: 100%; height: auto; } .rcac svg text { fill: currentColor; }
+.rcac .good { color: var(--good); } .rcac .warning { color: var(--warning); }
+.rcac .bad { color: var(--bad); } .rcac .quiet, .rcac dt { color: var(--quiet); }
+.rcac svg * { stroke-linejoin: round; stroke-linecap: butt; }"""
+_numbers = count()
+
+
+def notebook_html(sheet: Sheet, draw: Callable[[], figures.Figure] | None = None) -> str:
+    """A report in the ink of the notebook that it stands in, and a picture below it.
+
+    Without Matplotlib it is the report alone.
+
+    Examples
+    --------
+    >>> from rcac_numeric.reports.page.displays import notebook_html
+    >>> from rcac_numeric.reports.sheets.sheet import Sheet
+    >>> "<h3>A case</h3>" in notebook_html(Sheet("A case"))
+    True
+    """
+    title = words(in_a_line(sheet.title + sheet.remark))
+    parts = [f'<div class="rcac"><style>{STYLE}</style>']
+    parts += [f"<h3>{title}</h3>"] if title else []
+    parts.append(sheet_html(sheet, level=4))
+    if draw is not None and find_spec("matplotlib") is not None:
+        parts.append(svg_of(draw(), f"rcac{next(_numbers)}", sheet.title))
+    return "\n".join([*parts, "</div>"])

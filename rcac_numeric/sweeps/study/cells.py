@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeVar
 
+import numpy as np
+
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.engine.batches import SimulationCase
 from rcac_numeric.experiments.experiment import RunSpecification
 from rcac_numeric.experiments.files.runs import read_run
+from rcac_numeric.signals.signal import Signal
 from rcac_numeric.sweeps.study.canonical import canonical_json
-from rcac_numeric.sweeps.study.seeds import WHOLE_RUN, exogenous_input, generator, words_of
 from rcac_numeric.sweeps.study.study import Coordinates, Study
 from rcac_numeric.targets.model import TargetModel
 
@@ -130,3 +133,52 @@ def _remembered(store: OrderedDict[str, T], key: str, make: Callable[[], T]) -> 
         store[key] = make()
     store.move_to_end(key)
     return store[key]
+
+
+# Random numbers of a run, from the seed of the study and the run's own coordinates alone.
+
+# A channel of w has its number; what is drawn beside the channels has these.
+PERTURBATION, WHOLE_RUN = 2**32 - 1, 2**32 - 2
+
+
+def words_of(by_path: dict[str, Any]) -> tuple[int, ...]:
+    """Coordinates as four integers below 2^32: the same however many other values there are.
+
+    Examples
+    --------
+    >>> from rcac_numeric.sweeps.study.cells import words_of
+    >>> words_of({"a": 1, "b": 2.0}) == words_of({"b": 2, "a": 1.0}) != words_of({"a": 1})
+    True
+    """
+    key = hashlib.blake2b(canonical_json(by_path).encode(), digest_size=16).digest()
+    return tuple(int(word) for word in np.frombuffer(key, "<u4"))
+
+
+def generator(
+    seed: int, words: tuple[int, ...], repetition: int, channel: int
+) -> np.random.Generator:
+    """A generator of its own for one channel of one run, independent of all others."""
+    key = (*words, repetition, channel)
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=key)))
+
+
+def exogenous_input(
+    signals: tuple[Signal, ...],
+    steps: int,
+    seed: int,
+    words: tuple[int, ...],
+    repetition: int,
+    perturbation: float = 0.0,
+) -> Array:
+    """The exogenous input w of one run, shape (steps, number of signals).
+
+    With a perturbation, all repetitions but the first are multiplied by
+    1 + perturbation * (standard normal).
+    """
+    w = np.empty((steps, len(signals)))
+    for channel, signal in enumerate(signals):
+        w[:, channel] = signal.samples(steps, generator(seed, words, repetition, channel))
+    if perturbation and repetition:
+        rng = generator(seed, words, repetition, PERTURBATION)
+        w *= 1 + perturbation * rng.standard_normal(w.shape)
+    return w

@@ -21,7 +21,7 @@ from compensator_theory import (
     smith_form,
     smith_mcmillan_form,
 )
-from compensator_theory.polynomial_matrices.diagonalisation import by_euclid
+from compensator_theory.canonical_forms.smith import by_euclid
 from compensator_theory.polynomial_matrices.equivalence import elimination_of
 from compensator_theory.polynomial_matrices.polynomial_matrices import written
 from tests.support.structure_cases import (

@@ -16,7 +16,7 @@ from compensator_theory import (
     transfer_function,
 )
 from compensator_theory.interpolation import nevanlinna_pick as module
-from compensator_theory.interpolation.pick_interpolants import solve_pick
+from compensator_theory.interpolation.nevanlinna_pick import solve_pick
 from tests.support.bad_inputs import BAD
 from tests.support.structure_cases import fewer
 

@@ -25,7 +25,7 @@ from compensator_theory import (
     solve_stein,
     solve_sylvester,
 )
-from compensator_theory.matrix_equations import rational_equations
+from compensator_theory.matrix_equations import sylvester_equations
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer
 from tests.support.structure_cases import realisations as systems
@@ -159,8 +159,8 @@ def test_poles_that_are_there_often_have_short_solutions():
 def test_combinations_that_hide_a_denominator(monkeypatch):
     A, C = large(8, 8, 4), large(8, 8, 5)
     usual = solve_lyapunov(A, C)
-    monkeypatch.setattr(rational_equations, "_SMALL_PRIMES", 1)
-    monkeypatch.setattr(rational_equations, "_SPARE_BITS", -40)  # lifted too little
+    monkeypatch.setattr(sylvester_equations, "_SMALL_PRIMES", 1)
+    monkeypatch.setattr(sylvester_equations, "_SPARE_BITS", -40)  # lifted too little
     assert solve_lyapunov(A, C) == usual
 
 

@@ -4,8 +4,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from compensator_theory import locate_roots, polynomial
-from compensator_theory.placement.displacement_bounds import are_far, stay_close
-from compensator_theory.placement.rounding_effects import RoundingEffect, is_stable
+from compensator_theory.placement.rounding_effects import (
+    RoundingEffect,
+    are_far,
+    is_stable,
+    stay_close,
+)
 from compensator_theory.strategies import polynomials
 
 PAIRS = st.sampled_from("sz").flatmap(

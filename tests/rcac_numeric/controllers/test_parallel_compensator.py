@@ -25,7 +25,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.checks.runs import arguments_of_run
+from rcac_numeric.checks.check import arguments_of_run
 from tests.support.engine_cases import engine_plants
 from tests.support.signals import noise
 from tests.support.strategies import seeds, sizes

@@ -162,6 +162,7 @@ def test_a_converged_controller_goes_on_as_a_fixed_one():
     assert np.abs(run.u[-10:] - alone.u[-10:]).max() < 1e-9 * np.abs(run.u).max()
 
 
+@pytest.mark.exact_data  # the gain is given as a number
 def test_no_saturation_is_a_wide_one_and_a_twin_is_the_run():
     plant = standard_plant("1/(q - 1.2)")
     controller = FixedController(Compensator(np.zeros((0, 1, 1)), [[[-0.9]]]), k_w=3)

@@ -145,6 +145,7 @@ def test_an_update_needs_its_own_settings(make):
             make(1.0)
 
 
+@pytest.mark.exact_data  # messages quote the number that was given
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -34,6 +34,7 @@ from rcac_numeric.engine.compiled.plants import compiled_plant
 from tests.support.strategies import controllers, plants, seeds
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @given(st.data(), seeds)
 def test_a_python_loop_gives_the_same_bits(data, seed):
     plant = data.draw(plants())
@@ -142,6 +143,7 @@ def test_divergence_is_seen_in_coefficients_and_in_hidden_states():
     assert run.outcome == "diverged" and run.steps == 9  # x(k) = 2^k - 1
 
 
+@pytest.mark.exact_data  # an entry is given as a number
 def test_what_was_checked_cannot_be_changed_from_outside():
     A, R_theta, w = np.array([[0.5]]), np.eye(2), np.ones((5, 1))
     plant = Plant(A=A, B=[[1.0]], D_1=[[1.0]], C=[[1.0]])

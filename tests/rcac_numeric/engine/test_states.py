@@ -184,6 +184,7 @@ def test_a_frozen_twin_is_the_run_until_it_stops_adapting(data, l_u, l_z, k, see
         assert k == 16 or np.array_equal(twin.theta_final, run.theta[k])
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_the_coefficients_of_a_filter_run_are_those_that_made_u():
     """In the filter form theta(k) has seen z(k); `compensator_at` is the controller of step k."""
     plant_settings = ControllerSettings(

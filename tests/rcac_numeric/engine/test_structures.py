@@ -32,6 +32,7 @@ def test_every_structure_follows_the_text(kind, data, l_u, l_y, l_z, l_r, seed):
     assert_follows(run, [(settings, regressor)])
 
 
+@pytest.mark.exact_data  # theta is compared with what was given
 @given(st.data(), sizes, sizes, st.integers(0, 2), seeds)
 def test_a_compensator_is_its_frozen_controller(data, l_u, l_y, l_r, seed):
     """The difference equation in u, y and r against the controller with its derived signals."""

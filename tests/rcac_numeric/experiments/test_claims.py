@@ -8,7 +8,7 @@ from compensator_theory import InputError
 from rcac_numeric import verify
 from rcac_numeric.experiments.claims import Check, CheckResult
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.standard_claims import STANDARD_CLAIMS
+from rcac_numeric.experiments.files.claims import STANDARD_CLAIMS
 
 CASE = {
     "plant": {"problem": "servo", "G": "(q - 0.5)/((q - 0.9)*(q - 0.3))"},

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, IllConditionedError
 from rcac_numeric import Plant, compensator_from_state_space, lqg
-from rcac_numeric.h2.conversion import converted
-from rcac_numeric.h2.deadbeat import deadbeat_gain
+from rcac_numeric.h2.conversion import converted, deadbeat_gain
 from tests.support.delayed_plants import delayed_plant
 from tests.support.strategies import seeds
 

@@ -19,7 +19,7 @@ from rcac_numeric import (
     zero_direction_target,
 )
 from rcac_numeric.cli.main import main
-from rcac_numeric.health.direction_errors import direction_errors
+from rcac_numeric.health.rules import direction_errors
 
 H = np.array([[1.0, 0.5], [-0.3, 1.2]])
 V = np.array([[1.0, 0.4], [0.7, 1.0]])

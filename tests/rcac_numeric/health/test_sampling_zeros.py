@@ -19,7 +19,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
-from rcac_numeric.health.sampling_zeros import sampling_zero_mends
+from rcac_numeric.health.rules import sampling_zero_mends
 
 G = control.c2d(control.tf([2], [0.5, 1.2, 1]), 0.1)
 SAMPLED = servo_plant(G)

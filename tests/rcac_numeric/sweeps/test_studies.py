@@ -17,11 +17,10 @@ from rcac_numeric import Axis, Kept, RandomAxis, Study, load_study, read_table, 
 from rcac_numeric.sweeps.chunks.measuring import ONCE_FOR_A_CELL
 from rcac_numeric.sweeps.chunks.worker import run_in_full
 from rcac_numeric.sweeps.study.canonical import canonical_json
-from rcac_numeric.sweeps.study.cells import Cells
+from rcac_numeric.sweeps.study.cells import Cells, words_of
 from rcac_numeric.sweeps.study.files import study_of, study_schema
 from rcac_numeric.sweeps.study.measures import STUDY_MEASURES
 from rcac_numeric.sweeps.study.paths import with_value
-from rcac_numeric.sweeps.study.seeds import words_of
 from tests.support import studies
 
 plain = st.recursive(

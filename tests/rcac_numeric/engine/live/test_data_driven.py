@@ -124,6 +124,7 @@ def test_a_run_cut_while_it_learns_is_the_run(cut):
     assert np.array_equal(other.u, whole.u) and other.changes == whole.changes
 
 
+@pytest.mark.exact_data  # its size is given as a number
 def test_the_start_is_the_dither_alone():
     settings = ControllerSettings(
         structure=iir(2), target=DataDriven(order=4, start=50, dither=0.5), update=UD(1.0)

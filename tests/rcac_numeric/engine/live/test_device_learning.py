@@ -48,6 +48,7 @@ def drive(controller, run, steps, saturated=False):
     return np.array(u)
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 @given(
     st.sampled_from(["reset", "blend", "keep", "replay"]),
     st.sampled_from([1.0, 0.99]),
@@ -73,6 +74,7 @@ def test_step_by_step_cut_anywhere_it_is_the_run(covariance, lambda_, every, sat
         assert second.target == run.changes[-1].change.target
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_a_state_goes_through_a_file_and_copies_are_their_own(tmp_path):
     run, settings = run_of(settings_of()), settings_of()
     one = Controller(settings)
@@ -84,6 +86,7 @@ def test_a_state_goes_through_a_file_and_copies_are_their_own(tmp_path):
         assert np.array_equal(drive(controller, run, range(150, STEPS)), run.u[150:])
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_what_is_refused_moves_nothing():
     """A step with bad numbers is neither learnt nor counted."""
     run, settings = run_of(settings_of()), settings_of()
@@ -99,6 +102,7 @@ def test_what_is_refused_moves_nothing():
     assert controller.changes == run.changes
 
 
+@pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
 def test_freeze_holds_theta_and_not_the_model():
     """Frozen before the first look: the target is learnt, theta waits for `resume`."""
     run, settings = run_of(settings_of()), settings_of()

@@ -14,8 +14,14 @@ from rcac_numeric.experiments.claims import NOT_REPRODUCED, VERDICTS
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of
 from rcac_numeric.reports.page.html import sheet_html, words
-from rcac_numeric.reports.page.pages import case_page, gallery_page
-from rcac_numeric.reports.page.summaries import LETTERS, MEANINGS, PHRASES, told_of
+from rcac_numeric.reports.page.pages import (
+    LETTERS,
+    MEANINGS,
+    PHRASES,
+    case_page,
+    gallery_page,
+    told_of,
+)
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.reports.sheets.terminal import as_text
