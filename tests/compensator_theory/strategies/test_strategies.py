@@ -119,15 +119,16 @@ def test_every_kind_of_spectrum_occurs():
         occurs(strategy(4), lambda roots: len(set(roots)) < 4)
 
 
-def test_they_shrink_to_the_simplest():
+def test_they_shrink_to_the_simplest(in_full):
     s = sympy.Symbol("s")
     a, b = shrunk(ours.coprime_pairs(), lambda pair: pair[0].degree() >= 2)
     assert a.as_expr() == s**2 and b.as_expr() == 1
     assert shrunk(ours.spectra(2), lambda r: True) == (0, 0)
     plant = shrunk(ours.strictly_proper_plants(), lambda p: p.order == 2)
     assert str(plant) == "(1)/(s**2)"
-    A, _, _ = shrunk(ours.minimal_plants(2), lambda plant: plant[0].rows == 2)
-    assert sympy.Matrix([[0, 1], [0, 0]]) == A
+    if in_full:
+        A, _, _ = shrunk(ours.minimal_plants(2), lambda plant: plant[0].rows == 2)
+        assert sympy.Matrix([[0, 1], [0, 0]]) == A
 
 
 def test_bad_input():

@@ -71,7 +71,7 @@ def assert_margins_hold(seed):
     return True
 
 
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(seeds)
 def test_at_a_margin_the_poles_cross(seed):
     assert_margins_hold(seed)
@@ -86,7 +86,7 @@ def test_at_a_margin_the_poles_cross_in_10_000_loops(in_full):
         seed += 1
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(seeds)
 def test_python_control_agrees_where_it_is_right(seed):
     """Its polynomial method leaves out z = 1 and z = -1, and at times makes crossovers up."""

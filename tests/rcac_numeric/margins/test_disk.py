@@ -20,7 +20,7 @@ from rcac_numeric.margins.structured import best_scaling
 from tests.support.loops import random_loop, seeds
 
 
-@settings(max_examples=80)
+@settings(max_examples=25)
 @given(seeds)
 def test_the_peaks_are_not_below_any_grid_and_are_reached(seed):
     margins = stability_margins(random_loop(seed), feedback=-1)
