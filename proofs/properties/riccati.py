@@ -56,12 +56,19 @@ def high_authority_poles(case: Case) -> bool:
     )
 
 
-@for_all(plant=standard_problems(max_order=3, has_direct_term=True), gains=st.data())
-def separation(plant: object, gains: st.DataObject) -> bool:
-    """(A.11): det(qI - A~) is the product for any number of signals, with D_0, for any gains."""
+@st.composite
+def plants_and_gains(draw: st.DrawFn) -> tuple[Matrix, ...]:
+    """Draw (A, B, C, D_0) and the gains C_c and B_c, with any number of signals."""
+    plant = draw(standard_problems(max_order=3, has_direct_term=True))
     A, B, C, D_0 = (Matrix(getattr(plant, name)) for name in ("A", "B", "C", "D_0"))
-    C_c = Matrix(gains.draw(matrices(B.cols, A.rows)))
-    B_c = Matrix(gains.draw(matrices(A.rows, C.rows)))
+    C_c, B_c = draw(matrices(B.cols, A.rows)), draw(matrices(A.rows, C.rows))
+    return A, B, C, D_0, Matrix(C_c), Matrix(B_c)
+
+
+@for_all(loop=plants_and_gains())
+def separation(loop: tuple[Matrix, ...]) -> bool:
+    """(A.11): det(qI - A~) is the product for any number of signals, with D_0, for any gains."""
+    A, B, C, D_0, C_c, B_c = loop
     A_c = A + B * C_c - B_c * C - B_c * D_0 * C_c
     upper = Matrix.hstack(A, B * C_c)
     loop = Matrix.vstack(upper, Matrix.hstack(B_c * C, A_c + B_c * D_0 * C_c))
