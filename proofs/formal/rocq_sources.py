@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 SOURCES = Path(__file__).parents[1] / "rocq"
@@ -153,6 +154,7 @@ def _outside_sections(text: str) -> Iterator[str]:
             yield f"{word} outside a section"
 
 
+@lru_cache(maxsize=256)
 def without_proofs(text: str) -> str:
     """Remove comments and proofs, and what layout there is.
 
@@ -168,6 +170,7 @@ def without_proofs(text: str) -> str:
     return " ".join(bare.split())
 
 
+@lru_cache(maxsize=256)
 def without_comments(text: str) -> str:
     """Remove comments, nested ones included.
 

@@ -4,6 +4,7 @@ import ast
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,7 +34,8 @@ class Code:
             inside = any(name.replace(".", "/").startswith(tree) for tree in _TREES)
             file = path.with_suffix(".py") if not path.is_dir() else path / "__init__.py"
             known = inside and file.is_file()
-            self._read[name] = _Module.read(name, file, path.is_dir()) if known else None
+            text = file.read_text(encoding="utf-8") if known else ""
+            self._read[name] = _read(name, text, path.is_dir()) if known else None
         return self._read[name]
 
     def closure(self, module: str, name: str) -> dict[str, str]:
@@ -78,8 +80,8 @@ class _Module:
     imported: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     @classmethod
-    def read(cls, name: str, file: Path, is_package: bool) -> "_Module":
-        text = file.read_text(encoding="utf-8")
+    def read(cls, name: str, text: str, is_package: bool) -> "_Module":
+        """Read a module's text."""
         read = cls()
         package = name if is_package else name.rpartition(".")[0]
         for node in _statements(ast.parse(text).body):
@@ -101,6 +103,9 @@ class _Module:
                 texts.append(segment)
                 names |= used - {target}
         return read
+
+
+_read = lru_cache(maxsize=256)(_Module.read)
 
 
 def _statements(body: list[ast.stmt]) -> Iterator[ast.stmt]:

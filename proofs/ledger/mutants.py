@@ -217,7 +217,8 @@ def _of(
         yield "sign", *assigned("op", ast.UAdd())
     elif isinstance(node, ast.Constant) and type(node.value) in (int, bool):
         new = not node.value if isinstance(node.value, bool) else node.value + 1
-        yield ("number", *assigned("value", new))
+        kind = "comparison" if isinstance(node.value, bool) else "number"
+        yield (kind, *assigned("value", new))
     elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in _COMPARISONS:
         yield "comparison", *assigned("ops", [_COMPARISONS[type(node.ops[0])]()])
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in known:

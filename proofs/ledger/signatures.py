@@ -8,6 +8,7 @@ definitions in it. ``python -m proofs.ledger.sign`` shows what differs from what
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from ..formal.rocq_sources import source, sources, stated, without_proofs
@@ -156,13 +157,16 @@ def _code(package: str, check: str, code: Code) -> str:
 def _theorem(name: str, rocq: Path, types: Mapping[str, str]) -> str:
     """Return the digest of a theorem's source, of its type, and of every definition in that."""
     texts, waiting, seen = [stated(name, rocq)], [name], {name}
-    by_word: dict[str, list[str]] = {}
-    for known in types:
-        by_word.setdefault(known.rpartition(".")[2], []).append(known)
     while waiting:
         text = types.get(waiting.pop(), "")
         texts.append(text)
-        for word in re.findall(r"\w+", text):
-            waiting += sorted(set(by_word.get(word, ())) - seen)
-            seen |= set(by_word.get(word, ()))
+        words = _words(text)
+        used = [known for known in types if known not in seen and known.rpartition(".")[2] in words]
+        waiting += used
+        seen.update(used)
     return digest(source(name, rocq).stem, *texts)
+
+
+@lru_cache(maxsize=1024)
+def _words(text: str) -> frozenset[str]:
+    return frozenset(re.findall(r"\w+", text))

@@ -116,6 +116,29 @@ rewrite rootE mapped reversed_at ?size_map_poly ?deg_p // mulf_eq0 expf_eq0 (neg
 by move/out_p; rewrite normfV invf_gt1 ?normr_gt0.
 Qed.
 
+(* Half the poles of a square on the circle: chi f~ + chi~ f = c chi chi~ leaves f = 0. *)
+Lemma half_zero (R : rcfType) n (chi f : {poly R}) c :
+  chi \is monic -> degree_is chi n -> inside chi -> degree_below f n ->
+  (forall x, x != 0 -> chi.[x] * f.[x^-1] + chi.[x^-1] * f.[x] = c * (chi.[x] * chi.[x^-1])) ->
+  f = 0.
+Proof.
+move=> monic_chi size_chi in_chi deg_f identity.
+have wide_f : degree_at_most f n by rewrite (leq_trans deg_f).
+have same : chi * reversed n f + reversed n chi * f = c *: (chi * reversed n chi).
+  apply: poly_eq_off_0 => x nz_x; have := identity x nz_x.
+  rewrite hornerZ hornerD !hornerM (reversed_at wide_f nz_x) (reversed_at _ nz_x) ?size_chi //.
+  move: (x ^+ n) chi.[x] chi.[x^-1] f.[x] f.[x^-1] => e c1 c2 f1 f2 E.
+  transitivity (e * (c1 * f2 + c2 * f1)); first by ring.
+  by rewrite E; ring.
+have apart_chi : coprimep chi (reversed n chi).
+  by apply: apart; rewrite ?monic_neq0 //; apply: outside_reversed; rewrite ?size_chi.
+have divides : chi %| f.
+  rewrite -(Gauss_dvdpr _ apart_chi) -(dvdp_addr _ (dvdp_mulr (reversed n f) (dvdpp chi))) same.
+  by rewrite -mul_polyC dvdp_mull // dvdp_mulr.
+apply: contraTeq divides => nz_f; rewrite gtNdvdp // size_chi.
+by rewrite ltnS.
+Qed.
+
 Section Existence.
 Variables (R : rcfType) (order : nat).
 Local Notation n := order.+1.
@@ -165,25 +188,22 @@ rewrite !rmorphM /= map_polyXn !rootM => /orP[|/orP[]].
 exact: inside_reversed.
 Qed.
 
-(* Half the poles of a square on the circle: chi f~ + chi~ f = c chi chi~ leaves f = 0. *)
-Let half_zero (f : {poly R}) c : degree_below f n ->
-  (forall x, x != 0 -> chi.[x] * f.[x^-1] + chi.[x^-1] * f.[x] = c * (chi.[x] * chi.[x^-1])) ->
-  f = 0.
+Let reflected : exists chi : {poly R},
+  [/\ chi \is monic, size chi = n.+1, inside chi
+    & forall x y, x * y = 1 -> (N_u.[0]) ^+ 2 * (chi.[x] * chi.[y])
+        = (N_s * N_u).[x] * (N_s * N_u).[y]].
 Proof.
-move=> deg_f identity.
-have wide_f : degree_at_most f n by rewrite (leq_trans deg_f).
-have same : chi * reversed n f + reversed n chi * f = c *: (chi * reversed n chi).
-  apply: poly_eq_off_0 => x nz_x; have := identity x nz_x.
-  rewrite !(hornerD, hornerZ, hornerM) !reversed_at ?size_chi // => E.
-  transitivity (x ^+ n * (chi.[x] * f.[x^-1] + chi.[x^-1] * f.[x])); first by ring.
-  by rewrite E; ring.
-have apart_chi : coprimep chi (reversed n chi).
-  by apply: apart; rewrite ?monic_neq0 //; apply: outside_reversed.
-have divides : chi %| f.
-  rewrite -(Gauss_dvdpr _ apart_chi) -(dvdp_addr _ (dvdp_mulr _ (dvdpp chi))) same.
-  by rewrite dvdp_scaler_any.
-apply: contraTeq divides => nz_f; rewrite gtNdvdp // size_chi.
-by rewrite ltnS.
+exists chi; split=> // x y xy.
+have nz_x : x != 0 by apply: contra_eq_neq xy => ->; rewrite mul0r eq_sym oner_eq0.
+have nz_y : y != 0 by apply: contra_eq_neq xy => ->; rewrite mulr0 eq_sym oner_eq0.
+have Ey : x^-1 = y by rewrite -[x^-1]mulr1 -xy mulKf.
+have Ex : y^-1 = x by rewrite -Ey invrK.
+rewrite !hornerZ !hornerM !hornerXn !reversed_at ?deg_u // Ex Ey.
+transitivity ((x * y) ^+ d * (x * y) ^+ l * ((N_u.[0] * N_u.[0]^-1) ^+ 2
+    * ((N_s.[x] * N_u.[x]) * (N_s.[y] * N_u.[y])))).
+  rewrite !exprMn; move: (x ^+ d) (x ^+ l) (y ^+ d) (y ^+ l) N_u.[0]^-1 N_u.[0] => e1 e2 e3 e4 u v.
+  by move: N_s.[x] N_s.[y] N_u.[x] N_u.[y] => a b e f; ring.
+by rewrite xy mulfV // !expr1n !mul1r.
 Qed.
 
 Theorem stabilising_solution_exists : exists P K,
@@ -192,7 +212,8 @@ Theorem stabilising_solution_exists : exists P K,
       P = A^T *m P *m A + E_1^T *m E_1 - W *: (K^T *m K)
     & inside (char_poly (A + B *m K))].
 Proof.
-have [K EK] := regulator_gain reaches monic_chi size_chi.
+have [c [monic_c size_c in_c square_c]] := reflected.
+have [K EK] := regulator_gain reaches monic_c size_c.
 pose M := A + B *m K; pose G := E_1 + E_2 *: K.
 have in_M : inside (char_poly M) by rewrite EK.
 have in_MT : inside (char_poly M^T) by rewrite char_poly_tr.
@@ -201,66 +222,70 @@ have P_T : P^T = P.
   apply: (stein_unique in_MT in_M _ EP).
   by rewrite {1}EP linearD /= !trmx_mul !trmxK mulmxA.
 pose r := B^T *m P *m M + E_2 *: G.
-pose Phi z := \adj (z%:M - M) *m B; pose g z := (G *m Phi z) 0 0.
+have [Phi PhiE] : exists Phi : R -> 'cV[R]_n, forall z, Phi z = \adj (z%:M - M) *m B.
+  by exists (fun z => \adj (z%:M - M) *m B).
+pose g z := (G *m Phi z) 0 0.
 pose f z := (r *m Phi z) 0 0; pose b := (B^T *m P *m B) 0 0.
-have moves z : M *m Phi z = z *: Phi z - chi.[z] *: B.
-  have : (z%:M - M) *m Phi z = chi.[z] *: B.
-    by rewrite mulmxA mul_mx_adj -denominator_at EK mul_scalar_mx.
+have moves z : M *m Phi z = z *: Phi z - c.[z] *: B.
+  have : (z%:M - M) *m Phi z = c.[z] *: B.
+    by rewrite PhiE mulmxA mul_mx_adj -denominator_at EK mul_scalar_mx.
   by move=> <-; rewrite mulmxBl mul_scalar_mx subKr.
 have f_E z : f z = (numerator A B r).[z].
-  by rewrite -(numerator_feedback A B K r) numerator_at.
-have t_E z : g z + E_2 * chi.[z] = (H *: (N_s * N_u)).[z].
+  by rewrite -(numerator_feedback A B K r) numerator_at /f PhiE.
+have t_E z : g z + E_2 * c.[z] = (H *: (N_s * N_u)).[z].
   rewrite -N_zu /full_numerator hornerD hornerM hornerC.
   have -> : g z = (numerator A B G).[z].
-    by rewrite -(numerator_feedback A B K G) numerator_at.
+    by rewrite -(numerator_feedback A B K G) numerator_at /g PhiE.
   rewrite /G numerator_add numerator_scale hornerD hornerZ -EK char_poly_rank_one hornerD hornerN.
-  by ring.
+  by move: (numerator A B E_1).[z] (numerator A B K).[z] (char_poly A).[z] => a1 a2 a3; ring.
 have b_E : B^T *m P *m B = b%:M by apply: mx11_scalar.
-have identity x : x != 0 -> chi.[x] * f x^-1 + chi.[x^-1] * f x
-    = ((H * N_u.[0]) ^+ 2 - (E_2 ^+ 2 + b)) * (chi.[x] * chi.[x^-1]).
+have cancel_1 (s g1 g2 p1 p2 c1 c2 x y b' : R) :
+    s = s - y * (c1 * p2) - (c2 * (x * p1) - c2 * (c1 * b')) + g1 * g2 ->
+    g1 * g2 = y * c1 * p2 + x * c2 * p1 - c1 * c2 * b'.
+  move=> E; have -> : g1 * g2 = s - (s - y * (c1 * p2) - (c2 * (x * p1) - c2 * (c1 * b'))).
+    by rewrite {1}E addrC addKr.
+  by ring.
+have cancel_2 (g1 g2 p1 p2 c1 c2 x y b' : R) :
+    g1 * g2 = y * c1 * p2 + x * c2 * p1 - c1 * c2 * b' ->
+    c1 * (y * p2 - c2 * b' + E_2 * g1) + c2 * (x * p1 - c1 * b' + E_2 * g2)
+    = (g2 + E_2 * c1) * (g1 + E_2 * c2) - (E_2 ^+ 2 + b') * (c1 * c2).
+  move=> gg; transitivity (g1 * g2 + E_2 * (c1 * g1 + c2 * g2) - b' * (c1 * c2)); last by ring.
+  by rewrite gg; ring.
+have identity x : x != 0 -> c.[x] * f x^-1 + c.[x^-1] * f x
+    = ((H * N_u.[0]) ^+ 2 - (E_2 ^+ 2 + b)) * (c.[x] * c.[x^-1]).
   move=> nz_x; set y := x^-1.
   have xy : x * y = 1 by rewrite mulfV.
   pose p z := (B^T *m P *m Phi z) 0 0.
   have p_E z : B^T *m P *m Phi z = (p z)%:M by apply: mx11_scalar.
   have p_T z : (Phi z)^T *m P *m B = (p z)%:M.
-    by rewrite -[LHS]trmxK !trmx_mul trmxK P_T mulmxA p_E tr_scalar_mx.
+    have -> : (Phi z)^T *m P *m B = (B^T *m P *m Phi z)^T by rewrite !trmx_mul trmxK P_T mulmxA.
+    by rewrite p_E tr_scalar_mx.
   have g_M z : G *m Phi z = (g z)%:M by apply: mx11_scalar.
   have g_T z : (Phi z)^T *m G^T = (g z)%:M by rewrite -trmx_mul g_M tr_scalar_mx.
-  have f_p z : f z = z * p z - chi.[z] * b + E_2 * g z.
+  have f_p z : f z = z * p z - c.[z] * b + E_2 * g z.
     rewrite /f /r mulmxDl -scalemxAl g_M -[_ *m M *m _]mulmxA moves mulmxBr -!scalemxAr p_E b_E.
     by rewrite !mxE eqxx !mulr1n.
-  have gg : g y * g x = y * chi.[x] * p y + x * chi.[y] * p x - chi.[x] * chi.[y] * b.
+  have gg : g y * g x = y * c.[x] * p y + x * c.[y] * p x - c.[x] * c.[y] * b.
     have : (Phi y)^T *m P *m Phi x = (Phi y)^T *m (M^T *m P *m M + G^T *m G) *m Phi x.
       by rewrite -EP.
     rewrite mulmxDr mulmxDl !mulmxA -[_ *m M^T]trmx_mul moves -[_ *m M *m _]mulmxA moves.
     rewrite g_T -[_ *m G *m _]mulmxA g_M.
-    have -> : (y *: Phi y - chi.[y] *: B)^T = y *: (Phi y)^T - chi.[y] *: B^T.
+    have -> : (y *: Phi y - c.[y] *: B)^T = y *: (Phi y)^T - c.[y] *: B^T.
       by apply/matrixP=> i j; rewrite !mxE.
-    rewrite !mulmxBl !mulmxBr -!scalemxAl -!scalemxAr p_E p_T b_E scalerA xy scale1r.
+    rewrite !mulmxBl !mulmxBr -!scalemxAl -!scalemxAr p_E p_T b_E [y *: (x *: _)]scalerA [y * x]mulrC xy scale1r.
     have [s Es] : exists s, (Phi y)^T *m P *m Phi x = s%:M.
       by exists (((Phi y)^T *m P *m Phi x) 0 0); apply: mx11_scalar.
     rewrite Es; move/matrixP/(_ 0 0); rewrite -scalar_mxM !mxE eqxx !mulr1n => E.
-    have : g y * g x = s - (s - y * (chi.[x] * p y) - (chi.[y] * (x * p x)
-      - chi.[y] * (chi.[x] * b))) by rewrite {1}E; ring.
-    by move=> ->; ring.
-  have chi2 : chi.[x] * chi.[y] = N_u.[0]^-1 ^+ 2 * (N_s * N_u).[x] * (N_s * N_u).[y].
-    have nz_y : y != 0 by rewrite invr_eq0.
-    have yx : y^-1 = x by rewrite /y invrK.
-    rewrite !hornerZ !hornerM !hornerXn !reversed_at ?deg_u // yx -/y.
-    transitivity ((x * y) ^+ d * (x * y) ^+ l * (N_u.[0]^-1 ^+ 2
-      * (N_s.[x] * N_u.[x]) * (N_s.[y] * N_u.[y]))); last by rewrite xy !expr1n; ring.
-    by rewrite !exprMn; move: (x ^+ d) (x ^+ l) (y ^+ d) (y ^+ l) => *; ring.
-  have square : (g x + E_2 * chi.[x]) * (g y + E_2 * chi.[y])
-      = (H * N_u.[0]) ^+ 2 * (chi.[x] * chi.[y]).
-    rewrite chi2 !t_E !hornerZ; move: (N_s * N_u).[x] (N_s * N_u).[y] => u v.
-    by field; rewrite nz_0.
-  transitivity ((g x + E_2 * chi.[x]) * (g y + E_2 * chi.[y])
-      - (E_2 ^+ 2 + b) * (chi.[x] * chi.[y])); last by rewrite square; ring.
-  rewrite !f_p -/y; transitivity (g y * g x + E_2 * (chi.[x] * g y + chi.[y] * g x)
-      - b * (chi.[x] * chi.[y])); last by ring.
-  by rewrite gg; ring.
+    exact: cancel_1 E.
+  have square : (g x + E_2 * c.[x]) * (g y + E_2 * c.[y])
+      = (H * N_u.[0]) ^+ 2 * (c.[x] * c.[y]).
+    rewrite exprMn -mulrA (square_c x y xy) !t_E !hornerZ.
+    by move: (N_s * N_u).[x] (N_s * N_u).[y] => u v; ring.
+  transitivity ((g x + E_2 * c.[x]) * (g y + E_2 * c.[y]) - (E_2 ^+ 2 + b) * (c.[x] * c.[y])).
+    by rewrite !f_p; exact: cancel_2 gg.
+  by rewrite square mulrBl.
 have zero : numerator A B r = 0.
-  apply: (half_zero (c := (H * N_u.[0]) ^+ 2 - (E_2 ^+ 2 + b))) => [|x nz_x].
+  apply: (half_zero monic_c size_c in_c (c := (H * N_u.[0]) ^+ 2 - (E_2 ^+ 2 + b))) => [|x nz_x].
     exact: numerator_strictly_proper.
   by rewrite -!f_E identity.
 have r0 : r = 0.
@@ -272,27 +297,27 @@ have gain : W *: K = - (E_2 *: E_1 + B^T *m P *m A).
   rewrite scalerDr scalerA -expr2 /W scalerDl; apply/eqP.
   move: (B^T *m P *m A) => a; move: (b *: K) (E_2 *: E_1) (E_2 ^+ 2 *: K) => *.
   by apply/matrixP=> i j; rewrite !mxE; ring.
-exists P, K; split=> //; first exact: gain.
+suff riccati : P = A^T *m P *m A + E_1^T *m E_1 - W *: (K^T *m K) by exists P, K; split.
 have APB : A^T *m P *m B + E_2 *: E_1^T = - (W *: K^T).
   have := congr1 trmx gain; rewrite linearZ linearN linearD /= linearZ /= !trmx_mul trmxK P_T mulmxA.
   by move=> ->; rewrite opprK addrC.
 have BPA : B^T *m P *m A + E_2 *: E_1 = - (W *: K) by rewrite gain opprK addrC.
-have -> : P = A^T *m P *m A + E_1^T *m E_1 + (A^T *m P *m B + E_2 *: E_1^T) *m K
-    + K^T *m (B^T *m P *m A + E_2 *: E_1) + W *: (K^T *m K).
+transitivity (A^T *m P *m A + E_1^T *m E_1 + (A^T *m P *m B + E_2 *: E_1^T) *m K
+    + K^T *m (B^T *m P *m A + E_2 *: E_1) + W *: (K^T *m K)).
   rewrite {1}EP /M /G.
   have -> : (A + B *m K)^T = A^T + K^T *m B^T by rewrite linearD /= trmx_mul.
   have -> : (E_1 + E_2 *: K)^T = E_1^T + E_2 *: K^T by rewrite linearD /= linearZ.
-  rewrite /W scalerDl -[b *: _]scalemxAr.
-  have -> : K^T *m (b *: K) = K^T *m B^T *m P *m B *m K.
-    by rewrite -mul_scalar_mx -b_E !mulmxA.
+  have EbKK : b *: (K^T *m K) = K^T *m B^T *m P *m B *m K.
+    by rewrite scalemxAr -mul_scalar_mx -b_E !mulmxA.
+  rewrite /W scalerDl EbKK.
   rewrite !(mulmxDl, mulmxDr) -!scalemxAl -!scalemxAr scalerA -expr2 !mulmxA.
   move: (A^T *m P *m A) (A^T *m P *m B *m K) (K^T *m B^T *m P *m A) => a1 a2 a3.
-  move: (K^T *m B^T *m P *m B *m K) (E_1^T *m E_1) (E_1^T *m K) => a4 a5 a6.
-  move: (K^T *m E_1) (K^T *m K) => a7 a8.
-  by apply/matrixP=> i j; rewrite !mxE; ring.
+  move: (K^T *m B^T *m P *m B *m K) (E_1^T *m E_1) (E_2 *: (E_1^T *m K)) => a4 a5 a6.
+  move: (E_2 *: (K^T *m E_1)) (E_2 ^+ 2 *: (K^T *m K)) => a7 a8.
+  by apply/matrixP=> i j; rewrite !mxE; move: (a1 i j) (a2 i j) (a3 i j) (a4 i j) (a5 i j)
+    (a6 i j) (a7 i j) (a8 i j) => *; ring.
 rewrite APB BPA mulNmx mulmxN -scalemxAl -scalemxAr.
-move: (A^T *m P *m A) (E_1^T *m E_1) (K^T *m K) => a1 a2 a3.
-have [-> ->] : a1 = a1 /\ a2 = a2 by [].
-by apply/matrixP=> i j; rewrite !mxE; ring.
+move: (A^T *m P *m A) (E_1^T *m E_1) (W *: (K^T *m K)) => a1 a2 a3.
+by rewrite subrK.
 Qed.
 End Existence.
