@@ -145,7 +145,7 @@ Local Notation n := order.+1.
 Variables (A : 'M[R]_n) (B : 'cV[R]_n) (E_1 : 'rV[R]_n) (E_2 H : R).
 Variables (k l d : nat) (N_s N_u : {poly R}).
 Hypothesis reaches : controllable A B.
-Hypotheses (N_zu : full_numerator A B E_1 E_2 = H *: (N_s * N_u)) (nz_H : H != 0).
+Hypothesis N_zu : full_numerator A B E_1 E_2 = H *: (N_s * N_u).
 Hypothesis n_split : n = (d + (k + l))%N.
 Hypotheses (monic_s : N_s \is monic) (deg_s : degree_is N_s k) (in_s : inside N_s).
 Hypotheses (monic_u : N_u \is monic) (deg_u : degree_is N_u l) (out_u : outside N_u).
