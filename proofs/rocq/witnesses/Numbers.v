@@ -35,10 +35,19 @@ Qed.
 Lemma cyclic_loop : nonderogatory (closed_loop o e e o e e).
 Proof.
 exists (col_mx (1%:M : 'M[Q]_1) 0); apply/controllableP => m eta unseen.
-have := unseen 0%N; have := unseen 1%N.
-rewrite expr0 mulmx1 expr1 -[eta](@hsubmxK _ m 1 1) /closed_loop mul_row_block !mul_row_col.
-rewrite /number !raddf0 !mulmx0 !mulmx1 !addr0 add0r => -> ->.
-by rewrite row_mx0.
+pose a : 'M[Q]_(m, 1) := @lsubmx _ m 1 1 eta; pose b : 'M[Q]_(m, 1) := @rsubmx _ m 1 1 eta.
+have split_eta : eta = row_mx a b :> 'M_(m, 1 + 1) by rewrite hsubmxK.
+have first : row_mx a b *m col_mx (1%:M : 'M[Q]_1) 0 = a.
+  by rewrite mul_row_col mulmx1 mulmx0 addr0.
+have second : row_mx a b *m closed_loop o e e o e e *m col_mx (1%:M : 'M[Q]_1) 0 = b.
+  rewrite /closed_loop mul_row_block mul_row_col /number !mulmx1 mulmx0 addr0.
+  by rewrite raddf0 mulmx0 add0r.
+have a0 : a = 0.
+  have := unseen 0%N; rewrite expr0 -[1]/(1%:M) mulmx1 => zero.
+  by rewrite -first -split_eta; exact: zero.
+have b0 : b = 0.
+  by have := unseen 1%N; rewrite expr1 => zero; rewrite -second -split_eta; exact: zero.
+by rewrite split_eta a0 b0 row_mx0.
 Qed.
 
 Lemma nothing_unobservable : is_unobservable_polynomial o e 1.
