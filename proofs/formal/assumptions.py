@@ -47,6 +47,6 @@ def unproved(names: Iterable[str], folder: Path = SOURCES) -> dict[str, str]:
     given, complaint = ask(dict.fromkeys(askable, "Print Assumptions {}."), folder)
     for name in askable:
         found = axioms(given.get(name, ""))
-        unclear = complaint or "Coq gave no answer"
+        unclear = "Coq gave no answer" + (f": {complaint}" if complaint else "")
         answers[name] = unclear if found == "?" else f"rests on axioms: {found}" if found else ""
     return answers

@@ -25,14 +25,13 @@ move=> matches.
 have v0 n (M : 'M[R]_n) : value M 0 = 0 by rewrite /value /bilinear mulmx0 mxE.
 have z0 n (x : 'cV[R]_n) : value (0 : 'M[R]_n) x = 0.
   by rewrite /value /bilinear mulmx0 mul0mx mxE.
-have psd i : positive_semidefinite (R_u i).
-  by rewrite R_u_0; split; [exact: trmx0 | move=> x; rewrite z0].
 have costE x : cost lambda Phi R_z R_u z u_f R_theta theta_0 k x
    = \sum_(1 <= i < k.+1) lambda ^+ (k - i) * value (R_z i) (z i - u_f i + Phi i *m x)
      + lambda ^+ k * value R_theta (x - theta_0).
   by rewrite /cost; congr (_ + _); apply: eq_bigr => i _; rewrite /stage R_u_0 z0 addr0.
 have := costE star; rewrite big1 ?add0r => [<-|i _]; last by rewrite matches v0 mulr0.
 rewrite -costE; have [->//|ne] := eqVneq star (theta k).
-exact/ltW/recursive_least_squares.
+apply/ltW/recursive_least_squares => // i; rewrite ?R_u_0 ?addr0 //; first by case: (R_z_definite i).
+exact: trmx0.
 Qed.
 End ExactMatch.

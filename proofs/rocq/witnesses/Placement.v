@@ -3,6 +3,7 @@ From mathcomp Require Import all_ssreflect all_algebra.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
 From Compensators.theorems Require RecursiveLeastSquares Intercalation PolePlacement.
+From Compensators.theorems Require RecordedSignals.
 From Compensators.theorems Require MinimalRealisations CanonicalForm ObserverBasedPairs RealFactors.
 From Compensators.theorems Require Forms InvariantSubspaces CountOfForms HiddenModes Diophantine.
 From Compensators.theorems Require Resultants.
@@ -36,8 +37,8 @@ Proof. by apply/negP=> /eqP/matrixP/(_ 0 0)/eqP; rewrite !mxE eqxx oner_eq0. Qed
 Lemma recursive_least_squares : ltac:(can_be_met (@RecursiveLeastSquares.recursive_least_squares)).
 Proof.
 move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 1 (fun=> 0) (fun=> 1%:M) (fun=> 0)
-  (fun=> 0) (fun=> 0) 1%:M 0 _ _ _ _ 0%N 1%:M) => // *; try exact: one_definite.
-  exact: zero_semidefinite.
+  (fun=> 0) (fun=> 0) 1%:M 0 _ _ _ _ _ 0%N 1%:M) => // *; rewrite ?trmx1 ?trmx0 ?addr0 //;
+  try exact: one_definite.
 exact: one_is_not_zero.
 Qed.
 
@@ -209,3 +210,14 @@ Proof. by move=> absurd; apply: (absurd Q 1%N 0%N 'X 1); rewrite ?size_polyX ?si
 
 Lemma theorem_A2 : ltac:(can_be_met (@Resultants.theorem_A2)).
 Proof. by move=> absurd; apply: (absurd Q 1%N 'X 1); rewrite ?size_polyX ?size_poly1. Qed.
+
+Lemma recorded_signals : ltac:(can_be_met (@RecordedSignals.recorded_signals)).
+Proof.
+have zero : RecordedSignals.trajectory (R := [comUnitRingType of rat]) (n_c := 1) (0 : 'M_1) (0 : 'M_1)
+    (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (fun=> 0) (fun=> 0)
+    (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0).
+  by move=> k; split; rewrite ?mulmx0 ?addr0 // !big1 ?addr0 // => i _; rewrite mulmx0.
+move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _
+  zero zero _ _ zero _ _ zero _ _ 0%N) => //.
+by rewrite mul0mx subr0 unitmx1.
+Qed.
