@@ -99,14 +99,17 @@ def examine(
     shown = {name: known[key] for name in theorems if (key := name.partition(".")[2]) in known}
     proved, every = unproved([*theorems, *shown.values()], folder), defined(folder)
     alone = without_witness(theorems, folder)
-    answers = {
-        name: proved[name] or alone.get(name, "") or _of_witness(shown.get(name), proved)
-        for name in theorems
-    }
+    answers = {name: proved[name] for name in theorems}
     statements, _ = said(answers, every, folder)
     differs = changed(statements, folder)
     return (
-        {name: reason or differs[name] for name, reason in answers.items()},
+        {
+            name: reason
+            or differs[name]
+            or alone.get(name, "")
+            or _of_witness(shown.get(name), proved)
+            for name, reason in answers.items()
+        },
         {name: differs[name] for name in every},
     )
 

@@ -213,11 +213,14 @@ Proof. by move=> absurd; apply: (absurd Q 1%N 'X 1); rewrite ?size_polyX ?size_p
 
 Lemma recorded_signals : ltac:(can_be_met (@RecordedSignals.recorded_signals)).
 Proof.
-have zero : RecordedSignals.trajectory (R := [comUnitRingType of rat]) (n_c := 1) (0 : 'M_1) (0 : 'M_1)
-    (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (0 : 'M_1) (fun=> 0) (fun=> 0)
-    (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0).
+have zero : @RecordedSignals.trajectory [comUnitRingType of rat] 1 1 1 1 1 1 0 0 0 0 0 0 0 0 0
+    (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0).
   by move=> k; split; rewrite ?mulmx0 ?addr0 // !big1 ?addr0 // => i _; rewrite mulmx0.
-move=> absurd; apply: (absurd _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _
+move=> absurd; apply: (absurd [comUnitRingType of rat] 1%N 1%N 1%N 1%N 1%N 1%N 0 0 0 0 0 0 0 0 0
+  (fun=> 0) (fun=> 0) _
+  (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0)
+  (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0)
+  (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0) (fun=> 0)
   zero zero _ _ zero _ _ zero _ _ 0%N) => //.
 by rewrite mul0mx subr0 unitmx1.
 Qed.
