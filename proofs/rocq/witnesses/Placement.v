@@ -9,6 +9,7 @@ From Compensators.theorems Require Forms InvariantSubspaces CountOfForms HiddenM
 From Compensators.theorems Require Resultants.
 From Compensators.theorems Require Import Kalman.
 From Compensators.counterexamples Require Realisations UnobservableModes TransferFunction.
+From Compensators.counterexamples Require Appendices.
 From Compensators.witnesses Require Import Satisfiable.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.
@@ -224,3 +225,6 @@ move=> absurd; apply: (absurd [comUnitRingType of rat] 1%N 1%N 1%N 1%N 1%N 1%N 0
   zero zero _ _ zero _ _ zero _ _ 0%N) => //.
 by rewrite mul0mx subr0 unitmx1.
 Qed.
+
+Lemma theorem_A1_needs_a_k : ltac:(can_be_met (@Appendices.theorem_A1_needs_a_k)).
+Proof. by move=> absurd; apply: (absurd Q). Qed.
