@@ -181,10 +181,15 @@ def _with_spectrum(
         A = ImmutableMatrix(
             size, size, lambda i, j: root if i == j else couple[i] if j == i + 1 else 0
         )
-    S = draw(unimodular_matrices(size))
-    scale = draw(st.sampled_from([1, 4]))  # far from normal, now and then
-    T = ImmutableMatrix(S * diag(*(Rational(scale) ** i for i in range(size))))
-    return ImmutableMatrix(T * A * T.inv())
+    # one basis in three is plain; the others stretch what couples the states, one way or the other
+    kind = draw(st.sampled_from(["plain", "stretched", "stretched"]))
+    if kind == "plain":
+        S = draw(unimodular_matrices(size))
+        return ImmutableMatrix(S * A * S.inv())
+    powers = [Rational(draw(st.sampled_from([4, 16]))) ** i for i in range(size)]
+    T = diag(*(powers if draw(st.booleans()) else reversed(powers)))
+    A = ImmutableMatrix(T * A * T.inv())
+    return A.T if draw(st.booleans()) else A
 
 
 @st.composite

@@ -44,9 +44,7 @@ def without_witness(theorems: Iterable[str], folder: Path = SOURCES) -> dict[str
     """Say of each compiled theorem with hypotheses that nothing shows that they can be met, if so."""
     known = witnesses(folder)
     alone = [
-        name
-        for name in theorems
-        if name.partition(".")[2] not in known and compiled(name, folder)
+        name for name in theorems if name.partition(".")[2] not in known and compiled(name, folder)
     ]
     answers, _ = ask(dict.fromkeys(alone, _QUESTION), folder)
     return {
@@ -54,4 +52,3 @@ def without_witness(theorems: Iterable[str], folder: Path = SOURCES) -> dict[str
         for name in alone
         if _NEEDED in answers.get(name, _NEEDED)
     }
-

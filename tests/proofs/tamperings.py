@@ -160,13 +160,17 @@ def of_the_review(root: Path) -> Iterator[Tampering]:
     for package in ("properties", "counterexamples", "symbolic"):
         for file, node in definitions(root, package):
             module = Path(file).stem
-            wanted = package != "symbolic" or module == "coefficients" or node.name == "regressor_layout"
+            wanted = (
+                package != "symbolic" or module == "coefficients" or node.name == "regressor_layout"
+            )
             if not wanted and (module not in flips or module in seen):
                 continue
             if not wanted:
                 seen.add(module)
             yield Tampering(f"{module}.{node.name} gutted", f"{package} gutted", gutted(file, node))
-    yield Tampering("an entry gone", "deleted", without_block(CHAPTER_7, '[[entry]]\nname = "lemma-1"'))
+    yield Tampering(
+        "an entry gone", "deleted", without_block(CHAPTER_7, '[[entry]]\nname = "lemma-1"')
+    )
     yield Tampering("another entry gone", "deleted", without_block(CHAPTER_2, '[[entry]]\nname = "regressor"'))  # fmt: skip
     yield Tampering("a counterexample gone", "deleted", without_block(
         CHAPTER_7, '[[entry.counterexample]]\n  refutes = "N and D need not'))  # fmt: skip
@@ -186,8 +190,12 @@ def of_the_review(root: Path) -> Iterator[Tampering]:
         replaced(CHAPTER_7, 'check = "SWAP"', 'check = "placement.existence"')))  # fmt: skip
     yield Tampering("a part taken for the whole", "evidence", replaced(
         CHAPTER_7, 'any field", of = [1] }]', 'any field", of = [1, 2] }]'))  # fmt: skip
-    yield Tampering("sizes = [1]", "evidence", replaced(CHAPTER_7, "sizes = [1, 2, 3, 4]", "sizes = [1]"))
-    yield Tampering("examples = 1", "evidence", replaced(CHAPTER_2, "examples = 60", "examples = 1"))
+    yield Tampering(
+        "sizes = [1]", "evidence", replaced(CHAPTER_7, "sizes = [1, 2, 3, 4]", "sizes = [1]")
+    )
+    yield Tampering(
+        "examples = 1", "evidence", replaced(CHAPTER_2, "examples = 60", "examples = 1")
+    )
     yield Tampering("a strategy narrowed", "draws", replaced(
         "proofs/properties/polynomials.py", "polynomials(max_degree=3), st.just(Poly(0, s))",
         "st.just(Poly(0, s))"))  # fmt: skip
@@ -204,7 +212,9 @@ def of_the_review(root: Path) -> Iterator[Tampering]:
     yield Tampering("all but constants assumed away", "draws", replaced(
         "proofs/properties/polynomials.py", "    a, b = a * shared, b * shared\n",
         "    assume(a.degree() == 0)\n    a, b = a * shared, b * shared\n"))  # fmt: skip
-    yield Tampering("examples = 0", "evidence", replaced(CHAPTER_2, "examples = 60", "examples = 0"))
+    yield Tampering(
+        "examples = 0", "evidence", replaced(CHAPTER_2, "examples = 60", "examples = 0")
+    )
 
 
 def of_other_kinds() -> Iterator[Tampering]:
