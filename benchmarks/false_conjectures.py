@@ -1,6 +1,6 @@
-"""How many examples the public strategies need to refute twelve false conjectures of control theory.
+"""How many examples the public strategies need to refute twelve false conjectures.
 
-Each is one that textbooks warn of. ``python benchmarks/false_conjectures.py [SEEDS]`` draws with each of 20
+Textbooks warn of each. ``python benchmarks/false_conjectures.py [SEEDS]`` draws with each of 20
 seeds until the conjecture fails, without shrinking, and prints the median, the worst, and how often 500
 examples did not do.
 """

@@ -256,7 +256,7 @@ def plants_with_gain(
     A, B, C, _ = controllable_canonical_form(TransferFunction(canonical(N), D))
     moved = [0] * n if kind == "zero" else _ascending(D, n) - _ascending(placed, n)
     # in these coordinates a gain adds its entries to one row of coefficients
-    last = [i for i in range(n) if B[i, 0] != 0][0]
+    last = next(i for i in range(n) if B[i, 0] != 0)
     at = list(-A[last, :])
     order = range(n) if at == list(_ascending(D, n)) else range(n - 1, -1, -1)
     K = ImmutableMatrix(1, n, [moved[i] for i in order])
@@ -274,8 +274,8 @@ def plants_and_compensators(
 ) -> tuple[TransferFunction, TransferFunction]:
     """Draw two coprime strictly proper transfer functions, every other time with a cancellation.
 
-    The compensator cancels a zero of the plant with a pole (two in six), or a pole of the plant with a
-    zero (one in six); what is cancelled may lie anywhere.
+    The compensator cancels a zero of the plant with a pole (two in six), or a pole of the plant
+    with a zero (one in six); what is cancelled may lie anywhere.
 
     Examples
     --------

@@ -69,8 +69,8 @@ def polynomials(
 def coprime_pairs(draw: st.DrawFn, variable: str = "s", max_degree: int = 4) -> tuple[Poly, Poly]:
     """Draw (a, b) without a common root; a is monic of degree 1 or more, deg b < deg a, b != 0.
 
-    With the defaults some two in five have a root of a with multiplicity 2 or 3, and as many a constant
-    b, where a has the degree 1 or by choice.
+    With the defaults some two in five have a root of a with multiplicity 2 or 3, and as many a
+    constant b, where a has the degree 1 or by choice.
 
     Where b shares a root with a, the least of 1, 2, ... that removes it is added to b: each of the
     deg a roots rules out one number.

@@ -110,8 +110,8 @@ def zero_on_the_circle() -> Facts:
 
 
 def unsymmetric_solution() -> Facts:
-    """A = diag(2, 3), B = [1; 1], E_1 = [1, -1], E_2 = 1, P = [[-4, 6 - 2 r], [6 + 2 r, -4]] with r^2 = 5
-    solves (A.7), and the spectral factorisation does not hold with it.
+    """A = diag(2, 3), B = [1; 1], E_1 = [1, -1], E_2 = 1: P = [[-4, 6 - 2 r], [6 + 2 r, -4]] with
+    r^2 = 5 solves (A.7), and the spectral factorisation does not hold with it.
     """
     r, x = sqrt(5), Rational(2, 7)
     A, B, E_1 = Matrix.diag(2, 3), Matrix([1, 1]), Matrix([[1, -1]])

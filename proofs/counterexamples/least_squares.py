@@ -81,8 +81,8 @@ def filter_form_innovations() -> Facts:
 
 
 def not_well_posed() -> Facts:
-    """D = q, N_yu = q + 1 (D_0 = 1) and D_c = N_c = q (k_c = 0, Q_0 = 1), which (2.28) allows: n + n_c
-    is 2, and D D_c - N_yu N_c = -q.
+    """D = q, N_yu = q + 1 (D_0 = 1) and D_c = N_c = q (k_c = 0, Q_0 = 1), which (2.28) allows:
+    n + n_c is 2, and D D_c - N_yu N_c = -q.
     """
     q = Symbol("q")
     D, N_yu, D_c, N_c = Poly(q, q), Poly(q + 1, q), Poly(q, q), Poly(q, q)

@@ -156,7 +156,7 @@ def _outside_sections(text: str) -> Iterator[str]:
 
 @lru_cache(maxsize=256)
 def without_proofs(text: str) -> str:
-    """Remove comments and proofs, and what layout there is.
+    r"""Remove comments and proofs, and what layout there is.
 
     Examples
     --------

@@ -1,7 +1,7 @@
-"""For each theorem with hypotheses a witness: a lemma that they can be met; needs the standard library only.
+"""For each theorem with hypotheses a witness, a lemma that they can be met; standard library only.
 
-``Lemma NAME : ltac:(can_be_met (@File.NAME)).`` says that the type of the theorem, with False in the place
-of its conclusion, is false. A hypothesis that contradicts the others leaves no such proof.
+``Lemma NAME : ltac:(can_be_met (@File.NAME)).`` says that the type of the theorem, with False in
+the place of its conclusion, is false. A hypothesis that contradicts the others leaves no such proof.
 """
 
 import re
@@ -41,7 +41,7 @@ def witnesses(folder: Path = SOURCES) -> dict[str, str]:
 
 
 def without_witness(theorems: Iterable[str], folder: Path = SOURCES) -> dict[str, str]:
-    """Say of each compiled theorem with hypotheses that nothing shows that they can be met, if so."""
+    """Say of compiled theorems with hypotheses that nothing shows that they can be met."""
     known = witnesses(folder)
     alone = [
         name for name in theorems if name.partition(".")[2] not in known and compiled(name, folder)

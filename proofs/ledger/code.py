@@ -1,4 +1,4 @@
-"""The Python text that a check consists of: itself and whatever of the ledger it uses, read, not run."""
+"""The text that a check consists of: itself and what it uses of the ledger, read and not run."""
 
 import ast
 import hashlib
@@ -41,7 +41,7 @@ class Code:
     def closure(self, module: str, name: str) -> dict[str, str]:
         """Collect the text of a definition and of all that it uses, each under its full name.
 
-        Layout counts for nothing; comments and docstrings count, since a docstring is the statement.
+        Layout counts for nothing; docstrings count, since they are the statements.
         """
         found: dict[str, str] = {}
         waiting = [(module, name)]

@@ -148,7 +148,7 @@ def _evidence(table: dict[str, Any]) -> dict[str, Any]:
 def _refuse_gaps(
     named: str, table: dict[str, Any], sentences: int, evidence: dict[str, Any]
 ) -> None:
-    """Refuse sentences without evidence, evidence for none, and properties that try next to nothing."""
+    """Refuse sentences without evidence, and properties that try next to nothing."""
     about = {
         number
         for kind in ("formal", "symbolic", "properties")
@@ -170,8 +170,8 @@ def _refuse_gaps(
     for claim in evidence["properties"]:
         if claim.examples < LEAST_EXAMPLES or not 0 < claim.kept <= 1:
             raise LedgerError(
-                f"{named}: {claim.check} needs at least {LEAST_EXAMPLES} examples and keeps a share "
-                "between 0 and 1 of what is drawn"
+                f"{named}: {claim.check} needs at least {LEAST_EXAMPLES} examples and keeps a "
+                "share between 0 and 1 of what is drawn"
             )
 
 

@@ -1,9 +1,9 @@
 """Mutants of the checks: a check that holds whatever it says is none.
 
-A mutant is the check's module with one thing changed in the check or in what it calls there: a sign, a
-number, a comparison, or what a function returned. It is caught where the check then finds something
-false; one that cannot be computed is caught by nothing. ``python -m proofs.ledger.mutants`` runs all of
-them and lists those that live.
+A mutant is the check's module with one thing changed in the check or in what it calls there: a
+sign, a number, a comparison, or what a function returned. It is caught where the check then finds
+something false; one that cannot be computed is caught by nothing. ``python -m
+proofs.ledger.mutants`` runs all of them and lists those that live.
 """
 
 import ast
@@ -192,9 +192,10 @@ def _changes(
             continue  # the docstring
         for node in ast.walk(statement):
             for kind, change, undo in _of(node, known):
-                before = ast.unparse(statement.value if isinstance(statement, ast.Return) else node)
+                shown = statement.value if isinstance(statement, ast.Return) else node
+                before = ast.unparse(shown or node)
                 change()
-                after = ast.unparse(statement.value if isinstance(statement, ast.Return) else node)
+                after = ast.unparse(shown or node)
                 if before != after:
                     yield kind, _short(before), _short(after), undo
                 undo()
@@ -215,10 +216,10 @@ def _of(
         yield "sign", *assigned("op", _OPERATORS[type(node.op)]())
     elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         yield "sign", *assigned("op", ast.UAdd())
-    elif isinstance(node, ast.Constant) and type(node.value) in (int, bool):
-        new = not node.value if isinstance(node.value, bool) else node.value + 1
-        kind = "comparison" if isinstance(node.value, bool) else "number"
-        yield (kind, *assigned("value", new))
+    elif isinstance(node, ast.Constant) and isinstance(node.value, bool):
+        yield "comparison", *assigned("value", not node.value)
+    elif isinstance(node, ast.Constant) and isinstance(node.value, int):
+        yield "number", *assigned("value", node.value + 1)
     elif isinstance(node, ast.Compare) and len(node.ops) == 1 and type(node.ops[0]) in _COMPARISONS:
         yield "comparison", *assigned("ops", [_COMPARISONS[type(node.ops[0])]()])
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in known:

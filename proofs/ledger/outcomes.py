@@ -88,7 +88,7 @@ class Verified:
 
     @property
     def strengths(self) -> tuple[str, ...]:
-        """For each sentence of the conclusion the strongest evidence that this run has seen hold."""
+        """For each sentence the strongest evidence that this run has seen hold."""
         return tuple(map(self._strength, range(1, len(self.entry.conclusion) + 1)))
 
     @property

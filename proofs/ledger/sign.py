@@ -1,7 +1,7 @@
 """``python -m proofs.ledger.sign``: what changed since the statements were signed.
 
-With ``--write`` they are signed as they are now, but for a check of which no mutant is caught: that one
-would hold whatever it says.
+With ``--write`` they are signed as they are now, but for a check of which no mutant is caught: that
+one would hold whatever it says.
 """
 
 import sys

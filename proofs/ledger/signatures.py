@@ -1,4 +1,4 @@
-"""One fingerprint for each statement, so that none is weakened unseen; needs the standard library only.
+"""One fingerprint for each statement, so that none is weakened unseen; standard library only.
 
 A statement is its words, its hypotheses, the names of its evidence, the text of each check with all
 that it uses, and for each theorem of Coq its source's statement, the type that Coq prints and the

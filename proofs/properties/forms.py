@@ -125,8 +125,8 @@ def chains_are_youla_forms(loop: Loop) -> bool:
 
 @for_all(loop=minimal_loops(max_order=3))
 def minimal_loops_are_nonderogatory(loop: Loop) -> bool:
-    """The loop of a minimal plant and a minimal compensator has one Jordan block for each eigenvalue:
-    I, A~, ..., A~^(n + n_c - 1) are linearly independent.
+    """The loop of a minimal plant and a minimal compensator has one Jordan block for each
+    eigenvalue: I, A~, ..., A~^(n + n_c - 1) are linearly independent.
     """
     plant, compensator = loop
     A = closed_loop_matrix(plant, compensator)

@@ -92,8 +92,13 @@ def exact_match(data: list[Step], star: Matrix, start: Matrix, forgetting: Ratio
     return bool(sum(residuals) + distance(theta) <= distance(star))
 
 
-@for_all(U=matrices(3, 3), phi=matrices(3, 1), d=st.lists(st.integers(1, 5), min_size=3, max_size=3),
-         r=st.integers(1, 4), forgetting=forgetting_factors)  # fmt: skip
+@for_all(
+    U=matrices(3, 3),
+    phi=matrices(3, 1),
+    d=st.lists(st.integers(1, 5), min_size=3, max_size=3),
+    r=st.integers(1, 4),
+    forgetting=forgetting_factors,
+)
 def ud_factors(U: Matrix, phi: Matrix, d: list[int], r: int, forgetting: Rational) -> bool:
     """Bierman's factors of (2.43), a column at a time: d > 0, U unit upper triangular, and their
     product is P - P phi phi' P / (r + phi' P phi) over lambda.
