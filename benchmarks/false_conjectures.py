@@ -1,8 +1,8 @@
 """How many examples the public strategies need to refute twelve false conjectures.
 
 Textbooks warn of each. ``python benchmarks/false_conjectures.py [SEEDS]`` draws with each of 20
-seeds until the conjecture fails, without shrinking, and prints the median, the worst, and how often 500
-examples did not do.
+seeds until the conjecture fails, without shrinking, and prints the median, the worst, and how often
+500 examples did not do.
 """
 
 import statistics

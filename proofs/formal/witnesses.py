@@ -1,7 +1,7 @@
 """For each theorem with hypotheses a witness, a lemma that they can be met; standard library only.
 
 ``Lemma NAME : ltac:(can_be_met (@File.NAME)).`` says that the type of the theorem, with False in
-the place of its conclusion, is false. A hypothesis that contradicts the others leaves no such proof.
+the place of its conclusion, is false. A hypothesis that contradicts the others leaves no proof.
 """
 
 import re
