@@ -11,7 +11,7 @@ from ..ledger.entries import Entry
 
 _REQUIRED = re.compile(r"From\s+Compensators\.(\w+)\s+Require\s+(?:Import\s+)?([^.]*)\.")
 _WORD = re.compile(r"(?:\w+\.)*\w+")
-_WIDTH, _HEIGHT, _GAP = 178, 26, 34
+_WIDTH, _HEIGHT, _GAP, _COLUMNS = 178, 26, 34, 5
 
 
 def anchor(name: str) -> str:
@@ -63,7 +63,7 @@ def printed_type(name: str, types: Mapping[str, str]) -> str:
         return f'<a href="#{anchor(key)}">{word.rpartition(".")[2]}</a>'
 
     text = html.escape("\n".join(types.get(name, "").splitlines()[1:]), quote=False)
-    return f'<pre class="coq">{_WORD.sub(linked, text)}</pre>'
+    return f'<pre class="coq" style="font-size: 81%; overflow-x: auto">{_WORD.sub(linked, text)}</pre>'
 
 
 def whereabouts(name: str) -> str:
@@ -163,5 +163,5 @@ def _rows(needs: Mapping[str, list[str]]) -> Iterator[list[str]]:
         row = [name for name in needs if name not in placed and placed.issuperset(needs[name])]
         if not row:
             raise ValueError("the files of proofs/rocq require one another in a circle")
-        yield row
+        yield from (row[i : i + _COLUMNS] for i in range(0, len(row), _COLUMNS))
         placed.update(row)
