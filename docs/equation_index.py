@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from docs.reference_pages import PACKAGES, ROOT, public_names
 from proofs.ledger.ledger import ledger
-from rcac_numeric.errata.reading import find_errata
+from rcac_numeric.dissertation.errata.reading import find_errata
 
 CHAPTERS = {c: f"Chapter {c}" for c in "123456789"} | {c: f"Appendix {c}" for c in "AB"}
 NUMBER = re.compile(r"\(([1-9AB])\.([1-9]\d?)\)(?:-\(([1-9AB])\.([1-9]\d?)\))?")

@@ -49,6 +49,14 @@ from .controllers.updates.recursive import Covariance as Covariance
 from .controllers.updates.resets import CovarianceReset as CovarianceReset
 from .controllers.updates.sliding_window import SlidingWindow as SlidingWindow
 from .controllers.weights import SignalWeight as SignalWeight
+from .dissertation.errata.checking import Checked as Checked
+from .dissertation.errata.checking import check_erratum as check_erratum
+from .dissertation.errata.entries import Erratum as Erratum
+from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
+from .dissertation.errata.reading import find_errata as find_errata
+from .dissertation.load import load_example as load_example
+from .dissertation.reproduce import Reproduction as Reproduction
+from .dissertation.reproduce import reproduce as reproduce
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
@@ -67,11 +75,6 @@ from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
 from .engine.streams import CaseResult as CaseResult
 from .engine.streams import simulate_stream as simulate_stream
-from .errata.checking import Checked as Checked
-from .errata.checking import check_erratum as check_erratum
-from .errata.entries import Erratum as Erratum
-from .errata.entries import ErratumEvidence as ErratumEvidence
-from .errata.reading import find_errata as find_errata
 from .estimation.consistency import Consistency as Consistency
 from .estimation.consistency import nees_consistency as nees_consistency
 from .estimation.consistency import nis_consistency as nis_consistency
@@ -103,7 +106,6 @@ from .estimation.settings import UKF as UKF
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.figure_requests import FigureRequest as FigureRequest
-from .experiments.files.builder import load_example as load_example
 from .experiments.files.builder import load_experiment as load_experiment
 from .experiments.files.schema import json_schema as json_schema
 from .experiments.verdicts import Verification as Verification
@@ -182,8 +184,6 @@ from .plots.figures.regions import plot_stability_region as plot_stability_regio
 from .plots.figures.requested import plot_request as plot_request
 from .plots.figures.runs import plot_runs as plot_runs
 from .plots.run import plot_sheet as plot_sheet
-from .reproduction.reproduce import Reproduction as Reproduction
-from .reproduction.reproduce import reproduce as reproduce
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
 from .signals.recordings import recorded_channels as recorded_channels

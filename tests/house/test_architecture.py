@@ -18,7 +18,7 @@ BY_NAME = {
     "rcac_numeric/arrays/showing.py",
     "rcac_numeric/cli/__main__.py",
     "rcac_numeric/cli/main.py",
-    "rcac_numeric/errata/checking.py",
+    "rcac_numeric/dissertation/errata/checking.py",
     "rcac_numeric/reports/page/displays.py",
     "rcac_numeric/sweeps/store/versions.py",
 }

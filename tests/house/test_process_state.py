@@ -20,7 +20,7 @@ ATTRIBUTES = {"prec", "dps", "environ", "rcParams", "filters", "umask"}
 ALLOWED = {
     ("compensator_theory/polynomials/ball_precision.py", "prec"),
     ("rcac_numeric/cli/__main__.py", "signal"),
-    ("rcac_numeric/reproduction/workers.py", "signal"),
+    ("rcac_numeric/dissertation/workers.py", "signal"),
     (
         "rcac_numeric/sweeps/chunks/measuring.py",
         "signal",

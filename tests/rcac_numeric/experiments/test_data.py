@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from rcac_numeric import load_example, verify
-from rcac_numeric.experiments.files.documents import example_ids
+from rcac_numeric.dissertation.examples import example_ids
 
 FRESH = """
 import pickle, sys

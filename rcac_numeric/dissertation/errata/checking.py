@@ -9,9 +9,9 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.errata.entries import Erratum
+from rcac_numeric.dissertation.errata.entries import Erratum
 
-EVIDENCE = "rcac_numeric.errata.evidence"
+EVIDENCE = "rcac_numeric.dissertation.errata.evidence"
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ class ErratumEvidence(Value):
     Attributes
     ----------
     check : str
-        ``module.function`` of `rcac_numeric.errata.evidence`.
+        ``module.function`` of `rcac_numeric.dissertation.errata.evidence`.
     ledger, counterexample : str
         An entry of the ledger of proofs and, where there is one, the case that refutes the print.
     example, claim : str
