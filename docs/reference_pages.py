@@ -1,6 +1,7 @@
 """The reference, made from the packages themselves.
 
-Every public name has a page under the name by which it is imported, and a place in a group of its
+Every public name has a page under the name by which it is imported, from its package or from the
+package's ``results``, and a place in a group of its
 task (``reference_groups``); every folder of the packages has a page with its public names and all
 that is not public.
 """
@@ -21,9 +22,11 @@ PACKAGES = {
 }
 INDEX = """# Reference
 
-Every public name is imported from its package, `from rcac_numeric import simulate`, and has a page
-under that name. The groups are by task. Whoever has the dissertation beside them begins with
-[its equations](equations.md); whoever changes the code, with [the folders](folders.md).
+Every public name is imported from its package, `from rcac_numeric import simulate`, or, if it is
+the class of what a function returns, from the package's `results`,
+`from rcac_numeric.results import H2Cost`; it has a page under that name. The groups are by task.
+Whoever has the dissertation beside them begins with [its equations](equations.md); whoever changes
+the code, with [the folders](folders.md).
 
 {tables}
 ```{{toctree}}
@@ -89,21 +92,39 @@ def groups(package: str) -> Iterator[Group]:
 
 @cache
 def public_names(package: str) -> dict[str, str]:
-    """The module in which each public name of a package lives."""
-    stub = ast.parse((ROOT / package / "__init__.pyi").read_text())
+    """The module in which each public name of a package lives; its results are public names."""
+    homes = {**_stubbed(package, "__init__"), **_stubbed(package, "results")}
+    return {name: home for name, home in homes.items() if (home, name) != (package, "results")}
+
+
+@cache
+def _stubbed(package: str, stub: str) -> dict[str, str]:
     return {
         alias.name: f"{package}.{node.module}" if node.module else package
-        for node in stub.body
+        for node in ast.parse((ROOT / package / f"{stub}.pyi").read_text()).body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
+
+
+def public_path(package: str, name: str) -> str:
+    """The dotted name by which a public name is imported.
+
+    Examples
+    --------
+    >>> from docs.reference_pages import public_path
+    >>> public_path("rcac_numeric", "simulate"), public_path("rcac_numeric", "H2Cost")
+    ('rcac_numeric.simulate', 'rcac_numeric.results.H2Cost')
+    """
+    module = f"{package}.results" if name in _stubbed(package, "results") else package
+    return f"{module}.{name}"
 
 
 def page_of(package: str, name: str) -> str:
     """The page of a public name; lqg and LQG differ on every file system."""
     twins = [n for n in public_names(package) if n.lower() == name.lower()]
     suffix = "-class" if len(twins) > 1 and name[0].isupper() else ""
-    return f"api/{package}.{name}{suffix}"
+    return f"api/{public_path(package, name)}{suffix}"
 
 
 def changed(path: Path, text: str) -> None:
@@ -141,14 +162,15 @@ def _name_page(group: Group, name: str, home: str) -> str:
         directive = f".. automodule:: {group.package}.{name}\n   :members:"
         home = f"{group.package}.{name}"
     elif name[0].isupper():
-        directive = f".. currentmodule:: {group.package}\n\n.. autoclass:: {name}\n"
+        module = public_path(group.package, name).rpartition(".")[0]
+        directive = f".. currentmodule:: {module}\n\n.. autoclass:: {name}\n"
         directive += "   :members:\n   :inherited-members:"
     else:
         directive = f".. currentmodule:: {group.package}\n\n.. autofunction:: {name}"
     is_folder = ROOT.joinpath(*home.split(".")).is_dir()
     folder = home if is_folder else home.rpartition(".")[0]
     return (
-        f"{ORPHAN}# {group.package}.{name}\n\n[Reference](../index.md) / "
+        f"{ORPHAN}# {public_path(group.package, name)}\n\n[Reference](../index.md) / "
         f"[{group.title}](../{group.page}.md)\n\n```{{eval-rst}}\n{directive}\n```\n\n"
         f"Written in `{home}`; [its folder](../{folder}.md).\n"
     )

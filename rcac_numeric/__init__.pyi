@@ -1,23 +1,17 @@
 __version__: str
+from . import results as results
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
-from .analysis.exact_comparison import ExactComparison as ExactComparison
 from .analysis.exact_comparison import compare_exactly as compare_exactly
 from .analysis.match import IntercalatedMatch as IntercalatedMatch
 from .analysis.match import intercalated_match as intercalated_match
-from .analysis.observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
-from .analysis.placement_conditioning import PlacementConditioning as PlacementConditioning
 from .analysis.placement_conditioning import placement_conditioning as placement_conditioning
-from .analysis.residual_split import ResidualSplit as ResidualSplit
 from .analysis.residual_split import split_residual as split_residual
 from .checks.case_files import check_arguments as check_arguments
-from .checks.check import ControllerCheck as ControllerCheck
 from .checks.check import check_controller as check_controller
 from .checks.logs import ControllerLog as ControllerLog
 from .checks.logs import read_log as read_log
-from .checks.plant_residual import PlantResidual as PlantResidual
 from .checks.plant_residual import plant_residual as plant_residual
-from .checks.replays import ControlReplay as ControlReplay
 from .checks.replays import replay as replay
 from .controllers.bounds import CoefficientBounds as CoefficientBounds
 from .controllers.bounds import coefficient_names as coefficient_names
@@ -49,23 +43,16 @@ from .controllers.updates.recursive import Covariance as Covariance
 from .controllers.updates.resets import CovarianceReset as CovarianceReset
 from .controllers.updates.sliding_window import SlidingWindow as SlidingWindow
 from .controllers.weights import SignalWeight as SignalWeight
-from .dissertation.errata.checking import Checked as Checked
 from .dissertation.errata.checking import check_erratum as check_erratum
-from .dissertation.errata.entries import Erratum as Erratum
-from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
 from .dissertation.errata.reading import find_errata as find_errata
 from .dissertation.load import load_example as load_example
-from .dissertation.reproduce import Reproduction as Reproduction
 from .dissertation.reproduce import reproduce as reproduce
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
 from .engine.interruption import RunInterrupted as RunInterrupted
-from .engine.learning.target_learner import LearnedTarget as LearnedTarget
 from .engine.learning.target_learner import TargetLearner as TargetLearner
-from .engine.live.changes import AppliedChange as AppliedChange
 from .engine.live.changes import ControllerChange as ControllerChange
-from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
 from .engine.runs import load_run as load_run
@@ -73,28 +60,21 @@ from .engine.simulation import frozen_twin as frozen_twin
 from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
-from .engine.streams import CaseResult as CaseResult
 from .engine.streams import simulate_stream as simulate_stream
-from .estimation.consistency import Consistency as Consistency
 from .estimation.consistency import nees_consistency as nees_consistency
 from .estimation.consistency import nis_consistency as nis_consistency
-from .estimation.estimates import StateEstimates as StateEstimates
 from .estimation.estimates import estimate as estimate
 from .estimation.estimator import Estimator as Estimator
 from .estimation.models.linear import LinearModel as LinearModel
 from .estimation.models.nonlinear import NonlinearModel as NonlinearModel
 from .estimation.models.symbolic import SymbolicModel as SymbolicModel
-from .estimation.observability import Observability as Observability
 from .estimation.observability import UnobservableWarning as UnobservableWarning
 from .estimation.observability import observability as observability
-from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.evidence import UnidentifiableWarning as UnidentifiableWarning
-from .estimation.refinement.record import RefinementRun as RefinementRun
 from .estimation.refinement.record import refine as refine
 from .estimation.refinement.refinement import ModelRefinement as ModelRefinement
 from .estimation.refinement.settings import RCMR as RCMR
 from .estimation.refinement.subsystems import FIRSubsystem as FIRSubsystem
-from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .estimation.refinement.subsystems import RepeatedParameters as RepeatedParameters
 from .estimation.refinement.subsystems import repeated_parameters as repeated_parameters
 from .estimation.riccati.forward import ForwardEstimator as ForwardEstimator
@@ -108,47 +88,30 @@ from .experiments.experiment import Experiment as Experiment
 from .experiments.figure_requests import FigureRequest as FigureRequest
 from .experiments.files.builder import load_experiment as load_experiment
 from .experiments.files.schema import json_schema as json_schema
-from .experiments.verdicts import Verification as Verification
 from .experiments.verdicts import verify as verify
-from .h2.agreement import ExactAgreement as ExactAgreement
-from .h2.conversion import ConversionCertificate as ConversionCertificate
-from .h2.conversion import (
-    compensator_from_state_space as compensator_from_state_space,
-)
-from .h2.costs import H2Cost as H2Cost
+from .h2.conversion import compensator_from_state_space as compensator_from_state_space
 from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
 from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
 from .h2.riccati.equations import solve_dare as solve_dare
-from .h2.riccati.solutions import StabilisingSolution as StabilisingSolution
 from .health.diagnosis import loop_health as loop_health
-from .health.health import LoopHealth as LoopHealth
 from .health.warning import HealthWarning as HealthWarning
-from .identification.bootstrap import BootstrapZeros as BootstrapZeros
 from .identification.bootstrap import bootstrap_zeros as bootstrap_zeros
-from .identification.data_targets import DataTarget as DataTarget
 from .identification.data_targets import target_from_data as target_from_data
-from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.era import eigensystem_realisation as eigensystem_realisation
 from .identification.modelling import (
     modelling_information_from_markov as modelling_information_from_markov,
 )
-from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.mu_markov import identify_markov_parameters as identify_markov_parameters
 from .identification.noise_models import NeweyWest as NeweyWest
 from .identification.online.arx import RecursiveARX as RecursiveARX
 from .identification.online.mu_markov import RecursiveMuMarkov as RecursiveMuMarkov
-from .identification.online.zeros import OnlineZeros as OnlineZeros
 from .identification.recursive import RecursiveMarkov as RecursiveMarkov
 from .identification.windows import IdentifiedWindow as IdentifiedWindow
 from .identification.windows import identify_windows as identify_windows
-from .identification.zeros import IdentifiedZeros as IdentifiedZeros
 from .identification.zeros import identified_zeros as identified_zeros
-from .margins.boundaries import StabilityBoundary as StabilityBoundary
-from .margins.classical import Margins as Margins
 from .margins.classical import stability_margins as stability_margins
-from .margins.disk import DiskMargin as DiskMargin
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
 from .plants.foreign.reading import plant_of as plant_of
 from .plants.functions import FunctionPlant as FunctionPlant
@@ -165,12 +128,10 @@ from .plants.gallery.limited_margins import (
     no_guaranteed_margins_standard as no_guaranteed_margins_standard,
 )
 from .plants.gallery.mass_spring import MassSpringDamper as MassSpringDamper
-from .plants.gallery.operating_points import OperatingPoint as OperatingPoint
 from .plants.gallery.rohrs import critical_period as critical_period
 from .plants.gallery.rohrs import rohrs_plant as rohrs_plant
 from .plants.gallery.rohrs import sampling_zeros as sampling_zeros
 from .plants.gallery.zero_order_hold import zero_order_hold as zero_order_hold
-from .plants.gallery.zeros import ZeroPath as ZeroPath
 from .plants.gallery.zeros import plant_zeros as plant_zeros
 from .plants.gallery.zeros import zero_path as zero_path
 from .plants.linear import Plant as Plant
@@ -197,11 +158,8 @@ from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step
 from .signals.waveforms import WhiteNoise as WhiteNoise
 from .sweeps.results.export import export_table as export_table
-from .sweeps.results.overview import SweepOverview as SweepOverview
 from .sweeps.results.overview import sweep_overview as sweep_overview
-from .sweeps.results.replay import ReplayedRun as ReplayedRun
 from .sweeps.results.replay import replay_run as replay_run
-from .sweeps.results.statistics import SweepSummary as SweepSummary
 from .sweeps.results.statistics import summarise as summarise
 from .sweeps.results.statistics import wilson_interval as wilson_interval
 from .sweeps.results.table import SweepTable as SweepTable
@@ -220,9 +178,7 @@ from .sweeps.study.files import load_study as load_study
 from .sweeps.study.measures import Kept as Kept
 from .sweeps.study.study import Study as Study
 from .targets.data_driven import DataDriven as DataDriven
-from .targets.directions.checks import DirectionCheck as DirectionCheck
 from .targets.directions.checks import check_directions as check_directions
-from .targets.directions.from_data import DirectionsFromData as DirectionsFromData
 from .targets.directions.from_data import directions_from_data as directions_from_data
 from .targets.directions.zero_directions import DirectionInformation as DirectionInformation
 from .targets.directions.zero_directions import direction_information as direction_information
@@ -234,7 +190,6 @@ from .targets.markov import markov_target as markov_target
 from .targets.model import TargetModel as TargetModel
 from .targets.modelling import ModellingInformation as ModellingInformation
 from .targets.modelling import modelling_information as modelling_information
-from .targets.output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros
 from .targets.output_subspaces import output_subspace_target as output_subspace_target
 from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .targets.pole_placement import fir_target as fir_target

@@ -16,7 +16,8 @@ import compensator_theory as exact
 
 from .samples import POLYS, SAMPLES, SYMBOLIC_POLYS
 
-PUBLIC = [getattr(exact, name) for name in exact.__all__ if name != "strategies"]
+PUBLIC = [getattr(exact, name) for name in {*exact.__all__} - {"strategies", "results"}]
+PUBLIC += [getattr(exact.results, name) for name in exact.results.__all__]
 DATA_CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls) and dataclasses.is_dataclass(cls)]
 ERRORS = [cls for cls in PUBLIC if inspect.isclass(cls) and issubclass(cls, Exception)]
 

@@ -15,7 +15,7 @@ from tests.compensator_theory.samples import SAMPLES
 
 RESULTS = [
     cls
-    for cls in (getattr(exact, name) for name in exact.__all__)
+    for cls in (getattr(m, name) for m in (exact, exact.results) for name in m.__all__)
     if inspect.isclass(cls) and issubclass(cls, ExactValue)
 ]
 PARSER = MathTextParser("path")

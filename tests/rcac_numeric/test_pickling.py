@@ -21,7 +21,8 @@ from rcac_numeric.arrays.values import equal
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 from tests.support.estimation_samples import ESTIMATORS
 
-PUBLIC = [getattr(rcac, name) for name in rcac.__all__]
+PUBLIC = [getattr(rcac, name) for name in rcac.__all__ if name != "results"]
+PUBLIC += [getattr(rcac.results, name) for name in rcac.results.__all__]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
 DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.

@@ -6,6 +6,7 @@ import numpy as np
 import sympy
 
 import rcac_numeric as rcac
+from rcac_numeric import results
 from tests.support.estimation_cases import dynamics, linear_case, output
 
 # What runs, and what it warns of.
@@ -78,14 +79,14 @@ ESTIMATION_SAMPLES = {
     rcac.SymbolicModel: symbolic,
     rcac.EKF: filter_of,
     rcac.UKF: lambda seed: rcac.UKF(symbolic(seed), Q=0.1, R=1.0, alpha=2.5, beta=seed / 7),
-    rcac.StateEstimates: estimates,
-    rcac.Consistency: lambda seed: estimates(seed).nis_consistency(),
-    rcac.Observability: lambda seed: estimates(seed).observability,
+    results.StateEstimates: estimates,
+    results.Consistency: lambda seed: estimates(seed).nis_consistency(),
+    results.Observability: lambda seed: estimates(seed).observability,
     rcac.FIRSubsystem: lambda seed: rcac.FIRSubsystem(1 + seed, strictly_proper=bool(seed % 2)),
     rcac.RepeatedParameters: lambda seed: linearisation(seed).subsystem,
-    rcac.Linearisation: linearisation,
+    results.Linearisation: linearisation,
     rcac.RCMR: rcmr,
-    rcac.RefinementRun: run,
+    results.RefinementRun: run,
     rcac.IndirectSettings: indirect,
-    rcac.Evidence: lambda seed: run(seed).evidence,
+    results.Evidence: lambda seed: run(seed).evidence,
 }

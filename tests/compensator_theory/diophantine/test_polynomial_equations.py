@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     BudgetError,
-    DiophantineSolution,
     InputError,
     NoSolutionError,
     polynomial,
     solve_diophantine,
 )
+from compensator_theory.results import DiophantineSolution
 from compensator_theory.strategies import polynomials
 
 s, a, b = sympy.symbols("s a b")

@@ -12,11 +12,11 @@ from rcac_numeric import (
     BoostConverter,
     CartPendulum,
     MassSpringDamper,
-    OperatingPoint,
     load_experiment,
     no_guaranteed_margins_standard,
     plant_zeros,
 )
+from rcac_numeric.results import OperatingPoint
 
 EXAMPLE = Path(__file__).resolve().parents[4] / "examples" / "boost_converter.toml"
 
