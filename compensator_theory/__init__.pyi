@@ -1,4 +1,5 @@
 __version__: str
+from . import errors as errors
 from . import results as results
 from . import strategies as strategies
 from .bezout.bezout_matrices import bezout_matrix as bezout_matrix
@@ -22,21 +23,8 @@ from .canonical_forms.smith import smith_form as smith_form
 from .canonical_forms.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
 from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
 from .diophantine.polynomial_equations import solve_diophantine as solve_diophantine
-from .errors import BudgetError as BudgetError
 from .errors import CompensatorError as CompensatorError
-from .errors import DivergedError as DivergedError
-from .errors import FunctionFailedError as FunctionFailedError
-from .errors import IllConditionedError as IllConditionedError
-from .errors import ImproperError as ImproperError
 from .errors import InputError as InputError
-from .errors import NoSolutionError as NoSolutionError
-from .errors import NotControllableError as NotControllableError
-from .errors import NotCoprimeError as NotCoprimeError
-from .errors import NotObservableError as NotObservableError
-from .errors import NotReachableTargetError as NotReachableTargetError
-from .errors import PrecisionError as PrecisionError
-from .errors import RoundingWarning as RoundingWarning
-from .errors import UnitCircleError as UnitCircleError
 from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
 from .frequency.norms import h_infinity_norm as h_infinity_norm
 from .frequency.passivity import decide_bounded_real as decide_bounded_real

@@ -1,7 +1,6 @@
 """The reference, made from the packages themselves.
 
-Every public name has a page under the name by which it is imported, from its package or from the
-package's ``results``, and a place in a group of its
+Every public name has a page under the name by which it is imported, and a place in a group of its
 task (``reference_groups``); every folder of the packages has a page with its public names and all
 that is not public.
 """
@@ -22,11 +21,11 @@ PACKAGES = {
 }
 INDEX = """# Reference
 
-Every public name is imported from its package, `from rcac_numeric import simulate`, or, if it is
-the class of what a function returns, from the package's `results`,
-`from rcac_numeric.results import H2Cost`; it has a page under that name. The groups are by task.
-Whoever has the dissertation beside them begins with [its equations](equations.md); whoever changes
-the code, with [the folders](folders.md).
+Every public name has a page under the name by which it is imported: from its package,
+`from rcac_numeric import simulate`, or from one of the package's namespaces,
+`from rcac_numeric.sweeps import Study`; the classes of what functions return are all in `results`.
+The groups are by task. Whoever has the dissertation beside them begins with
+[its equations](equations.md); whoever changes the code, with [the folders](folders.md).
 
 {tables}
 ```{{toctree}}
@@ -92,21 +91,30 @@ def groups(package: str) -> Iterator[Group]:
 
 @cache
 def public_names(package: str) -> dict[str, str]:
-    """The module in which each public name of a package lives; its results are public names."""
-    homes = {**_stubbed(package, "__init__"), **_stubbed(package, "results")}
-    return {name: home for name, home in homes.items() if (home, name) != (package, "results")}
+    """The module in which each public name of a package lives, those of its namespaces included."""
+    homes = {}
+    for space in namespaces(package):
+        homes |= _names(space)
+    spaces = {space.rpartition(".")[2] for space in namespaces(package)}
+    return {name: home for name, home in homes.items() if name not in spaces}
 
 
 @cache
-def _stubbed(package: str, stub: str) -> dict[str, str]:
-    return {
-        alias.name: f"{package}.{node.module}" if node.module else package
-        for node in ast.parse((ROOT / package / f"{stub}.pyi").read_text()).body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    }
+def namespaces(package: str) -> list[str]:
+    """The modules from which the public names of a package are imported, the package first.
+
+    Examples
+    --------
+    >>> from docs.reference_pages import namespaces
+    >>> namespaces("compensator_theory")
+    ['compensator_theory', 'compensator_theory.errors', 'compensator_theory.results']
+    """
+    top = _stubbed(ROOT / package / "__init__.pyi", package)
+    modules = [name for name, home in top.items() if home == package]
+    return [package, *sorted(f"{package}.{name}" for name in modules if name != "strategies")]
 
 
+@cache
 def public_path(package: str, name: str) -> str:
     """The dotted name by which a public name is imported.
 
@@ -116,8 +124,27 @@ def public_path(package: str, name: str) -> str:
     >>> public_path("rcac_numeric", "simulate"), public_path("rcac_numeric", "H2Cost")
     ('rcac_numeric.simulate', 'rcac_numeric.results.H2Cost')
     """
-    module = f"{package}.results" if name in _stubbed(package, "results") else package
-    return f"{module}.{name}"
+    return next(f"{space}.{name}" for space in namespaces(package) if name in _names(space))
+
+
+def _names(space: str) -> dict[str, str]:
+    path = ROOT.joinpath(*space.split("."))
+    if path.is_dir():
+        return _stubbed(path / "__init__.pyi", space)
+    stub = path.with_suffix(".pyi")
+    if stub.exists():
+        return _stubbed(stub, space.rpartition(".")[0])
+    body = ast.parse(path.with_suffix(".py").read_text()).body
+    return {node.name: space for node in body if isinstance(node, ast.ClassDef)}
+
+
+def _stubbed(stub: Path, package: str) -> dict[str, str]:
+    return {
+        alias.name: f"{package}.{node.module}" if node.module else package
+        for node in ast.parse(stub.read_text()).body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
 
 
 def page_of(package: str, name: str) -> str:
@@ -234,7 +261,8 @@ def _documented(module: str) -> Iterator[str]:
 def _modules(folder: str) -> Iterator[str]:
     directory = ROOT.joinpath(*folder.split("."))
     init = directory / "__init__.py"
-    if folder not in PACKAGES and len(init.read_text().splitlines()) > 3:
+    is_namespace = "lazy_loader" in init.read_text()  # its names are those of its files
+    if not is_namespace and len(init.read_text().splitlines()) > 3:
         yield folder
         if "__all__" in init.read_text():  # it gathers what its files make, as the strategies do
             return

@@ -1,5 +1,10 @@
 __version__: str
+from . import dissertation as dissertation
+from . import estimation as estimation
+from . import gallery as gallery
+from . import identification as identification
 from . import results as results
+from . import sweeps as sweeps
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
 from .analysis.exact_comparison import compare_exactly as compare_exactly
 from .analysis.match import IntercalatedMatch as IntercalatedMatch
@@ -43,10 +48,6 @@ from .controllers.updates.recursive import Covariance as Covariance
 from .controllers.updates.resets import CovarianceReset as CovarianceReset
 from .controllers.updates.sliding_window import SlidingWindow as SlidingWindow
 from .controllers.weights import SignalWeight as SignalWeight
-from .dissertation.errata.checking import check_erratum as check_erratum
-from .dissertation.errata.reading import find_errata as find_errata
-from .dissertation.load import load_example as load_example
-from .dissertation.reproduce import reproduce as reproduce
 from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
@@ -61,28 +62,6 @@ from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
 from .engine.streams import simulate_stream as simulate_stream
-from .estimation.consistency import nees_consistency as nees_consistency
-from .estimation.consistency import nis_consistency as nis_consistency
-from .estimation.estimates import estimate as estimate
-from .estimation.estimator import Estimator as Estimator
-from .estimation.models.linear import LinearModel as LinearModel
-from .estimation.models.nonlinear import NonlinearModel as NonlinearModel
-from .estimation.models.symbolic import SymbolicModel as SymbolicModel
-from .estimation.observability import UnobservableWarning as UnobservableWarning
-from .estimation.observability import observability as observability
-from .estimation.refinement.evidence import UnidentifiableWarning as UnidentifiableWarning
-from .estimation.refinement.record import refine as refine
-from .estimation.refinement.refinement import ModelRefinement as ModelRefinement
-from .estimation.refinement.settings import RCMR as RCMR
-from .estimation.refinement.subsystems import FIRSubsystem as FIRSubsystem
-from .estimation.refinement.subsystems import RepeatedParameters as RepeatedParameters
-from .estimation.refinement.subsystems import repeated_parameters as repeated_parameters
-from .estimation.riccati.forward import ForwardEstimator as ForwardEstimator
-from .estimation.riccati.forward import ForwardRegulator as ForwardRegulator
-from .estimation.riccati.indirect import IndirectController as IndirectController
-from .estimation.riccati.indirect import IndirectSettings as IndirectSettings
-from .estimation.settings import EKF as EKF
-from .estimation.settings import UKF as UKF
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.figure_requests import FigureRequest as FigureRequest
@@ -97,43 +76,14 @@ from .h2.noise import with_bias as with_bias
 from .h2.riccati.equations import solve_dare as solve_dare
 from .health.diagnosis import loop_health as loop_health
 from .health.warning import HealthWarning as HealthWarning
-from .identification.bootstrap import bootstrap_zeros as bootstrap_zeros
 from .identification.data_targets import target_from_data as target_from_data
-from .identification.era import eigensystem_realisation as eigensystem_realisation
 from .identification.modelling import (
     modelling_information_from_markov as modelling_information_from_markov,
 )
-from .identification.mu_markov import identify_markov_parameters as identify_markov_parameters
-from .identification.noise_models import NeweyWest as NeweyWest
-from .identification.online.arx import RecursiveARX as RecursiveARX
-from .identification.online.mu_markov import RecursiveMuMarkov as RecursiveMuMarkov
-from .identification.recursive import RecursiveMarkov as RecursiveMarkov
-from .identification.windows import IdentifiedWindow as IdentifiedWindow
-from .identification.windows import identify_windows as identify_windows
-from .identification.zeros import identified_zeros as identified_zeros
 from .margins.classical import stability_margins as stability_margins
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
 from .plants.foreign.reading import plant_of as plant_of
 from .plants.functions import FunctionPlant as FunctionPlant
-from .plants.gallery.aircraft import aircraft as aircraft
-from .plants.gallery.aircraft import aircraft_matrices as aircraft_matrices
-from .plants.gallery.aircraft import aircraft_plant as aircraft_plant
-from .plants.gallery.aircraft import aircraft_transition as aircraft_transition
-from .plants.gallery.boost_converter import BoostConverter as BoostConverter
-from .plants.gallery.cart_pendulum import CartPendulum as CartPendulum
-from .plants.gallery.continuous import ContinuousPlant as ContinuousPlant
-from .plants.gallery.limited_margins import limited_delay_margin as limited_delay_margin
-from .plants.gallery.limited_margins import no_guaranteed_margins as no_guaranteed_margins
-from .plants.gallery.limited_margins import (
-    no_guaranteed_margins_standard as no_guaranteed_margins_standard,
-)
-from .plants.gallery.mass_spring import MassSpringDamper as MassSpringDamper
-from .plants.gallery.rohrs import critical_period as critical_period
-from .plants.gallery.rohrs import rohrs_plant as rohrs_plant
-from .plants.gallery.rohrs import sampling_zeros as sampling_zeros
-from .plants.gallery.zero_order_hold import zero_order_hold as zero_order_hold
-from .plants.gallery.zeros import plant_zeros as plant_zeros
-from .plants.gallery.zeros import zero_path as zero_path
 from .plants.linear import Plant as Plant
 from .plants.problems import servo_plant as servo_plant
 from .plants.problems import standard_plant as standard_plant
@@ -157,26 +107,6 @@ from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step
 from .signals.waveforms import WhiteNoise as WhiteNoise
-from .sweeps.results.export import export_table as export_table
-from .sweeps.results.overview import sweep_overview as sweep_overview
-from .sweeps.results.replay import replay_run as replay_run
-from .sweeps.results.statistics import summarise as summarise
-from .sweeps.results.statistics import wilson_interval as wilson_interval
-from .sweeps.results.table import SweepTable as SweepTable
-from .sweeps.results.table import read_table as read_table
-from .sweeps.running.progress import Progress as Progress
-from .sweeps.running.progress import ProgressLine as ProgressLine
-from .sweeps.running.sweep import StudyInterrupted as StudyInterrupted
-from .sweeps.running.sweep import run_study as run_study
-from .sweeps.store.care import StoreCheck as StoreCheck
-from .sweeps.store.care import check_store as check_store
-from .sweeps.store.care import repair_store as repair_store
-from .sweeps.store.problems import StoreError as StoreError
-from .sweeps.study.axes import Axis as Axis
-from .sweeps.study.axes import RandomAxis as RandomAxis
-from .sweeps.study.files import load_study as load_study
-from .sweeps.study.measures import Kept as Kept
-from .sweeps.study.study import Study as Study
 from .targets.data_driven import DataDriven as DataDriven
 from .targets.directions.checks import check_directions as check_directions
 from .targets.directions.from_data import directions_from_data as directions_from_data

@@ -8,14 +8,14 @@ from .checks.replays import ControlReplay as ControlReplay
 from .dissertation.errata.checking import Checked as Checked
 from .dissertation.errata.entries import Erratum as Erratum
 from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
-from .dissertation.reproduce import Reproduction as Reproduction
+from .dissertation.reproduction import Reproduction as Reproduction
 from .engine.learning.target_learner import LearnedTarget as LearnedTarget
 from .engine.live.changes import AppliedChange as AppliedChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.streams import CaseResult as CaseResult
 from .estimation.consistency import Consistency as Consistency
 from .estimation.estimates import StateEstimates as StateEstimates
-from .estimation.observability import Observability as Observability
+from .estimation.local_observability import Observability as Observability
 from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.record import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 import rcac_numeric as rcac
-from rcac_numeric import results
+from rcac_numeric import gallery, identification, results, sweeps
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.signals.signal import Scaled, Sum
@@ -199,11 +199,11 @@ def sweep_table(seed):
     outcomes = np.array(["completed", "diverged"] * 2, dtype=object)
     columns = {"run": np.arange(4), "gain": np.array([1, 1, 2, 2]), "outcome": outcomes,
                "rms": np.abs(random(seed, 4))}  # fmt: skip
-    return rcac.SweepTable(columns, ("gain",), ("rms",))
+    return sweeps.SweepTable(columns, ("gain",), ("rms",))
 
 
 def erratum(seed):
-    return replace(rcac.find_errata()[0], name=f"entry-{seed}")
+    return replace(rcac.dissertation.find_errata()[0], name=f"entry-{seed}")
 
 
 def first_order(seed):
@@ -213,7 +213,7 @@ def first_order(seed):
 
 
 def identified_window(seed):
-    return rcac.identify_windows(*first_order(seed), mu=5, n_mod=1, order=1)[0]
+    return identification.identify_windows(*first_order(seed), mu=5, n_mod=1, order=1)[0]
 
 
 SAMPLES = {
@@ -270,30 +270,30 @@ SAMPLES = {
         random(seed, 40, 1), np.vstack([np.zeros((1, 1)), random(seed, 40, 1)[:-1]]), order=1
     ),
     results.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
-    results.EigensystemRealisation: lambda seed: rcac.eigensystem_realisation(
+    results.EigensystemRealisation: lambda seed: identification.eigensystem_realisation(
         [0, *(float(fraction(seed)) ** i for i in range(5))]
     ),
-    results.IdentifiedMarkovParameters: lambda seed: rcac.identify_markov_parameters(
+    results.IdentifiedMarkovParameters: lambda seed: identification.identify_markov_parameters(
         signals(seed)["u"], signals(seed)["y"], mu=2, n_mod=1
     ),
-    rcac.NeweyWest: lambda seed: rcac.NeweyWest(lags=seed),
+    identification.NeweyWest: lambda seed: identification.NeweyWest(lags=seed),
     results.IdentifiedZeros: lambda seed: identified_window(seed).zeros,
-    rcac.IdentifiedWindow: identified_window,
-    results.BootstrapZeros: lambda seed: rcac.bootstrap_zeros(
+    identification.IdentifiedWindow: identified_window,
+    results.BootstrapZeros: lambda seed: identification.bootstrap_zeros(
         *first_order(seed), mu=4, n_mod=1, order=1, seed=seed, replicates=3
     ),
     results.DataTarget: lambda seed: rcac.target_from_data(
         *first_order(seed), mu=5, n_mod=1, order=1
     ),
     # the gallery
-    rcac.ContinuousPlant: lambda seed: rcac.ContinuousPlant(
+    gallery.ContinuousPlant: lambda seed: gallery.ContinuousPlant(
         random(seed, 2, 2), random(seed, 2, 1), random(seed, 1, 2), outputs=[f"y{seed}, V"]
     ),
-    results.ZeroPath: lambda seed: rcac.zero_path(schedule(seed), [0, 3]),
+    results.ZeroPath: lambda seed: gallery.zero_path(schedule(seed), [0, 3]),
     results.OperatingPoint: lambda seed: results.OperatingPoint(random(seed, 2), [seed]),
-    rcac.BoostConverter: lambda seed: rcac.BoostConverter(supply=1 + seed),
-    rcac.CartPendulum: lambda seed: rcac.CartPendulum(length=1 + seed),
-    rcac.MassSpringDamper: lambda seed: rcac.MassSpringDamper(mass=1 + seed),
+    gallery.BoostConverter: lambda seed: gallery.BoostConverter(supply=1 + seed),
+    gallery.CartPendulum: lambda seed: gallery.CartPendulum(length=1 + seed),
+    gallery.MassSpringDamper: lambda seed: gallery.MassSpringDamper(mass=1 + seed),
     # controllers
     rcac.Tap: lambda seed: rcac.Tap("y", 0, seed),
     rcac.DerivedSignal: lambda seed: rcac.DerivedSignal(random(seed, 2), [0, 1], pole=-1.0),
@@ -357,14 +357,17 @@ SAMPLES = {
     results.Reproduction: lambda seed: results.Reproduction((), Path(f"gallery-{seed}/index.html")),
     # sweeps
     results.CaseResult: lambda seed: results.CaseResult(seed, "completed", random(seed, 3)),
-    rcac.Axis: lambda seed: rcac.Axis("gain", random(seed, 3), sets="plant.gain"),
-    rcac.RandomAxis: lambda seed: rcac.RandomAxis("gain", "normal", [seed, 1], draws=2),
-    rcac.Kept: lambda seed: rcac.Kept("peak", "late", {"start": seed}),
-    rcac.Study: lambda seed: rcac.Study(
-        {"run": {"steps": 9}}, [rcac.Axis("R_theta", [seed, -1], sets="run.R_theta")], [], seed=seed
+    sweeps.Axis: lambda seed: sweeps.Axis("gain", random(seed, 3), sets="plant.gain"),
+    sweeps.RandomAxis: lambda seed: sweeps.RandomAxis("gain", "normal", [seed, 1], draws=2),
+    sweeps.Kept: lambda seed: sweeps.Kept("peak", "late", {"start": seed}),
+    sweeps.Study: lambda seed: sweeps.Study(
+        {"run": {"steps": 9}},
+        [sweeps.Axis("R_theta", [seed, -1], sets="run.R_theta")],
+        [],
+        seed=seed,
     ),
-    rcac.Progress: lambda seed: rcac.Progress(seed, SEEDS, 2.5, diverged=1),
-    rcac.SweepTable: sweep_table,
+    sweeps.Progress: lambda seed: sweeps.Progress(seed, SEEDS, 2.5, diverged=1),
+    sweeps.SweepTable: sweep_table,
     results.SweepOverview: lambda seed: results.SweepOverview(
         "store",
         "",
@@ -379,13 +382,15 @@ SAMPLES = {
         4,
         4,
         sweep_table(seed),
-        rcac.summarise(sweep_table(seed), "rms"),
+        sweeps.summarise(sweep_table(seed), "rms"),
     ),
     results.ReplayedRun: lambda seed: results.ReplayedRun(
         seed, 1, {"gain": 1}, AnalysedRun(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
     ),
-    rcac.StoreCheck: lambda seed: rcac.StoreCheck("store", seed, SEEDS, 1, ((8, 15),), ("why",)),
-    results.SweepSummary: lambda seed: rcac.summarise(sweep_table(seed), "rms"),
+    sweeps.StoreCheck: lambda seed: sweeps.StoreCheck(
+        "store", seed, SEEDS, 1, ((8, 15),), ("why",)
+    ),
+    results.SweepSummary: lambda seed: sweeps.summarise(sweep_table(seed), "rms"),
     # experiments, checks
     rcac.FigureRequest: lambda seed: rcac.FigureRequest("responses", "", first=seed),
     rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),

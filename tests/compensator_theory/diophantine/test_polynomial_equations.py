@@ -5,13 +5,8 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    BudgetError,
-    InputError,
-    NoSolutionError,
-    polynomial,
-    solve_diophantine,
-)
+from compensator_theory import InputError, polynomial, solve_diophantine
+from compensator_theory.errors import BudgetError, NoSolutionError
 from compensator_theory.results import DiophantineSolution
 from compensator_theory.strategies import polynomials
 

@@ -8,7 +8,7 @@ import pytest
 from compensator_theory import InputError
 from proofs.ledger.checks import run_counterexample
 from proofs.ledger.ledger import ledger
-from rcac_numeric import check_erratum, find_errata, load_example
+from rcac_numeric.dissertation import check_erratum, find_errata, load_example
 from rcac_numeric.dissertation.errata.entries import EVIDENCE
 from rcac_numeric.dissertation.errata.reading import CHAPTERS, read_chapter
 from rcac_numeric.dissertation.examples import example_ids

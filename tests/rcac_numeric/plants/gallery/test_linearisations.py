@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import (
+from rcac_numeric import load_experiment
+from rcac_numeric.gallery import (
     BoostConverter,
     CartPendulum,
     MassSpringDamper,
-    load_experiment,
     no_guaranteed_margins_standard,
     plant_zeros,
 )
