@@ -80,6 +80,7 @@ LAYERS = {
         "errata",
         "reports.page",
         "reproduction",
+        "export",
         "cli",
         "cli.dissertation",
         "cli.studies",
