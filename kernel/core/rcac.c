@@ -39,7 +39,9 @@ typedef char rcac_real_has_its_width[sizeof(rcac_real) == sizeof(rcac_bits) ? 1 
 
 #define N RCAC_L_THETA
 
+#if RCAC_ADAPTS
 static rcac_real magnitude(rcac_real x) { return x < 0 ? -x : x; }
+#endif
 
 /* By the bits of the exponent, which no option of a compiler takes for granted. */
 static int is_finite(rcac_real x) {

@@ -38,7 +38,7 @@ def compiler(name="gcc"):
 class Core:
     """One controller in C, with the names of rcac.h."""
 
-    def __init__(self, tables, real="float64", flags=("-std=c99", "-O2"), cc="gcc"):
+    def __init__(self, tables, real="float64", flags=("-std=c99", "-O2"), cc="gcc", edit=str):
         self.tables, self.real = tables, np.dtype(real)
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder)
@@ -47,12 +47,15 @@ class Core:
             (path / f"shim.{suffix}").write_text(
                 f'extern "C" {{{SHIM}}}' if suffix == "cpp" else SHIM
             )
-            shutil.copy(CORE / "rcac.c", path / f"rcac.{suffix}")
+            (path / f"rcac.{suffix}").write_text(edit((CORE / "rcac.c").read_text()))
+            # Linked without the flags: those of fast math would flush what is tiny to zero in all
+            # of this process.
+            sources = [f"rcac.{suffix}", f"shim.{suffix}"]
+            included = [f"-I{path}", f"-I{CORE}"]
             subprocess.run(
-                [cc, *flags, "-fPIC", "-shared", *WARNINGS, f"-I{path}", f"-I{CORE}",
-                 path / f"rcac.{suffix}", path / f"shim.{suffix}", "-o", path / "core.so"],
-                check=True,
-            )  # fmt: skip
+                [cc, *flags, "-fPIC", "-c", *WARNINGS, *included, *sources], check=True, cwd=path
+            )
+            subprocess.run([cc, "-shared", "rcac.o", "shim.o", "-o", "core.so"], check=True, cwd=path)
             self.library = ctypes.CDLL(str(path / "core.so"))
         self.library.make.restype = ctypes.c_void_p
         self.library.theta.restype = ctypes.c_void_p
