@@ -10,7 +10,8 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import one_of
-from rcac_numeric.export.tables import REMEMBERED_STEPS, CoreTables, Pairs, whitening
+from rcac_numeric.export.recording import Recording
+from rcac_numeric.export.tables import CoreTables, Pairs, whitening
 
 REALS = ("float64", "float32")
 
@@ -83,7 +84,8 @@ def config_header(tables: CoreTables, real: str = "float64") -> str:
     --------
     >>> from rcac_numeric import UD, ControllerSettings, TargetModel, iir
     >>> from rcac_numeric.export.header import config_header
-    >>> from rcac_numeric.export.tables import core_tables
+    >>> from rcac_numeric.export.recording import Recording
+from rcac_numeric.export.tables import core_tables
     >>> text = config_header(core_tables(ControllerSettings(
     ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=0.5))))
     >>> "#define RCAC_L_THETA 4" in text
@@ -113,7 +115,6 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
     single = real == "float32"
     every, trace_below, growth, short, long = t.reset
     forget_short, forget_long = t.forgetting[:2]
-    power_window = max(forget_long, long if growth > 0 else 0) if t.adapts else 0
     steps = {"K_W": t.k_w, "K_UPDATE": t.k_update, "K_FILTER": t.k_filter}
     targets = [value for _, kind, value in t.events if kind == 4]
     block = t.l_z * t.l_z
@@ -126,10 +127,10 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
         "DEPTH": t.reach + 1,
         "TAPS": len(t.regressor),
         "L_THETA": t.l_theta,
-        "UPPER": max(1, t.l_theta * (t.l_theta - 1) // 2),
+        "UPPER": t.upper,
         "CHANNELS": len(t.channels),
         "ORDER": t.order,
-        "OUTPUT_DEPTH": max(t.order, *(delay for _, delay in t.filtered)) + 1,
+        "OUTPUT_DEPTH": t.output_depth,
         "ADAPTS": int(t.adapts),
         "FILTER_FORM": int(t.filter_form),
         "MEASURES_FIRST": int(t.measures_first),
@@ -137,7 +138,7 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
         "RECURSIVE": int(t.live or bool(first[:, 1:].any())),
         "LIVE": int(t.live),
         "SOURCES": len(t.sources),
-        "REMEMBERED": t.reach + REMEMBERED_STEPS + t.order + 1,
+        "REMEMBERED": t.remembered,
         **{name: f"INT64_C({step})" for name, step in steps.items()},
         "ROWS": t.rows,
         "PENALTY": int(bool(t.penalty)),
@@ -153,12 +154,12 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
         "EVENTS": len(t.events),
         "VARIABLE_RATE": int(forget_long > 0),
         "FORGET_SHORT": forget_short, "FORGET_LONG": forget_long,
-        "POWER_WINDOW": power_window,
+        "POWER_WINDOW": t.power_window,
         "RESET_EVERY": every,
         "TRACE_BELOW_RULE": int(trace_below > 0),
         "GROWTH_RULE": int(growth > 0),
         "RESET_SHORT": short, "RESET_LONG": long,
-        "NEEDS_ROOT": int(power_window > 0 or t.varying_weights or t.normalization[0] == 2),
+        "NEEDS_ROOT": int(t.power_window > 0 or t.varying_weights or t.normalization[0] == 2),
         "DENSE_P_0": int(bool(t.U_0)),
         "CARRY": int(single), "CAP": int(single and t.forgets),
         "SCALE": out.number(t.scale),
@@ -215,3 +216,32 @@ def _define_tables(out: _Writer, t: CoreTables) -> None:
     out.integers("event_kind", [kind for _, kind, _ in t.events], "uint8_t")
     out.numbers("event_value", [value for _, _, value in t.events])
     out.integers("event_target", [int(v) if kind == 4 else 0 for _, kind, v in t.events])
+
+
+def vector_header(
+    tables: CoreTables, recording: Recording, real: str = "float64", tolerance: float = 0.0
+) -> str:
+    """The text of rcac_vector.h: inputs, u of every step and theta at the end.
+
+    Parameters
+    ----------
+    tables : CoreTables
+    recording : Recording
+    real : {"float64", "float32"}
+    tolerance : float
+        Of float32: relative to the largest u, and the largest entry of theta.
+    """
+    out = _Writer(one_of(real, "real", REALS))
+    out.define("VECTOR_STEPS", recording.steps)
+    out.define("STATE_SIZE", tables.sizes(real)[0])
+    bounds = {"U": recording.u, "THETA": recording.theta}
+    for name, values in bounds.items():
+        allowed = 0.0 if real == "float64" else tolerance * float(np.abs(values).max(initial=1e-30))
+        out.define(f"VECTOR_{name}", out.number(allowed))
+    for name in ("y", "z", "r", "u", "theta"):
+        # What is below the normal numbers of float32 is zero in it.
+        values = np.where(
+            np.abs(array := getattr(recording, name)) < np.finfo(real).tiny, 0.0, array
+        ) if real == "float32" else getattr(recording, name)  # fmt: skip
+        out.numbers(f"vector_{name}", values.reshape(-1).tolist())
+    return "\n".join(["#ifndef RCAC_VECTOR_H", "#define RCAC_VECTOR_H", *out.lines, "#endif", ""])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -29,6 +30,7 @@ LARGEST_L_THETA = 400
 LONGEST = 10_000  # delays, windows, events
 REMEMBERED_STEPS = 200  # as in kernel/controller/stored_signals.hpp
 KINDS_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
+C_INT, C_LONG = ctypes.c_int32, ctypes.c_int64
 Pairs = tuple[tuple[int, int], ...]
 Numbers = tuple[float, ...]
 
@@ -139,6 +141,82 @@ class CoreTables:
     def varying_weights(self) -> bool:
         """Whether a weight follows z."""
         return any(z_squared or nu for _, z_squared, nu in (self.R_z, self.R_u))
+
+    @property
+    def upper(self) -> int:
+        """Entries of U above its diagonal; C knows no empty array."""
+        return max(1, self.l_theta * (self.l_theta - 1) // 2)
+
+    @property
+    def power_window(self) -> int:
+        """Steps over which z'z is kept."""
+        long = self.reset[4] if self.reset[2] > 0 else 0
+        return max(self.forgetting[1], long) if self.adapts else 0
+
+    @property
+    def output_depth(self) -> int:
+        """Steps that each filtered signal is kept."""
+        return max(self.order, *(delay for _, delay in self.filtered)) + 1
+
+    @property
+    def remembered(self) -> int:
+        """Steps that the signals are kept for another target model."""
+        return self.reach + REMEMBERED_STEPS + self.order + 1
+
+    def sizes(self, real: str) -> tuple[int, int]:
+        """Bytes of `rcac_state` as this machine aligns it, and of the constants.
+
+        Parameters
+        ----------
+        real : {"float64", "float32"}
+        """
+        number: Any = ctypes.c_double if real == "float64" else ctypes.c_float
+        n, l_u, block, i32, i64 = self.l_theta, self.l_u, self.l_z * self.l_u, C_INT, C_LONG
+        fields = [(i32, 5), (i64, 1), (number, l_u)]
+        fields += [(number, (l_u + self.l_e + len(self.derived)) * (self.reach + 1) + n)]
+        fields += [(number, l_u if self.low else 0)]
+        fixed = (l_u + self.l_e) * (self.fixed_order + 2)
+        fields += [(number, fixed if self.past_e else 0)]
+        if self.adapts:
+            fields += [(number, n if real == "float32" else 0), (number, self.upper + n)]
+            fields += [(number, len(self.channels) * (self.order + 1 + block * self.output_depth))]
+            fields += [(number, 1)]
+            if self.live:
+                fields += [(number, (self.order + 1) * (block + self.l_z**2))]
+                fields += [(number, len(self.sources) * self.remembered)]
+            fields += [(i32, 1), (number, self.power_window), (i64, int(self.power_window > 0))]
+            fields += [(number, int(self.reset[1] > 0)), (i32, 1), (i64, 5)]
+        members = [(f"_{i}", kind * count) for i, (kind, count) in enumerate(fields) if count]
+        state = type("State", (ctypes.Structure,), {"_fields_": members})
+        numbers = (
+            self.theta_0, self.D_0, self.U_0, self.numerators, self.denominators, self.penalty,
+            self.noise, self.past_v, self.past_e,
+        )  # fmt: skip
+        pairs = len(self.regressor) + len(self.channels) + len(self.filtered) * self.adapts
+        constants = ctypes.sizeof(number) * sum(map(len, numbers)) + 4 * pairs
+        return ctypes.sizeof(state), constants
+
+    def operations(self) -> tuple[int, int]:
+        """Multiplications, with about as many additions, and divisions of a step at most."""
+        n, block = self.l_theta, self.l_z * self.l_u
+        control = n + self.l_e * (2 * len(self.derived) + (self.fixed_order + 1) * self.l_u)
+        control += self.fixed_order * self.l_u**2
+        if not self.adapts:
+            return control, 0
+        row = 3 * n * (n - 1) // 2 + 7 * n  # f, U and the gain; what each column and theta need
+        whitened = 0 if self.rows == 1 else n * (self.rows + 1)
+        taps = (self.order + 1) * (1 + self.l_z)
+        filtered = len(self.channels) * block * taps
+        inflated = len(self.noise) // n * (n * (n - 1) + 3 * n)
+        divisions = self.rows * (2 * n + 1) + (n if self.forgets else 0) + len(self.noise) * 2
+        return control + filtered + self.rows * (row + whitened) + inflated, divisions
+
+    def stack(self, real: str) -> int:
+        """Bytes of the stack that a step takes, about: its arrays and 150 for what it calls."""
+        arrays = 3 * self.l_theta + 2 * self.rows + (2 * self.rows**2 if self.varying_weights else 0)
+        if self.live:
+            arrays = max(arrays, 2 * self.l_z * self.l_u * self.remembered)
+        return (8 if real == "float64" else 4) * arrays + 150
 
 
 def core_tables(

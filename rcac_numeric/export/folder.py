@@ -1,0 +1,256 @@
+"""An exported controller: a folder of C with the vector that it was held against."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.validation import instance_of, items, one_of
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.export.building import compiler, replayed
+from rcac_numeric.export.header import REALS, config_header, vector_header
+from rcac_numeric.export.readme import readme
+from rcac_numeric.export.recording import Recording, recorded
+from rcac_numeric.export.tables import CoreTables, core_tables, scaled
+from rcac_numeric.plants.saturation import Saturation
+
+LAYOUTS = ("c", "arduino", "px4")
+# float32: of the largest u and theta of the recorded vector.
+SINGLE_TOLERANCE = 2e-3
+SMALLEST_R_THETA, LARGEST_R_THETA = 1e-40, 1e8
+
+
+@dataclass(frozen=True)
+class Export:
+    """What was written, and how it was held against its source.
+
+    Attributes
+    ----------
+    folder : Path
+    files : tuple of str
+        Relative to the folder.
+    real : str
+    state_bytes, constant_bytes : int
+        Of the state in RAM and of the constants in flash.
+    replay : str
+        What the replay of the recorded vector said; empty where there is no compiler here.
+    warnings : tuple of str
+    """
+
+    folder: Path
+    files: tuple[str, ...]
+    real: str
+    state_bytes: int
+    constant_bytes: int
+    replay: str
+    warnings: tuple[str, ...]
+
+    @property
+    def is_verified(self) -> bool:
+        """Whether the exported code was compiled and replayed the recorded vector here."""
+        return bool(self.replay)
+
+    def __str__(self) -> str:
+        said = self.replay or "not compiled: there is no C compiler here"
+        return (
+            f"{self.folder}: {len(self.files)} files, {self.real}, {self.state_bytes} bytes of RAM; "
+            f"{said}"
+        )
+
+
+def export_controller(
+    controller: ControllerSettings | FixedController | Compensator | Run,
+    folder: str | Path,
+    *,
+    real: str = "float64",
+    layout: str | Sequence[str] = "c",
+    prefix: str = "rcac",
+    saturation: Saturation | None = None,
+    live_order: int | None = None,
+    run: Run | None = None,
+) -> Export:
+    """Write a controller as C that needs no library, with a test that replays a recorded vector.
+
+    float64 gives the bits of the engine under RCAC_INSTRUCTION_SET=plain. Where this machine has a
+    C compiler, the folder is compiled and its test runs before it is handed out.
+
+    Parameters
+    ----------
+    controller : ControllerSettings, FixedController, Compensator or Run
+        The adapting controller, or a fixed one such as ``run.compensator``. A run stands for its
+        settings, its saturation and its signals.
+    folder : path
+        Made where it is not there; files of the same names are replaced.
+    real : {"float64", "float32"}
+        With float32 every coefficient has a carry, P is scaled by sqrt(R_theta), and D stays below
+        D(0) where something is forgotten.
+    layout : {"c", "arduino", "px4"}, or several of them
+        What is written beside the core, its test and a CMake project.
+    prefix : str
+        Of all names, for several controllers in one program.
+    saturation : Saturation, optional
+        Of the actuator; the core then applies it itself.
+    live_order : int, optional
+        With it the target model can be replaced while the controller runs, up to this order.
+    run : Run, optional
+        Whose signals are replayed; without one a small plant stands in.
+
+    Returns
+    -------
+    Export
+
+    Raises
+    ------
+    InputError
+        Where the controller has something that the core does not know, by name; where its numbers
+        leave float32; or where the replay of the exported code does not agree.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from rcac_numeric import UD, ControllerSettings, TargetModel, export_controller, iir
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=0.1))
+    >>> found = export_controller(settings, tempfile.mkdtemp())
+    >>> "src/rcac.c" in found.files, found.real
+    (True, 'float64')
+    """
+    if isinstance(controller, Run):
+        run = controller if run is None else run
+        saturation = controller.saturation if saturation is None else saturation
+        controller = controller.settings  # type: ignore[assignment]
+    if run is not None:
+        instance_of(run, "run", Run)
+    layouts = [layout] if isinstance(layout, str) else items(layout, "layout")
+    for one in layouts:
+        one_of(one, "layout", LAYOUTS)
+    if not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", prefix):
+        raise InputError(
+            f"prefix = {prefix!r}: a name of C with small letters, digits and _ is needed, such as "
+            "'roll'."
+        )
+    one_of(real, "real", REALS)
+    tables = core_tables(controller, saturation=saturation, live_order=live_order)
+    recording = recorded(controller, saturation, run)
+    warnings = _ranges(controller, tables, recording) if real == "float32" else ()
+    tables = scaled(tables) if real == "float32" else tables
+    texts = folder_texts(tables, recording, real, tuple(layouts), prefix, warnings)
+    target = Path(folder)
+    for name, text in texts.items():
+        path = target / name
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{path.parent} cannot be made: {error.strerror}.") from None
+        with replacing(path) as new:
+            new.write_text(text, encoding="ascii", newline="\n")
+    said = ""
+    if compiler() is not None:
+        agrees, said = replayed(target / "src", target / "test", prefix)
+        if not agrees:
+            raise InputError(
+                f"the exported code in {folder} does not do what its source does: {said}. "
+                + ("Use float64." if real == "float32" else "Please report it, with the settings.")
+            )
+    sizes = tables.sizes(real)
+    return Export(target, tuple(sorted(texts)), real, *sizes, said, tuple(warnings))
+
+
+def folder_texts(
+    tables: CoreTables,
+    recording: Recording,
+    real: str,
+    layouts: tuple[str, ...],
+    prefix: str,
+    warnings: Sequence[str] = (),
+) -> dict[str, str]:
+    """The texts of a folder by their names; the same arguments give the same bytes."""
+    core = core_texts()
+    texts = {
+        "src/rcac.c": core["rcac.c"],
+        "src/rcac.h": core["rcac.h"],
+        "src/rcac_config.h": config_header(tables, real),
+        "test/replay.c": core["layouts/c/replay.c"],
+        "test/rcac_vector.h": vector_header(tables, recording, real, SINGLE_TOLERANCE),
+        "README.md": readme(tables, recording, real, layouts, warnings),
+        "CMakeLists.txt": core["layouts/c/CMakeLists.txt"],
+        "examples/main.c": core["layouts/c/main.c"],
+    }
+    if "arduino" in layouts:
+        texts["library.properties"] = core["layouts/arduino/library.properties"]
+        texts["examples/rcac/rcac.ino"] = core["layouts/arduino/step.ino"]
+    if "px4" in layouts:
+        lambda_ = f"{np.float32(tables.lambda_)!s}f"
+        for name in ("CMakeLists.txt", "Kconfig", "rcac_module.cpp", "rcac_params.c"):
+            texts[f"px4/{name}"] = core[f"layouts/px4/{name}"].replace("@LAMBDA@", lambda_)
+    return {_renamed(name, prefix): _renamed(text, prefix) for name, text in texts.items()}
+
+
+def _renamed(text: str, prefix: str) -> str:
+    """With another prefix; the command `rcac` keeps its name."""
+    if prefix == "rcac":
+        return text
+    text = re.sub(r"\brcac(?! (?:export|check|verify)\b)(?=\b|_)", prefix, text)
+    text = re.sub(r"\bRCAC(?=_)", prefix.upper(), text)
+    text = re.sub(r"(?<=MODULES_)RCAC\b", prefix.upper(), text)
+    return re.sub(r"\bRcac\b", prefix.capitalize(), text)
+
+
+def core_texts() -> Mapping[str, str]:
+    """The texts of the core by their names: installed beside this module, or of the checkout."""
+    here = Path(__file__).resolve()
+    places = [here.parent / "core", here.parents[2] / "kernel" / "core"]
+    for place in places:
+        if (place / "rcac.c").is_file():
+            files = (path for path in sorted(place.rglob("*")) if path.is_file())
+            return {path.relative_to(place).as_posix(): path.read_text("ascii") for path in files}
+    raise CompensatorError(
+        "the text of the stand-alone core is not installed; install compensator-theory again."
+    )
+
+
+def _ranges(controller: Any, tables: CoreTables, recording: Recording) -> tuple[str, ...]:
+    """What float32 refuses and warns of, as measured (docs/boards.md)."""
+    if not isinstance(controller, ControllerSettings):
+        return ()
+    smallest, largest = 1 / max(tables.D_0), 1 / min(tables.D_0)
+    if smallest < SMALLEST_R_THETA:
+        raise InputError(
+            f"R_theta = {smallest:.3g} is below {SMALLEST_R_THETA:g}, where float32 was measured to "
+            "lose digits of theta; use float64, or a larger R_theta: below 1e-12 it rarely matters."
+        )
+    said = []
+    if largest > LARGEST_R_THETA:
+        said.append(
+            f"R_theta = {largest:.3g} is above {LARGEST_R_THETA:g}, which was not measured."
+        )
+    floor = 1e-12 * _largest_row(controller, recording)
+    if smallest < floor:
+        said.append(
+            f"R_theta = {smallest:.3g} is below {floor:.3g} = 1e-12 W max phi_f^2: rounding may decide "
+            "updates, and RCAC_UNSUPPORTED says when."
+        )
+    return tuple(said)
+
+
+def _largest_row(settings: ControllerSettings, recording: Recording) -> float:
+    """About the largest W phi_f^2, from the peak of G_f and the largest signal."""
+    signals: list[Array] = [recording.u, recording.y, recording.r]
+    largest = max((float(np.abs(s).max()) for s in signals if s.size), default=0.0)
+    peak = max(
+        float(np.abs(model.frequency_response(np.linspace(0, np.pi, 65))).max())
+        for model in settings.targets
+    )
+    weights = [R for R in (settings.R_z, settings.R_u) if isinstance(R, np.ndarray)]
+    return max([1.0, *(float(np.abs(R).max()) for R in weights)]) * (peak * largest) ** 2
