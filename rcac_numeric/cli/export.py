@@ -119,6 +119,8 @@ def _sheet(found: Export) -> Sheet:
     ]
     if found.is_verified:
         facts.append(Fact("replay", found.replay, "good"))
+    if found.agreement:
+        facts.append(Fact("float32", found.agreement))
     record = {
         "folder": str(found.folder),
         "files": list(found.files),
@@ -126,6 +128,7 @@ def _sheet(found: Export) -> Sheet:
         "state_bytes": found.state_bytes,
         "constant_bytes": found.constant_bytes,
         "replay": found.replay,
+        "agreement": found.agreement,
         "warnings": list(found.warnings),
     }
     return Sheet(

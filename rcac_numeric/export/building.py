@@ -31,7 +31,7 @@ def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequ
     """
     cc = compiler()
     if cc is None:
-        raise InputError("there is no C compiler: none is called cc, gcc or clang, and CC is empty.")
+        raise InputError("there is no C compiler here: no cc, gcc or clang, and CC is empty.")
     command = [cc, *FLAGS, *flags, *(f"-I{path}" for path in includes)]
     done = subprocess.run(
         [*command, *map(str, sources), "-o", str(program)],

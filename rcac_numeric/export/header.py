@@ -33,7 +33,7 @@ class _Writer:
             value = math.copysign(self.largest, value)
         rounded = self.real(value)
         tiny = abs(float(rounded)) < float(np.finfo(self.real).tiny)
-        if value and tiny and self.suffix:
+        if value and tiny and self.suffix and value != float(rounded):
             raise InputError(
                 f"{name} holds {value:g}, below the normal numbers of float32. Use float64."
             )
@@ -85,7 +85,7 @@ def config_header(tables: CoreTables, real: str = "float64") -> str:
     >>> from rcac_numeric import UD, ControllerSettings, TargetModel, iir
     >>> from rcac_numeric.export.header import config_header
     >>> from rcac_numeric.export.recording import Recording
-from rcac_numeric.export.tables import core_tables
+    from rcac_numeric.export.tables import core_tables
     >>> text = config_header(core_tables(ControllerSettings(
     ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=0.5))))
     >>> "#define RCAC_L_THETA 4" in text
@@ -218,9 +218,7 @@ def _define_tables(out: _Writer, t: CoreTables) -> None:
     out.integers("event_target", [int(v) if kind == 4 else 0 for _, kind, v in t.events])
 
 
-def vector_header(
-    tables: CoreTables, recording: Recording, real: str = "float64", tolerance: float = 0.0
-) -> str:
+def vector_header(tables: CoreTables, recording: Recording, real: str = "float64") -> str:
     """The text of rcac_vector.h: inputs, u of every step and theta at the end.
 
     Parameters
@@ -228,20 +226,11 @@ def vector_header(
     tables : CoreTables
     recording : Recording
     real : {"float64", "float32"}
-    tolerance : float
-        Of float32: relative to the largest u, and the largest entry of theta.
     """
     out = _Writer(one_of(real, "real", REALS))
     out.define("VECTOR_STEPS", recording.steps)
     out.define("STATE_SIZE", tables.sizes(real)[0])
-    bounds = {"U": recording.u, "THETA": recording.theta}
-    for name, values in bounds.items():
-        allowed = 0.0 if real == "float64" else tolerance * float(np.abs(values).max(initial=1e-30))
-        out.define(f"VECTOR_{name}", out.number(allowed))
     for name in ("y", "z", "r", "u", "theta"):
-        # What is below the normal numbers of float32 is zero in it.
-        values = np.where(
-            np.abs(array := getattr(recording, name)) < np.finfo(real).tiny, 0.0, array
-        ) if real == "float32" else getattr(recording, name)  # fmt: skip
-        out.numbers(f"vector_{name}", values.reshape(-1).tolist())
+        values = getattr(recording, name).reshape(-1).tolist()
+        out.numbers(f"vector_{name}", values)
     return "\n".join(["#ifndef RCAC_VECTOR_H", "#define RCAC_VECTOR_H", *out.lines, "#endif", ""])

@@ -13,6 +13,7 @@ def readme(
     recording: Recording,
     real: str,
     layouts: tuple[str, ...],
+    agreement: str,
     warnings: Sequence[str],
 ) -> str:
     """Sizes, operations, units, and how the folder is used.
@@ -23,15 +24,17 @@ def readme(
     recording : Recording
     real : {"float64", "float32"}
     layouts : tuple of str
+    agreement : str
+        Of float32 with float64.
     warnings : sequence of str
     """
     t = tables
     state, constants = t.sizes(real)
     products, quotients = t.operations()
     exact = (
-        "the same bits as the engine under RCAC_INSTRUCTION_SET=plain"
+        "the bits of the engine under RCAC_INSTRUCTION_SET=plain"
         if real == "float64"
-        else "within 0.2 % of the float64 engine (RCAC_VECTOR_U and RCAC_VECTOR_THETA)"
+        else "the bits that the export recorded in a closed loop around this code"
     )
     said = [
         "# A controller in C",
@@ -48,30 +51,32 @@ def readme(
         "status = rcac_step(&s, y, z, r, u);  /* y(k), z(k), r(k) in; u(k) out */",
         "```",
         "",
-        f"y has {t.l_y} entries, z {t.l_z}, r {t.l_r} and u {t.l_u}. Their units are those of the data "
-        "that the settings were tuned with; a step is one sample of them. rcac.h says what a status "
-        "means, and how to freeze, save and restore.",
+        f"y has {t.l_y} entries, z {t.l_z}, r {t.l_r} and u {t.l_u}. Their units are those of the "
+        "data that the settings were tuned with; a step is one sample of them. rcac.h says what a "
+        "status means, and how to freeze, save and restore.",
         "",
         "## Sizes",
         "",
         f"- RAM: {state} bytes, all of it in `rcac_state`.",
         f"- Flash: {constants} bytes of constants, and the code: 2 to 4.5 kB on a Cortex-M4.",
-        f"- Stack: about {t.stack(real)} bytes in `rcac_adapt`, estimated; measure with -fstack-usage.",
+        f"- Stack: about {t.stack(real)} bytes in `rcac_adapt`, estimated; -fstack-usage measures.",
         f"- Operations of a step, at most: {products} multiplications with as many additions, "
         f"{quotients} divisions.",
         "",
         "## Test",
         "",
-        f"`test/replay.c` replays {recording.steps} steps of {recording.source}, and holds u of each "
-        f"and theta at the end against {exact}:",
+        f"`test/replay.c` replays {recording.steps} steps of {recording.source}, and holds u of "
+        f"each and theta at the end against {exact}:",
         "",
         "```sh",
         "cmake -S . -B build && cmake --build build && ctest --test-dir build",
         "```",
         "",
-        "Compile src/rcac.c without contraction (-ffp-contract=off) and without fast math. Pragmas in "
-        "it ask for that; `rcac_self_check()` says whether the compiler obeyed.",
+        "Compile src/rcac.c without contraction (-ffp-contract=off) and without fast math. Pragmas "
+        "in it ask for that; `rcac_self_check()` says whether the compiler obeyed.",
     ]
+    if agreement:
+        said += ["", f"float32 against float64 over these steps: {agreement}."]
     if t.low:
         said += ["", "u is held within its bounds by the core: send it out as it is."]
     if "arduino" in layouts:

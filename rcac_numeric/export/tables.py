@@ -213,7 +213,9 @@ class CoreTables:
 
     def stack(self, real: str) -> int:
         """Bytes of the stack that a step takes, about: its arrays and 150 for what it calls."""
-        arrays = 3 * self.l_theta + 2 * self.rows + (2 * self.rows**2 if self.varying_weights else 0)
+        arrays = (
+            3 * self.l_theta + 2 * self.rows + (2 * self.rows**2 if self.varying_weights else 0)
+        )
         if self.live:
             arrays = max(arrays, 2 * self.l_z * self.l_u * self.remembered)
         return (8 if real == "float64" else 4) * arrays + 150

@@ -55,7 +55,9 @@ class Core:
             subprocess.run(
                 [cc, *flags, "-fPIC", "-c", *WARNINGS, *included, *sources], check=True, cwd=path
             )
-            subprocess.run([cc, "-shared", "rcac.o", "shim.o", "-o", "core.so"], check=True, cwd=path)
+            subprocess.run(
+                [cc, "-shared", "rcac.o", "shim.o", "-o", "core.so"], check=True, cwd=path
+            )
             self.library = ctypes.CDLL(str(path / "core.so"))
         self.library.make.restype = ctypes.c_void_p
         self.library.theta.restype = ctypes.c_void_p

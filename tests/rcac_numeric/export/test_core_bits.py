@@ -273,7 +273,8 @@ def test_what_does_not_fit_is_refused():
     live.step([0.1], [0.2])
     before = live.save()
     wrong = [
-        ([0, 1.0], [1.0, np.inf], 1, 0), ([0, np.nan], [1.0, 0.0], 1, 0), ([0, 1.0], [2.0, 0], 1, 0),
+        ([0, 1.0], [1.0, np.inf], 1, 0), ([0, np.nan], [1.0, 0.0], 1, 0),
+        ([0, 1.0], [2.0, 0.0], 1, 0),
         ([0, 1.0], [1.0, 0.0], 3, 0), ([0, 1.0], [1.0, 0.0], -1, 0), ([0, 1.0], [1.0, 0.0], 1, 3),
     ]  # fmt: skip
     for numerator, denominator, order, past in wrong:

@@ -1,5 +1,5 @@
 /* Replays the recorded inputs of rcac_vector.h and holds u of every step, and theta at the end, against
- * what the source of this controller made of them. Ends with 0 where they agree. */
+ * what was recorded. Ends with 0 where they are the same bits. */
 #include <stdio.h>
 #include <string.h>
 
@@ -34,14 +34,7 @@ int main(void) {
         rcac_real gap;
         const rcac_real *y = rcac_vector_y + k * RCAC_L_Y, *z = rcac_vector_z + k * RCAC_L_Z;
         const rcac_real *r = rcac_vector_r + k * RCAC_L_R;
-#if RCAC_FLOAT32
-        /* The recorded y belongs to the recorded u: an unstable compensator would drift away from
-         * both by its own rounding. */
-        status = rcac_control(&s, y, z, r, u);
-        status |= rcac_adapt(&s, y, z, r, expected);
-#else
         status = rcac_step(&s, y, z, r, u);
-#endif
         if (status & ~(RCAC_UNSUPPORTED | RCAC_BOUNDED)) {
             printf("step %d: status %d\n", k, status);
             return 1;
@@ -56,7 +49,7 @@ int main(void) {
         printf("%d steps: the same bits\n", RCAC_VECTOR_STEPS);
         return 0;
     }
-    printf("%d steps: u within %.3g (%.3g is allowed), theta within %.3g (%.3g)\n", RCAC_VECTOR_STEPS,
-           (double)worst_u, (double)RCAC_VECTOR_U, (double)worst_theta, (double)RCAC_VECTOR_THETA);
-    return worst_u <= RCAC_VECTOR_U && worst_theta <= RCAC_VECTOR_THETA ? 0 : 1;
+    printf("%d steps: u within %.3g, theta within %.3g; the same bits were expected\n", RCAC_VECTOR_STEPS,
+           (double)worst_u, (double)worst_theta);
+    return 1;
 }
