@@ -6,7 +6,9 @@
 #pragma GCC optimize("no-unsafe-math-optimizations", "no-finite-math-only", "fp-contract=off")
 #endif
 #if defined(__clang__)
+#if !defined(__wasm__) /* where Clang knows no such pragma */
 #pragma float_control(precise, on)
+#endif
 #pragma clang fp contract(off)
 #elif defined(_MSC_VER)
 #pragma float_control(precise, on)
@@ -19,7 +21,13 @@
 #define RCAC_TABLES
 #include "rcac.h"
 
+#if defined(RCAC_FREESTANDING) /* without a library: whoever links has these two */
+#include <stddef.h>
+void *memcpy(void *to, const void *from, size_t count);
+void *memset(void *to, int value, size_t count);
+#else
 #include <string.h>
+#endif
 
 #if RCAC_FLOAT32
 typedef uint32_t rcac_bits;
@@ -277,7 +285,7 @@ static int lost_in_rounding(const rcac_real *row, const rcac_real *U, int j, rca
  * two columns at a time as in a vector of two. 0 where a number left its range. */
 static int measure_row(rcac_state *s, const rcac_real *phi, rcac_real scale, rcac_real rhs,
                        rcac_real r, int *lost) {
-    rcac_real row[N], gain[N], sums[2] = {0, 0}, largest = 0, widest = 0, alpha = r;
+    rcac_real row[N], gain[N], even = 0, odd = 0, largest = 0, widest = 0, alpha = r;
     rcac_real innovation, step, noise;
     int j, i, c;
     int guarded, fine = 1;
@@ -285,9 +293,12 @@ static int measure_row(rcac_state *s, const rcac_real *phi, rcac_real scale, rca
         row[j] = phi[j] * scale;
         if (magnitude(row[j]) > largest) largest = magnitude(row[j]);
         if (s->D[j] > widest) widest = s->D[j];
-        if (j < N / 2 * 2) sums[j % 2] += row[j] * s->theta[j];
     }
-    innovation = rhs + (sums[0] + sums[1]);
+    for (j = 0; j + 1 < N; j += 2) {
+        even += row[j] * s->theta[j];
+        odd += row[j + 1] * s->theta[j + 1];
+    }
+    innovation = rhs + (even + odd);
 #if RCAC_L_THETA % 2
     innovation += row[N - 1] * s->theta[N - 1];
 #endif
@@ -300,10 +311,18 @@ static int measure_row(rcac_state *s, const rcac_real *phi, rcac_real scale, rca
         rcac_real f[2] = {0, 0}, v[2] = {0, 0}, before[2], after[2];
         for (c = 0; c < pair; ++c) {
             const rcac_real *U = column(s, j + c);
-            rcac_real sum[2] = {0, 0};
-            for (i = 0; i < j + c; ++i) sum[i % 2] += U[i] * row[i];
-            sum[(j + c) % 2] += row[j + c];
-            f[c] = sum[0] + sum[1];
+            even = odd = 0;
+            for (i = 0; i + 1 < j + c; i += 2) { /* j is even */
+                even += U[i] * row[i];
+                odd += U[i + 1] * row[i + 1];
+            }
+            if (c) {
+                even += U[i] * row[i];
+                odd += row[j + c];
+            } else {
+                even += row[j];
+            }
+            f[c] = even + odd;
             v[c] = s->D[j + c] * f[c];
         }
         before[0] = alpha;

@@ -81,6 +81,8 @@ def readme(
         said += ["", "u is held within its bounds by the core: send it out as it is."]
     if "arduino" in layouts:
         said += ["", "Arduino: this folder is a library; the sketch is in examples/."]
+    if "wasm" in layouts:
+        said += ["", "A page: `sh wasm/build.sh` makes the module, wasm/rcac.js loads it."]
     if "px4" in layouts:
         said += ["", "PX4: put this folder under src/modules; px4/ is the module, a skeleton."]
     if warnings:

@@ -49,7 +49,9 @@ def test_the_bits_of_the_host(tmp_path, board, real, n_c):
         image = cortex.linked(tmp_path, sources, includes, board, level)
         assert cortex.run(image, board) == (0, "")
     # The positive control: with contraction the bits are others.
-    source = (tmp_path / "src" / "rcac.c").read_text().replace('"fp-contract=off"', '"fp-contract=fast"')
+    source = (
+        (tmp_path / "src" / "rcac.c").read_text().replace('"fp-contract=off"', '"fp-contract=fast"')
+    )
     (tmp_path / "src" / "rcac.c").write_text(source)
     fused = ["-ffp-contract=fast"]
     status, _ = cortex.run(cortex.linked(tmp_path, sources, includes, board, "-O2", fused), board)

@@ -99,7 +99,7 @@ int main(void) {
             }
         if (!(status & RCAC_DIVERGED))
             for (i = 0; i < RCAC_L_THETA; ++i)
-                if (!finite_(s.theta[i])) { printf("step %ld: theta, status %d\\n", k, status); return 1; }
+                if (!finite_(s.theta[i])) return printf("step %ld: theta\\n", k) > 0;
         if (status & RCAC_DIVERGED && drawn() % 8 == 0) rcac_init(&s);
     }
     printf("%d %d\\n", counts[0], counts[1]);
@@ -107,7 +107,8 @@ int main(void) {
 }
 """
 RICH = replace(
-    SETTINGS, structure=pid(integral_limit=2.0), update=UD(1e-6, lambda_=VariableRateForgetting(3, 9, 0.2)),
+    SETTINGS, structure=pid(integral_limit=2.0),
+    update=UD(1e-6, lambda_=VariableRateForgetting(3, 9, 0.2)),
     R_u=SignalWeight(0.1, 0.2), z_normalization=Normalization(2.0, 1.0, "root"), theta_0=None,
     fixed=Compensator([[[0.5]]], [[[0.1]], [[0.2]]]), R_u_unfiltered=0.1,
 )  # fmt: skip
@@ -129,8 +130,9 @@ def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name, real):
     (tmp_path / "fuzz.c").write_text(FUZZER)
     command = [
         "gcc", "-std=c99", "-O1", "-g", *WARNINGS, "-Wno-float-equal", "-Wno-conversion",
-        "-fsanitize=address,undefined", "-fno-sanitize-recover=all", f"-DSTEPS={100_000 if in_full else 5000}L",
-        f"-DSEED={len(name)}u", f"-DLIMIT={1 if 'saturation' in more else 0}", f"-I{tmp_path}", f"-I{CORE}",
+        "-fsanitize=address,undefined", "-fno-sanitize-recover=all",
+        f"-DSTEPS={100_000 if in_full else 5000}L", f"-DSEED={len(name)}u",
+        f"-DLIMIT={1 if 'saturation' in more else 0}", f"-I{tmp_path}", f"-I{CORE}",
         tmp_path / "fuzz.c", CORE / "rcac.c", "-o", tmp_path / "fuzz",
     ]  # fmt: skip
     built = subprocess.run(command, capture_output=True, text=True, check=False)
