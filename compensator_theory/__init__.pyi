@@ -111,6 +111,7 @@ from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import LQGPoles as LQGPoles
 from .lqg.poles import lqg_poles as lqg_poles
 from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
+from .lqg.riccati import GainFormula as GainFormula
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
@@ -171,6 +172,8 @@ from .roots.counts import count_roots as count_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
+from .roots.number_fields import FieldMatrix as FieldMatrix
+from .roots.number_fields import NumberField as NumberField
 from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
 from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_roots as locate_roots

@@ -15,6 +15,7 @@ from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import kept_in_flint, to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import PolynomialLike
 
@@ -36,7 +37,7 @@ def number_of_common_roots(
     Returns
     -------
     int or None
-        None if it depends on the values of symbols.
+        None if it depends on the values of symbols; :func:`exceptional_cases` tells on which.
 
     Raises
     ------
@@ -108,6 +109,30 @@ def resultant(
     lacking = second[1] - (0 if second[0].is_zero else int(second[0].degree()))
     p, q = to_flint_polynomial(first[0]), to_flint_polynomial(second[0])
     return rational(p.coeffs()[-1] ** lacking * p.resultant(q))
+
+
+@generic_answer_of(resultant)
+def _generic_resultant(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Expr, list[Expr]]:
+    """It is a polynomial in the coefficients, and so holds while the degrees do."""
+    p, _ = with_formal_degrees(a, b, variable)[0]
+    return resultant(a, b, variable=variable), [p.LC()]
+
+
+@generic_answer_of(number_of_common_roots)
+def _generic_number(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[int, list[Expr]]:
+    """Count by the first principal subresultant coefficient that is not zero."""
+    (first, _), (second, _) = pairs = with_formal_degrees(a, b, variable)
+    _require_leading(*pairs[0])
+    if second.is_zero:
+        return int(first.degree()), [first.LC()]
+    upper, lower = (first, second) if first.degree() >= second.degree() else (second, first)
+    principal = subresultants(upper, lower).principal_coefficients
+    count = next(k for k, coefficient in enumerate(principal) if coefficient != 0)
+    return count, [principal[count], first.LC()]
 
 
 def _kept(

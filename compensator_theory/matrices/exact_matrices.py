@@ -72,7 +72,7 @@ def _rational_or_symbolic(value: NumberLike, name: str) -> Expr:
     entry = sympy.sympify(exact_number(value))
     if entry.is_number and not entry.is_rational:
         raise InputError(
-            f"{name} contains the irrational number {entry}; write a symbol in its place, or a "
-            "rational number close to it"
+            f"{name} contains the irrational number {entry}; write a rational number close to it, "
+            "or, where the function takes symbols, a symbol in its place"
         )
     return entry

@@ -280,6 +280,15 @@ SAMPLES = {
     ),
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
+    exact.GainFormula: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).regulator.formula
+    ),
+    exact.NumberField: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).regulator.field
+    ),
+    exact.FieldMatrix: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).estimator.P_in_field
+    ),
     exact.RiccatiSolution: st.sampled_from([0, 1, "1/2"]).map(
         lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1], [0]], [[0], [r]], time="discrete")
     )
