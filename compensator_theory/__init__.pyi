@@ -114,6 +114,8 @@ from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
 from .lqg.riccati import GainFormula as GainFormula
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
+from .lqg.riccati_formulas import RiccatiFormula as RiccatiFormula
+from .lqg.riccati_formulas import riccati_formula as riccati_formula
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
 from .matrices.certificates import Certificate as Certificate

@@ -19,9 +19,14 @@ Weights = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatr
 
 
 def regulator_data(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike | None
+    A: MatrixLike,
+    B: MatrixLike,
+    E_1: MatrixLike,
+    E_2: MatrixLike | None,
+    *,
+    symbols: bool = False,
 ) -> RegulatorData:
-    r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, whose entries are rational.
+    r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, with rational entries or symbols.
 
     Raises
     ------
@@ -44,7 +49,8 @@ def regulator_data(
                 f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
                 "the other matrices show, and not empty"
             )
-        _require_rational(matrix, name)
+        if not symbols:
+            _require_rational(matrix, name)
     return a, b, e_1, e_2
 
 
@@ -56,14 +62,16 @@ def read_weights(
     Q: MatrixLike | None,
     R: MatrixLike | None,
     N: MatrixLike | None,
+    *,
+    symbols: bool = False,
 ) -> Weights:
     """Read the data of a regulator as (A, B, Q, R, N), from a signal z or from weights.
 
     Raises
     ------
     InputError
-        If both or none are given, a shape does not fit, a weight is not symmetric, or an entry is
-        symbolic.
+        If both or none are given, a shape does not fit, a weight is not symmetric, or an entry has
+        symbols where none are taken.
 
     Examples
     --------
@@ -76,7 +84,7 @@ def read_weights(
             "give the weights either as E_1 and E_2, with z = E_1 x + E_2 u, or as Q, R and N"
         )
     if E_1 is not None:
-        a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
+        a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2, symbols=symbols)
         return a, b, e_1.T * e_1, e_2.T * e_2, e_1.T * e_2
     if E_2 is not None:
         raise InputError("E_2 goes with E_1; with Q give R and N")
@@ -93,7 +101,8 @@ def read_weights(
                 f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
                 "the other matrices show, and not empty"
             )
-        _require_rational(matrix, name)
+        if not symbols:
+            _require_rational(matrix, name)
         if name in "QR" and matrix != matrix.T:
             raise InputError(
                 f"{name} = {matrix.tolist()} is not symmetric; give ({name} + {name}')/2"
@@ -105,7 +114,7 @@ def _require_rational(matrix: ImmutableMatrix, name: str) -> None:
     if not is_rational_matrix(matrix):
         raise InputError(
             f"{name} has entries that are not rational numbers; substitute rational numbers for "
-            "the symbols"
+            "the symbols (riccati_formula takes them for orders 1 and 2)"
         )
 
 

@@ -496,6 +496,48 @@ def _last_row(A: flint.fmpq_mat, B: flint.fmpq_mat) -> flint.fmpq_mat | None:
         return None
 
 
+def symmetric_system(A: flint.fmpq_mat, B: flint.fmpq_mat) -> flint.fmpq_mat:
+    """Return the matrix of P -> (A'P + PA, B'P) on symmetric P, by its entries on and above.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.lqg.riccati import symmetric_system
+    >>> symmetric_system(flint.fmpq_mat([[3]]), flint.fmpq_mat([[5]]))
+    [6]
+    [5]
+    """
+    n, m = A.nrows(), B.ncols()
+    pairs = [(i, j) for i in range(n) for j in range(i, n)]
+    index = {pair: k for k, pair in enumerate(pairs)}
+    found = flint.fmpq_mat(len(pairs) + n * m, len(pairs))
+    for row, (i, j) in enumerate(pairs):
+        for k in range(n):
+            for (a, b), entry in (((k, j), A[k, i]), ((i, k), A[k, j])):
+                place = index[min(a, b), max(a, b)]
+                found[row, place] = found[row, place] + entry
+    for i in range(m):
+        for j in range(n):
+            for k in range(n):
+                found[len(pairs) + i * n + j, index[min(k, j), max(k, j)]] = B[k, i]
+    return found
+
+
+def pivots(matrix: flint.fmpq_mat) -> list[int]:
+    """Return the first columns that are independent.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.lqg.riccati import pivots
+    >>> pivots(flint.fmpq_mat([[0, 1, 2], [0, 0, 3]]))
+    [1, 2]
+    """
+    reduced, rank = matrix.rref()
+    columns = range(matrix.ncols())
+    return [next(j for j in columns if reduced[i, j] != 0) for i in range(int(rank))]
+
+
 class _Work:
     """One equation on its way: the Hamiltonian matrix, its stable factor, and what follows."""
 
@@ -575,19 +617,20 @@ class _Work:
             If the numbers are too long.
         """
         work = self.field
+        one_input = _last_row(*self.plane[:2]) is not None
         size = max(
             (c.bit_length() for e in self.chi for x in e.coeffs() for c in (x.p, x.q)), default=1
         )
         longest = max(int(c).bit_length() for m in self.H.numer_denom()[:1] for c in m.entries())
         d = work.field.degree
-        if d > 1:
+        if d > 1 and not one_input:
             ask(
                 "digits",
                 decimal_digits(d * self.n * (longest + size // d)),
                 "the solution of a Riccati equation",
             )
         try:
-            P = self._graph()
+            P = self._quadratic() if one_input else self._graph()
             K = _gain(self.data, P, work, self.time) if gain is None else grid_of(gain)
         except ZeroDivisionError as error:
             raise NoSolutionError(NO_GRAPH) from error
@@ -597,6 +640,31 @@ class _Work:
             "Riccati solution",
         )
         return field_matrix(work.field, P), field_matrix(work.field, K), certificate
+
+    def _quadratic(self) -> Grid:
+        """Solve for P with the gain known: a linear map with rational inverse.
+
+        In the half plane A'P + PA = K'RK - Q and B'P = -(RK + N'), which is one to one on symmetric
+        matrices as (A, B) is controllable.
+        """
+        A, B, Q, R, N = self.plane
+        n, work = self.n, self.field
+        row = _last_row(A, B)
+        assert row is not None
+        K: list[flint.fmpq_poly] = [flint.fmpq_poly() for _ in range(n)]
+        for c in self.chi:
+            K = [x - c * row[0, j] for j, x in enumerate(K)]
+            row = row * A
+        system = symmetric_system(A, B)
+        pairs = [(i, j) for i in range(n) for j in range(i, n)]
+        right = [K[i] * K[j] * R[0, 0] % work.minimal - Q[i, j] for i, j in pairs]
+        right += [-(K[j] * R[0, 0] + N[j, 0]) for j in range(n)]
+        rows = pivots(system.transpose())
+        chosen = flint.fmpq_mat([[system[i, j] for j in range(len(pairs))] for i in rows])
+        found = times(chosen.inv(), [[right[i] % work.minimal] for i in rows])
+        index = {pair: k for k, pair in enumerate(pairs)}
+        scale = 2 if self.time == "discrete" else 1
+        return [[found[index[min(i, j), max(i, j)]][0] * scale for j in range(n)] for i in range(n)]
 
     def _graph(self) -> Grid:
         """Read P off the stable subspace, the image of chi(-H)."""

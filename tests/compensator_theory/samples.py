@@ -280,6 +280,9 @@ SAMPLES = {
     ),
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
+    exact.RiccatiFormula: st.sampled_from(["continuous", "discrete"]).map(
+        lambda time: exact.riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time=time)
+    ),
     exact.GainFormula: continuous_problems().map(
         lambda plant: exact.lqg_controller(plant).regulator.formula
     ),
