@@ -62,7 +62,7 @@ def matrix(values):
 def solved(side, start):
     """Newton's iteration (Kleinman, Hewer) from our gain, rounded to three digits, in 60 digits."""
     A, B, Q, R, N = (matrix(m) for m in (side.A, side.B, side.Q, side.R, side.N))
-    n, discrete = A.rows, side.factor.time == "discrete"
+    _n, discrete = A.rows, side.factor.time == "discrete"
     K = mpmath.matrix(start)
     for _ in range(60):
         closed = A + B * K
