@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     CompensatorError,
-    NotControllableError,
     StandardProblem,
     budget,
     lqg_controller,
@@ -18,6 +17,7 @@ from compensator_theory import (
     solve_riccati,
     standard_problem,
 )
+from compensator_theory.errors import NotControllableError
 from compensator_theory.roots.number_fields import Arithmetic, NumberField, stable_factors
 from compensator_theory.strategies import matrices
 

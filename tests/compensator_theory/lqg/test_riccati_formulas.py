@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from compensator_theory import (
     CompensatorError,
     InputError,
-    NotControllableError,
     riccati_formula,
     solve_riccati,
 )
+from compensator_theory.errors import NotControllableError
 from tests.support.structure_cases import fewer
 
 SCALAR = {
