@@ -149,8 +149,39 @@ def _kept(
 def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:
     if first[1] == second[1] == 0:
         return sympy.Integer(1)
+    if all(int(p.degree()) == degree for p, degree in (first, second) if not p.is_zero):
+        found = _by_flint(first[0], second[0])
+        if found is not None:
+            return found
     both = (formal_coefficients(*pair) for pair in (first, second))
     return determinant(matrix_of_coefficients(*both))
+
+
+def _by_flint(a: Poly, b: Poly) -> Expr | None:
+    """Return the resultant of polynomials whose coefficients are polynomials in symbols over QQ."""
+    if a.is_zero or b.is_zero:
+        return None
+    a, b = a.unify(b)
+    domain = a.domain
+    if not (domain.is_PolynomialRing and domain.domain.is_QQ):
+        return None
+    names = [f"x{i}" for i in range(1 + len(domain.symbols))]
+    context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
+
+    def converted(poly: Poly) -> flint.fmpq_mpoly:
+        return context.from_dict({
+            (power, *map(int, others)): flint.fmpq(int(c.numerator), int(c.denominator))
+            for (power,), coefficient in poly.rep.to_dict().items()
+            for others, c in coefficient.items()
+        })  # fmt: skip
+
+    found = converted(a).resultant(converted(b), "x0")
+    ring = domain.ring
+    terms = {
+        tuple(map(int, powers[1:])): ring.domain(int(c.p), int(c.q))
+        for powers, c in found.to_dict().items()
+    }
+    return domain.to_sympy(ring.from_dict(terms))
 
 
 def _require_leading(poly: Poly, degree: int) -> None:

@@ -2,8 +2,9 @@
 
 from functools import reduce
 from itertools import combinations, islice
-from typing import Literal
+from typing import Any, Literal
 
+import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
@@ -11,6 +12,7 @@ from sympy.polys.matrices import DomainMatrix
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import is_rational_matrix, to_flint
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
@@ -21,6 +23,7 @@ from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 
+PRIME = 2**61 - 1  # for ranks: what is independent modulo a prime is independent
 MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
 
 
@@ -101,12 +104,32 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     True
     """
     A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
+    if A.rows == A.cols == B.rows and A.rows and is_rational_matrix(A) and is_rational_matrix(B):
+        return _reaches_all(to_flint(A), to_flint(B))
     kalman = controllability_matrix(A, B)
     if rank(kalman) < A.rows:
         return False
     if not kalman.free_symbols:
         return True
     return _has_full_rank(kalman)
+
+
+def _reaches_all(A: flint.fmpq_mat, B: flint.fmpq_mat) -> bool:
+    """Tell whether [B AB ...] has full rank: it does where it does modulo a prime."""
+    n = int(A.nrows())
+    whole = A.numer_denom()[0], B.numer_denom()[0]
+
+    def krylov(a: Any, block: Any) -> list[list[Any]]:
+        rows = block.transpose().tolist()
+        for _ in range(n - 1):
+            block = a * block
+            rows += block.transpose().tolist()
+        return rows
+
+    reduced = (flint.nmod_mat(m, PRIME) for m in whole)
+    if flint.nmod_mat(krylov(*reduced), PRIME).rank() == n:
+        return True
+    return bool(flint.fmpz_mat(krylov(*whole)).rank() == n)
 
 
 @generic_answer_of(is_controllable)
