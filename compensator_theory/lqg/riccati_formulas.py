@@ -131,7 +131,7 @@ def riccati_formula(
     >>> found = riccati_formula([[0, 1], [0, 0]], [[0], [1]], Q=[["q", 0], [0, 0]], R=[["r"]],
     ...     time="continuous")
     >>> found.K, found.exceptional
-    (Matrix([[-sqrt(q/r), -sqrt(2)*sqrt(sqrt(q/r))]]), (r,))
+    (Matrix([[-sqrt(q/r), -sqrt(2)*(q/r)**(1/4)]]), (r,))
     """
     require_time(time)
     weights = read_weights(A, B, E_1, E_2, Q, R, N, symbols=True)

@@ -380,7 +380,7 @@ def characteristic_data(
     >>> work = Arithmetic(NumberField(polynomial("sigma**2 - 2")))
     >>> one = [[flint.fmpq_poly([1])]]
     >>> characteristic_data([[flint.fmpq_poly([0, 1])]], one, one, work)
-    ([1, -x], [[[1]]])
+    ([1, (-1)*x], [[[1]]])
     """
     n, zero = len(A), flint.fmpq_poly()
     descending, found = [flint.fmpq_poly([1])], []
