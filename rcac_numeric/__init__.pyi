@@ -108,6 +108,7 @@ from .experiments.files.builder import load_experiment as load_experiment
 from .experiments.files.schema import json_schema as json_schema
 from .experiments.verdicts import Verification as Verification
 from .experiments.verdicts import verify as verify
+from .export.fmu import export_fmu as export_fmu
 from .export.folder import Export as Export
 from .export.folder import export_controller as export_controller
 from .h2.agreement import ExactAgreement as ExactAgreement
