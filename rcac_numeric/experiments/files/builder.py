@@ -12,7 +12,7 @@ from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_ex
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, require_drawable
 from rcac_numeric.experiments.files.claims import CLAIM, claims_of
-from rcac_numeric.experiments.files.documents import named, read_example, read_file, require_plain
+from rcac_numeric.experiments.files.documents import named, read_file, require_plain
 from rcac_numeric.experiments.files.runs import FORMS, OVERRIDE, RunTables, read_run, words_of
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
@@ -73,18 +73,6 @@ FILE = Table(
         "figures": ListOf(FIGURE, needed="an array of tables, [[figures]]"),
     },
 )
-
-
-def load_example(number: str, budget: Budget | None = None) -> Experiment:
-    """A numbered example of the dissertation.
-
-    Examples
-    --------
-    >>> from rcac_numeric import load_example
-    >>> load_example("4.7").main_run.settings.k_w
-    50
-    """
-    return _built(*read_example(number), budget or Budget())
 
 
 def load_experiment(path: str | Path, budget: Budget | None = None) -> Experiment:

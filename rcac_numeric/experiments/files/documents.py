@@ -1,12 +1,11 @@
-"""TOML files as tables: the numbered examples of the dissertation and users' own."""
+"""TOML files as tables."""
 
 from __future__ import annotations
 
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterator, Mapping
-from importlib import resources
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -30,68 +29,6 @@ _STRINGS = re.compile(
 _PIECES = re.compile(r"([^\n=,\[\]{}]*+)([\n=,\[\]{}]|\Z)")
 # What changes the direction of the text around it could show a reader another file than is run.
 REORDERING = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
-
-
-def example_ids() -> list[str]:
-    """The numbers of the dissertation's examples that are here, in order."""
-    names = [path.name.removesuffix(".toml") for path in _folder().iterdir()]
-    numbers = [name for name in names if not name.startswith("__")]
-    return sorted(numbers, key=in_order)
-
-
-def in_order(number: str) -> list[str]:
-    """By chapter and then by number, 2.10 after 2.9; the appendices last."""
-    return [part.zfill(2) for part in number.split(".")]
-
-
-def absent_examples() -> Iterator[tuple[str, str]]:
-    """The numbered examples that are not here, each with the reason.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.files.documents import absent_examples
-    >>> dict(absent_examples()).get("8.1") is None
-    True
-    """
-    here = set(example_ids())
-    table = tomllib.loads(_folder().joinpath("__absent__.toml").read_text("utf-8"))
-    for entry in table["absent"]:
-        for number in entry["numbers"]:
-            if number not in here:
-                yield number, str(entry["reason"])
-
-
-def example_titles() -> Iterator[tuple[str, str]]:
-    """Number and title of each example, without building anything."""
-    for number in example_ids():
-        yield number, str(read_example(number)[0]["title"])
-
-
-def read_example(number: str) -> tuple[Raw, str]:
-    """The tables of one numbered example and the name of its file."""
-    return tomllib.loads(example_text(number)), number
-
-
-def example_text(number: str) -> str:
-    """The file of one numbered example, as it was written.
-
-    Raises
-    ------
-    InputError
-        Where there is no such example.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.files.documents import example_text
-    >>> example_text("4.7").splitlines()[0]
-    'id = "4.7"'
-    """
-    if number not in example_ids():
-        raise InputError(
-            f"there is no example {brief(number)}; there are {', '.join(example_ids())}. "
-            "For a case of your own, give the path of its TOML file."
-        )
-    return str(_folder().joinpath(f"{number}.toml").read_text("utf-8"))
 
 
 def read_file(path: str | Path) -> tuple[Raw, str]:
@@ -182,7 +119,3 @@ def _require_printable(text: str, file: str) -> None:
                 f"{file}: the text {brief(text)} holds the control character "
                 f"{character!a}, which a terminal would obey. Leave it out."
             )
-
-
-def _folder() -> Any:
-    return resources.files("rcac_numeric.experiments.dissertation")

@@ -40,7 +40,7 @@ def sampled_boost_converter(
 
     Examples
     --------
-    >>> from rcac_numeric import plant_zeros
+    >>> from rcac_numeric.gallery import plant_zeros
     >>> from rcac_numeric.plants.gallery.by_name import sampled_boost_converter
     >>> plant_zeros(sampled_boost_converter(2e-5)).round(4)
     array([1.6682+0.j])

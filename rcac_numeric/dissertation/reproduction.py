@@ -19,11 +19,11 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.files import replacing, require_readable
 from rcac_numeric.arrays.untrusted import parsed_json
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.dissertation.pages import gallery_page, write_page
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.verdicts import verify
 from rcac_numeric.reports.page.cases import Case, case_of
 from rcac_numeric.reports.page.html import words
-from rcac_numeric.reports.page.pages import gallery_page, write_page
 
 PAGE, CASES = "index.html", "cases"
 FAILED = 2  # the status of a case that could not be made
@@ -80,7 +80,7 @@ def reproduce(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import load_example, reproduce
+    >>> from rcac_numeric.dissertation import load_example, reproduce
     >>> found = reproduce(map(load_example, ["7.1", "B.2"]), tempfile.mkdtemp())
     >>> found.exit_status, found.page.name, [case.id for case in found.cases]
     (0, 'index.html', ['7.1', 'B.2'])
@@ -147,8 +147,8 @@ def digest_of(experiment: Experiment) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
-    >>> from rcac_numeric.reproduction.reproduce import digest_of
+    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_numeric.dissertation.reproduction import digest_of
     >>> digest_of(load_example("7.1")) == digest_of(load_example("7.1"))
     True
     """
@@ -166,9 +166,10 @@ class KeptCases(Value):
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.page.cases import case_of
-    >>> from rcac_numeric.reproduction.reproduce import KeptCases
+    >>> from rcac_numeric.dissertation.reproduction import KeptCases
     >>> kept, example = KeptCases(tempfile.mkdtemp()), load_example("B.1")
     >>> kept.find(example) is None
     True

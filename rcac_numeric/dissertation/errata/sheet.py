@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from rcac_numeric.errata.checking import Checked
-from rcac_numeric.errata.entries import EVIDENCE, Erratum
+from rcac_numeric.dissertation.errata.checking import Checked
+from rcac_numeric.dissertation.errata.entries import EVIDENCE, Erratum
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Text
 
 
@@ -25,8 +25,8 @@ def errata_sheet(
 
     Examples
     --------
-    >>> from rcac_numeric import find_errata
-    >>> from rcac_numeric.errata.sheet import errata_sheet
+    >>> from rcac_numeric.dissertation import find_errata
+    >>> from rcac_numeric.dissertation.errata.sheet import errata_sheet
     >>> errata_sheet(find_errata("(2.1)"), "(2.1)").remark
     ': none known at (2.1)'
     """

@@ -35,7 +35,7 @@ class ErratumEvidence(Value):
     Attributes
     ----------
     check : str
-        ``module.function`` of `rcac_numeric.errata.evidence`.
+        ``module.function`` of `rcac_numeric.dissertation.errata.evidence`.
     ledger, counterexample : str
         An entry of the ledger of proofs and, where there is one, the case that refutes the print.
     example, claim : str
@@ -98,7 +98,7 @@ class Erratum(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import find_errata
+    >>> from rcac_numeric.dissertation import find_errata
     >>> entry = find_errata("(A.16)")[0]
     >>> entry.where, entry.equations
     ('(A.15)-(A.17), Example A.2', ('A.15', 'A.16', 'A.17'))

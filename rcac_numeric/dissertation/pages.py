@@ -13,8 +13,8 @@ from pathlib import Path
 
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.wording import in_a_line
-from rcac_numeric.errata.entries import Erratum
-from rcac_numeric.errata.reading import find_errata
+from rcac_numeric.dissertation.errata.entries import Erratum
+from rcac_numeric.dissertation.errata.reading import find_errata
 from rcac_numeric.experiments.claims import (
     CORRECTED,
     ILL_POSED,
@@ -41,9 +41,10 @@ def case_page(case: Case) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.page.cases import case_of
-    >>> from rcac_numeric.reports.page.pages import case_page
+    >>> from rcac_numeric.dissertation.pages import case_page
     >>> page = case_page(case_of(verify(load_example("7.1"))))
     >>> page.startswith("<!DOCTYPE html>"), "Errata of the text" in page
     (True, True)

@@ -9,7 +9,7 @@ from importlib import resources
 from typing import Any
 
 from compensator_theory.errors import InputError
-from rcac_numeric.errata.entries import KINDS, Erratum, ErratumEvidence
+from rcac_numeric.dissertation.errata.entries import KINDS, Erratum, ErratumEvidence
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
@@ -50,7 +50,7 @@ def find_errata(where: str = "") -> tuple[Erratum, ...]:
 
     Examples
     --------
-    >>> from rcac_numeric import find_errata
+    >>> from rcac_numeric.dissertation import find_errata
     >>> [entry.name for entry in find_errata("(2.31)")]
     ['transposed-vec']
     >>> find_errata("(2.1)")
@@ -95,7 +95,7 @@ def read_chapter(table: Raw, file: str) -> tuple[Erratum, ...]:
 
 @lru_cache(maxsize=1)
 def _every() -> tuple[Erratum, ...]:
-    folder = resources.files("rcac_numeric.errata").joinpath("chapters")
+    folder = resources.files("rcac_numeric.dissertation.errata").joinpath("chapters")
     entries: list[Erratum] = []
     for chapter in CHAPTERS:
         name = f"{'appendix' if chapter in 'AB' else 'chapter'}_{chapter}.toml"

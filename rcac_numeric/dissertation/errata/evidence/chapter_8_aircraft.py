@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.errata.evidence.chapter_3 import A_0, A_1, B_0, B_1
+from rcac_numeric.dissertation.errata.evidence.chapter_3 import A_0, A_1, B_0, B_1
 
 Facts = Iterator[tuple[str, bool]]
 H = 0.001  # seconds

@@ -24,7 +24,7 @@ def case_workers(count: int) -> Iterator[Executor | None]:
 
     Examples
     --------
-    >>> from rcac_numeric.reproduction.workers import case_workers
+    >>> from rcac_numeric.dissertation.workers import case_workers
     >>> with case_workers(1) as executor:
     ...     print(executor)
     None
