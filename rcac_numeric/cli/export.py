@@ -18,10 +18,11 @@ from rcac_numeric.cli.cases import (
 )
 from rcac_numeric.cli.output import as_json_option, budget_option, show
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.dissertation.load import load_example
 from rcac_numeric.engine.runs import Run, load_run
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.files.builder import build, load_example, load_experiment
+from rcac_numeric.experiments.files.builder import build, load_experiment
 from rcac_numeric.export.folder import LAYOUTS, Export, export_controller
 from rcac_numeric.export.header import REALS
 from rcac_numeric.export.recording import STEPS
