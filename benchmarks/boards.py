@@ -21,7 +21,8 @@ from pathlib import Path
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import UD, ControllerSettings, TargetModel, iir, load_example
+from rcac_numeric import UD, ControllerSettings, TargetModel, iir
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.export.building import compiled
 from rcac_numeric.export.folder import core_texts
 from rcac_numeric.export.header import config_header

@@ -27,11 +27,11 @@ from rcac_numeric import (
     feedforward,
     fir,
     iir,
-    load_example,
     simulate,
     standard_plant,
 )
 from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.export import building, folder
 from rcac_numeric.export.tables import core_tables
 from tests.support import core_builds
