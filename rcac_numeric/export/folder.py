@@ -26,7 +26,7 @@ from rcac_numeric.export.recording import Recording, compiled_recording, recorde
 from rcac_numeric.export.tables import CoreTables, core_tables, scaled
 from rcac_numeric.plants.saturation import Saturation
 
-LAYOUTS = ("c", "arduino", "px4", "wasm")
+LAYOUTS = ("c", "arduino", "px4", "wasm", "mex")
 # float32 may leave so much more of z than float64 does.
 WORST_RATIO = 1.5
 SMALLEST_R_THETA, LARGEST_R_THETA = 1e-40, 1e8
@@ -100,7 +100,7 @@ def export_controller(
         With float32 every coefficient has a carry, P is scaled by sqrt(R_theta), and D stays below
         D(0) where something is forgotten. It needs a C compiler: the loop is closed around the
         compiled code and compared with that in float64.
-    layout : {"c", "arduino", "px4", "wasm"}, or several of them
+    layout : {"c", "arduino", "px4", "wasm", "mex"}, or several of them
         What is written beside the core, its test and a CMake project.
     prefix : str
         Of all names, for several controllers in one program.
@@ -203,6 +203,8 @@ def folder_texts(
     if "wasm" in layouts:
         for name in ("rcac_wasm.c", "rcac.js", "build.sh"):
             texts[f"wasm/{name}"] = core[f"layouts/wasm/{name}"]
+    if "mex" in layouts:
+        texts["mex/rcac_mex.c"] = core["layouts/mex/rcac_mex.c"]
     if "px4" in layouts:
         lambda_ = f"{np.float32(tables.lambda_)!s}f"
         for name in ("CMakeLists.txt", "Kconfig", "rcac_module.cpp", "rcac_params.c"):

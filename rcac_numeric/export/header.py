@@ -230,7 +230,7 @@ def vector_header(tables: CoreTables, recording: Recording, real: str = "float64
     out = _Writer(one_of(real, "real", REALS))
     out.define("VECTOR_STEPS", recording.steps)
     out.define("STATE_SIZE", tables.sizes(real)[0])
-    for name in ("y", "z", "r", "u", "theta"):
-        values = getattr(recording, name).reshape(-1).tolist()
-        out.numbers(f"vector_{name}", values)
+    vectors = {"y": recording.y, "z": recording.z, "r": recording.r, "u": recording.u}
+    for name, values in {**vectors, "theta": recording.theta}.items():
+        out.numbers(f"vector_{name}", values.reshape(-1).tolist())
     return "\n".join(["#ifndef RCAC_VECTOR_H", "#define RCAC_VECTOR_H", *out.lines, "#endif", ""])

@@ -83,6 +83,8 @@ def readme(
         said += ["", "Arduino: this folder is a library; the sketch is in examples/."]
     if "wasm" in layouts:
         said += ["", "A page: `sh wasm/build.sh` makes the module, wasm/rcac.js loads it."]
+    if "mex" in layouts:
+        said += ["", "MATLAB and Octave: `mkoctfile --mex -Isrc mex/rcac_mex.c src/rcac.c`."]
     if "px4" in layouts:
         said += ["", "PX4: put this folder under src/modules; px4/ is the module, a skeleton."]
     if warnings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -266,7 +267,9 @@ def core_tables(
         l_z, measures_first = controller.target.l_z, controller.measures_first
         measures_first = measures_first or controller.form == "filter"
         strictly_proper = not any(model.numerator[0].any() for model in controller.targets)
-        what = f"adaptive, {controller.structure.name} of order {controller.structure.n_c}"
+        name = controller.structure.name  # anything, and written into C
+        name = name if re.fullmatch(r"[\w +-]{1,40}", name, re.ASCII) else "a table of taps"
+        what = f"adaptive, {name} of order {controller.structure.n_c}"
     else:
         l_z, strictly_proper = 1, True
         measures_first = bool(controller.compensator.past_y[0].any())
@@ -433,8 +436,7 @@ def _require_known(settings: ControllerSettings, live_order: int | None) -> None
                "export with the model that was learnt, and live_order")  # fmt: skip
     if settings.reflect_poles:
         refuse("reflect_poles, which needs complex roots", "use bounds on theta")
-    for name in ("R_z", "R_u"):
-        value = getattr(settings, name)
+    for name, value in (("R_z", settings.R_z), ("R_u", settings.R_u)):
         if not isinstance(value, np.ndarray | SignalWeight):
             refuse(f"{name} as a function", "use a number, a matrix or SignalWeight")
     normalization = settings.z_normalization

@@ -266,3 +266,12 @@ def test_the_command_on_a_run_that_was_kept(tmp_path):
     assert wrong.exit_code and "one run as it was" in wrong.output
     wrong = CliRunner().invoke(main, ["export", "4.7", "-o", str(tmp_path), "--run", "none"])
     assert wrong.exit_code and "the runs are" in wrong.output
+
+
+def test_a_name_cannot_bring_code_along(tmp_path):
+    """What a structure is called may come from a file, and the export is compiled."""
+    evil = replace(iir(2), name="*/ int main(void) { return 7; } /*")
+    found = export_controller(replace(SETTINGS, structure=evil), tmp_path)
+    for name in found.files:
+        assert "return 7" not in (tmp_path / name).read_text()
+    assert "a table of taps" in (tmp_path / "README.md").read_text()
