@@ -41,7 +41,8 @@ def case_page(case: Case) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.page.cases import case_of
     >>> from rcac_numeric.dissertation.pages import case_page
     >>> page = case_page(case_of(verify(load_example("7.1"))))

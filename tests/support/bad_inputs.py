@@ -210,5 +210,5 @@ LAST_ARGUMENTS = {
     ],
 }  # fmt: skip
 """What an argument with a default cannot use, or barely can: no foreign error, and no long work."""
-NOT_DOORS = {"strategies", "budget", "ball_precision"}
+NOT_DOORS = {"errors", "results", "strategies", "budget", "ball_precision"}
 """A module of strategies, and two settings that have tests of their own."""

@@ -14,7 +14,7 @@ from compensator_theory.libraries import require_library
 from rcac_numeric.cli.output import as_json_option, show
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.dissertation.load import load_example
-from rcac_numeric.dissertation.reproduce import Reproduction, reduced, reproduce
+from rcac_numeric.dissertation.reproduction import Reproduction, reduced, reproduce
 from rcac_numeric.dissertation.workers import case_workers
 from rcac_numeric.experiments.claims import VERDICTS
 from rcac_numeric.reports.page.cases import Case

@@ -50,7 +50,7 @@ def find_errata(where: str = "") -> tuple[Erratum, ...]:
 
     Examples
     --------
-    >>> from rcac_numeric import find_errata
+    >>> from rcac_numeric.dissertation import find_errata
     >>> [entry.name for entry in find_errata("(2.31)")]
     ['transposed-vec']
     >>> find_errata("(2.1)")

@@ -105,7 +105,8 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("8.3").reduced(1))
     >>> verification.verdicts[0].verdict
     'not reproduced'

@@ -78,7 +78,8 @@ def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("B.2"))
     >>> verification.results, [v.verdict for v in verification.verdicts]
     ({}, ['reproduced', 'reproduced with a correction'])

@@ -289,7 +289,7 @@ def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
         placed = exact.place_poles(plant, [-1], feedback=-1)
         return placed, exact.smith_form([["s", entry], [0, "s"]], "s")
 
-    with pytest.raises(exact.FunctionFailedError, match="besides its arguments"):
+    with pytest.raises(exact.errors.FunctionFailedError, match="besides its arguments"):
         exceptional_cases(hidden, "k/(s + a)")
 
 
@@ -313,7 +313,7 @@ def test_bad_input(call, words):
 
 
 def test_an_error_of_the_function_is_named():
-    with pytest.raises(exact.FunctionFailedError, match="place_poles failed: TypeError"):
+    with pytest.raises(exact.errors.FunctionFailedError, match="place_poles failed: TypeError"):
         exceptional_cases(exact.place_poles, "1/(s + a)", [-1])
 
 

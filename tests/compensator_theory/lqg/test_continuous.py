@@ -11,10 +11,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     CompensatorError,
-    ImproperError,
     InputError,
-    NoSolutionError,
-    NotControllableError,
     StandardProblem,
     lqg_controller,
     polynomial,
@@ -22,6 +19,7 @@ from compensator_theory import (
     solve_riccati,
     spectral_factor,
 )
+from compensator_theory.errors import ImproperError, NoSolutionError, NotControllableError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import matrices, minimal_plants, polynomials
 

@@ -10,10 +10,7 @@ from hypothesis import strategies as st
 from compensator_theory import (
     CompensatorError,
     InputError,
-    NoSolutionError,
-    NotControllableError,
     StandardProblem,
-    UnitCircleError,
     certified_roots,
     closed_loop_polynomial,
     decide_stability,
@@ -28,6 +25,7 @@ from compensator_theory import (
     standard_problem,
     target_characteristic_polynomial,
 )
+from compensator_theory.errors import NoSolutionError, NotControllableError, UnitCircleError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import matrices, standard_problems
 

@@ -11,10 +11,8 @@ from hypothesis import strategies as st
 from sympy import Matrix, Rational
 
 from compensator_theory import (
-    BudgetError,
     CompensatorError,
     InputError,
-    NoSolutionError,
     budget,
     gramians,
     invariant_zeros,
@@ -25,6 +23,7 @@ from compensator_theory import (
     solve_stein,
     solve_sylvester,
 )
+from compensator_theory.errors import BudgetError, NoSolutionError
 from compensator_theory.matrix_equations import sylvester_equations
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer

@@ -10,9 +10,6 @@ from sympy import ImmutableMatrix, Matrix, Rational
 
 from compensator_theory import (
     InputError,
-    NoSolutionError,
-    NotControllableError,
-    NotObservableError,
     assign_eigenstructure,
     brunovsky_form,
     observer_gain_family,
@@ -22,6 +19,7 @@ from compensator_theory import (
     regulator_gain,
     state_feedback_family,
 )
+from compensator_theory.errors import NoSolutionError, NotControllableError, NotObservableError
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.strategies import matrices, spectra
 from compensator_theory.strategies.plants import disguised, unimodular_matrices

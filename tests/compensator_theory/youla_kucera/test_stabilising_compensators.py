@@ -8,9 +8,7 @@ from sympy import Matrix
 
 import compensator_theory as exact
 from compensator_theory import (
-    ImproperError,
     InputError,
-    NotControllableError,
     Realisation,
     decide_stability,
     doubly_coprime_fractions,
@@ -18,6 +16,7 @@ from compensator_theory import (
     stabilising_compensators,
     transfer_matrix,
 )
+from compensator_theory.errors import ImproperError, NotControllableError
 from compensator_theory.strategies import hurwitz_spectra, matrices, rationals
 from tests.support.structure_cases import G_OF_THE_NOTES, fewer, nonzero_point
 

@@ -15,9 +15,9 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
-from rcac_numeric import load_example, reproduce
 from rcac_numeric.cli.main import main
-from rcac_numeric.dissertation.reproduce import FEW, KeptCases, digest_of, made, reduced
+from rcac_numeric.dissertation import load_example, reproduce
+from rcac_numeric.dissertation.reproduction import FEW, KeptCases, digest_of, made, reduced
 from rcac_numeric.dissertation.workers import case_workers
 
 NUMBERS = ("7.1", "7.6", "B.1", "B.2", "B.3")
@@ -102,8 +102,8 @@ def test_other_data_are_another_case():
 
 def test_the_digest_is_the_same_in_every_process():
     code = (
-        "from rcac_numeric import load_example\n"
-        "from rcac_numeric.dissertation.reproduce import digest_of\n"
+        "from rcac_numeric.dissertation import load_example\n"
+        "from rcac_numeric.dissertation.reproduction import digest_of\n"
         "print(*(digest_of(load_example(n)) for n in ('2.2', '2.6', '6.4', '7.1')))"
     )
     environment = {**os.environ, "PYTHONHASHSEED": "1"}

@@ -12,7 +12,6 @@ import pytest
 
 from rcac_numeric import (
     UD,
-    Axis,
     CoefficientBounds,
     Compensator,
     Controller,
@@ -24,7 +23,6 @@ from rcac_numeric import (
     Harmonic,
     Instantaneous,
     JointUD,
-    Kept,
     Levels,
     Normalization,
     Piecewise,
@@ -36,7 +34,6 @@ from rcac_numeric import (
     SignalWeight,
     SlidingWindow,
     Step,
-    Study,
     SubspaceForgetting,
     TargetModel,
     VariableRateForgetting,
@@ -48,6 +45,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.sweeps import Axis, Kept, Study
 
 SAVED = Path(__file__).parent / "saved"
 TARGET = TargetModel([0.0, 1.0])

@@ -9,7 +9,8 @@ from itertools import pairwise
 import pytest
 from matplotlib.figure import Figure
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.pages import (
     LETTERS,
     MEANINGS,
