@@ -20,6 +20,10 @@ from .frequency.margins import PhaseCrossover as PhaseCrossover
 from .frequency.margins import StabilityMargins as StabilityMargins
 from .frequency.norms import HInfinityNorm as HInfinityNorm
 from .frequency.passivity import RealnessDecision as RealnessDecision
+from .frequency.root_locus import LocusAngles as LocusAngles
+from .frequency.root_locus import LocusBreak as LocusBreak
+from .frequency.root_locus import LocusCrossing as LocusCrossing
+from .frequency.root_locus import RootLocus as RootLocus
 from .geometry.decoupling import Decoupling as Decoupling
 from .geometry.disturbance_decoupling import DisturbanceDecoupling as DisturbanceDecoupling
 from .geometry.fixed_modes import FixedModes as FixedModes

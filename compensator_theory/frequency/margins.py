@@ -229,15 +229,15 @@ def stability_margins(
     closed = count_roots(closed_loop_of_pair(G, G_c, feedback), time=time)
     opened = count_roots(D, time=time)
     top, bottom = (half_plane_image(p, size) for p in (N, D)) if time == "discrete" else (N, D)
-    through = _squared(top, top)[0], _squared(bottom, bottom)[0]
-    real, imaginary = _squared(top, bottom)
+    through = squared(top, top)[0], squared(bottom, bottom)[0]
+    real, imaginary = squared(top, bottom)
     if through[0] == through[1]:
         raise InputError("|L| is 1 at all frequencies; a gain margin is not defined")
     if imaginary.is_zero:
         raise InputError("L is real at all frequencies, so that every frequency is a crossover")
     gain_crossovers = [
         _gain_crossover(factor, index, value, top, bottom, time)
-        for factor, index, value in _positive_roots(through[0] - through[1])
+        for factor, index, value in positive_roots(through[0] - through[1])
     ]
     phase_crossovers = _phase_crossovers(real, imaginary, through[1], size, time)
     cells = stabilising_gains(G, G_c, feedback=feedback).intervals
@@ -247,8 +247,16 @@ def stability_margins(
     )
 
 
-def _squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:
-    """Return real and imaginary part of N(jw) D(-jw), the latter over w, in x = w**2."""
+def squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:
+    """Return real and imaginary part of N(jw) D(-jw), the latter over w, in x = w**2.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.frequency.margins import squared
+    >>> [p.as_expr() for p in squared(polynomial("s + 1"), polynomial("s + 2"))]
+    [x + 2, 1]
+    """
     s = first.gen
     even, odd = even_and_odd(first * second.compose(Poly(-s, s, domain=QQ)))
 
@@ -259,20 +267,37 @@ def _squared(first: Poly, second: Poly) -> tuple[Poly, Poly]:
     return at_minus_x(even), at_minus_x(odd)
 
 
-def _positive_roots(poly: Poly) -> list[tuple[Poly, int, Expr]]:
-    """Return (irreducible factor, index among its real roots, value) of the positive roots."""
+def positive_roots(poly: Poly) -> list[tuple[Poly, int, Expr]]:
+    """Return (irreducible factor, index among its real roots, value) of the positive roots.
+
+    Examples
+    --------
+    >>> from sympy import Poly
+    >>> from sympy.abc import x
+    >>> from compensator_theory.frequency.margins import positive_roots
+    >>> [value for _, _, value in positive_roots(Poly(x**2 - 2, x, domain="QQ"))]
+    [sqrt(2)]
+    """
     factors = [factor for factor, _ in poly.factor_list()[1]]
     found = []
     for factor in factors:
-        signs = signs_at_real_roots(Poly(SQUARE, SQUARE, domain=QQ), factor)
+        signs = signs_at_real_roots(Poly(factor.gen, factor.gen, domain=QQ), factor)
         for index, root in enumerate(real_roots([factor])):
             if signs[index] > 0:
                 found.append((root.enclosure.centre, factor, index, root.value))
     return [(factor, index, value) for _, factor, index, value in sorted(found, key=lambda r: r[0])]
 
 
-def _ball(factor: Poly, index: int, bits: int) -> flint.arb:
-    """Return a ball around a real root; inside of a block of that precision."""
+def real_root_ball(factor: Poly, index: int, bits: int) -> flint.arb:
+    """Return a ball around a real root; inside of a block of that precision.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.frequency.margins import real_root_ball
+    >>> bool(real_root_ball(polynomial("x**2 - 2"), 1, 53) > 1)
+    True
+    """
     real = [ball.real for ball, _ in root_balls(factor, bits) if ball.imag == 0]
     return sorted(real, key=lambda ball: ball.mid())[index]
 
@@ -281,7 +306,16 @@ def _value_at(poly: Poly, point: flint.acb) -> flint.acb:
     return flint.acb_poly(to_flint_polynomial(poly))(point)
 
 
-def _frequency(square: flint.arb, time: Time) -> flint.arb:
+def frequency_of(square: flint.arb, time: Time) -> flint.arb:
+    """Return the frequency whose square, or that of its tangent's half, is given.
+
+    Examples
+    --------
+    >>> import flint
+    >>> from compensator_theory.frequency.margins import frequency_of
+    >>> frequency_of(flint.arb(4), "continuous")
+    2.00000000000000
+    """
     root = square.sqrt()
     return root if time == "continuous" else 2 * root.atan()
 
@@ -295,7 +329,7 @@ def _gain_crossover(
     bits = 160
     while True:
         with ball_precision(bits):
-            square = _ball(factor, index, bits)
+            square = real_root_ball(factor, index, bits)
             s = flint.acb(0, square.sqrt())
             turned = -_value_at(top, s) / _value_at(bottom, s)
             # the ball of an angle on the branch cut, where L = 1, would be the whole circle
@@ -303,13 +337,13 @@ def _gain_crossover(
             if margin is None and turned.real < 0 and bits > 2000:
                 margin = flint.arb.pi()
             if margin is not None and not margin.contains(0):
-                omega = _frequency(square, time)
+                omega = frequency_of(square, time)
                 lag = margin if margin > 0 else margin + 2 * flint.arb.pi()
                 found = [enclosure_of_ball(x) for x in (omega, margin, lag / omega)]
                 if all(x.radius <= GOAL for x in found):
                     return GainCrossover(value, *found)
             elif margin is not None and bits > 2000:  # L = -1: a root on the boundary
-                omega = _frequency(square, time)
+                omega = frequency_of(square, time)
                 zero = Enclosure(Rational(0), Rational(0))
                 return GainCrossover(value, enclosure_of_ball(omega), zero, zero)
         bits *= 2
@@ -324,7 +358,7 @@ def _phase_crossovers(
     if under != 0 and at_zero < 0:
         factor = -under / at_zero
         found.append(PhaseCrossover(Rational(0), zero, factor, Enclosure(factor, Rational(0))))
-    for factor, index, value in _positive_roots(imaginary):
+    for factor, index, value in positive_roots(imaginary):
         if below.rem(factor).is_zero:
             continue  # a pole of L on the boundary
         if real.rem(factor).is_zero:
@@ -347,7 +381,7 @@ def _phase_crossover(
     bits = 160
     while True:
         with ball_precision(bits):
-            square = _ball(factor, index, bits)
+            square = real_root_ball(factor, index, bits)
             above, under = (
                 flint.arb_poly(to_flint_polynomial(p.rem(factor)))(square) for p in (real, below)
             )
@@ -355,15 +389,24 @@ def _phase_crossover(
                 return None
             if above < 0:
                 gain = -under / above
-                found = [enclosure_of_ball(x) for x in (_frequency(square, time), gain)]
+                found = [enclosure_of_ball(x) for x in (frequency_of(square, time), gain)]
                 if all(x.radius <= GOAL for x in found):
                     return PhaseCrossover(
-                        value, found[0], _gain(factor, value, real, below), found[1]
+                        value, found[0], -real_root_quotient(factor, value, below, real), found[1]
                     )
         bits *= 2
 
 
-def _gain(factor: Poly, value: Expr, real: Poly, below: Poly) -> Expr:
-    """Return -|D|^2/Re as a polynomial in the root, its denominator inverted modulo the factor."""
-    quotient = (below * real.invert(factor)).rem(factor)
-    return sympy.expand(-quotient.as_expr().subs(SQUARE, value))
+def real_root_quotient(factor: Poly, value: Expr, top: Poly, bottom: Poly) -> Expr:
+    """Return a quotient at a root, as a polynomial in the root.
+
+    Examples
+    --------
+    >>> from sympy import sqrt
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.frequency.margins import real_root_quotient
+    >>> real_root_quotient(polynomial("x**2 - 2"), sqrt(2), polynomial("x"), polynomial("x + 1"))
+    2 - sqrt(2)
+    """
+    quotient = (top * bottom.invert(factor)).rem(factor)
+    return sympy.expand(quotient.as_expr().subs(quotient.gen, value))

@@ -180,6 +180,7 @@ GOOD = {
     "popov_form": ([[["s**2", "s**2 + 1"], ["s", "s"]]], {}),
     "h_infinity_norm": ([_MATRIX], {}),
     "stability_margins": (["1/(s*(s + 1))"], {"feedback": -1}),
+    "root_locus": (["1/(s*(s + 1))"], {"feedback": -1}),
     "stability_delays": ([["s", "1"]], {}),
     "decide_bounded_real": ([_MATRIX], {}),
     "decide_positive_real": ([_MATRIX], {}),
