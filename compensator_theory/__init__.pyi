@@ -65,7 +65,10 @@ from .lqg.high_authority_limits import high_authority_limits as high_authority_l
 from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import lqg_poles as lqg_poles
 from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
+from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
+from .lqg.riccati_formulas import riccati_formula as riccati_formula
+from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
 from .matrices.certificates import Certificate as Certificate
 from .matrix_equations.gramians import gramians as gramians
@@ -109,6 +112,7 @@ from .roots.certified import certified_roots as certified_roots
 from .roots.counts import count_roots as count_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
+from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
 from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_roots as locate_roots

@@ -33,7 +33,9 @@ from .lqg.high_authority_limits import HighAuthorityLimit as HighAuthorityLimit
 from .lqg.high_authority_limits import HighAuthorityLimits as HighAuthorityLimits
 from .lqg.locus import RegulatorLocus as RegulatorLocus
 from .lqg.poles import LQGPoles as LQGPoles
+from .lqg.riccati import GainFormula as GainFormula
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
+from .lqg.riccati_formulas import RiccatiFormula as RiccatiFormula
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .matrix_equations.gramians import Gramians as Gramians
 from .matrix_equations.regulator_equations import RegulatorSolution as RegulatorSolution
@@ -49,6 +51,8 @@ from .placement.solutions import PolePlacement as PolePlacement
 from .roots.certified import Root as Root
 from .roots.counts import RootCount as RootCount
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
+from .roots.number_fields import FieldMatrix as FieldMatrix
+from .roots.number_fields import NumberField as NumberField
 from .roots.spectral_factors import SpectralFactor as SpectralFactor
 from .roots.stability import StabilityDecision as StabilityDecision
 from .stabilisation.interval_polynomials import IntervalStability as IntervalStability

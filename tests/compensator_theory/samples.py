@@ -283,6 +283,18 @@ SAMPLES = {
     ),
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
+    results.RiccatiFormula: st.sampled_from(["continuous", "discrete"]).map(
+        lambda time: exact.riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time=time)
+    ),
+    results.GainFormula: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).regulator.formula
+    ),
+    results.NumberField: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).regulator.field
+    ),
+    results.FieldMatrix: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).estimator.P_in_field
+    ),
     results.RiccatiSolution: st.sampled_from([0, 1, "1/2"]).map(
         lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1], [0]], [[0], [r]], time="discrete")
     )

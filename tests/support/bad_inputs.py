@@ -77,6 +77,7 @@ GOOD = {
     "lqg_poles": ([_STANDARD], {}),
     "regulator_spectrum": ([[[3]], [[1]], [[2]], [[0]]], {"time": "discrete"}),
     "solve_riccati": ([[[0]], [[1]], [[2], [0]], [[0], [1]]], {"time": "continuous"}),
+    "riccati_formula": ([[[0]], [[1]], [[2], [0]], [[0], [1]]], {"time": "continuous"}),
     "high_authority_target": ([_STANDARD], {}),
     "bezout_identity": ([_P, _Q], {}),
     "number_of_common_roots": ([_P, _Q], {}),
