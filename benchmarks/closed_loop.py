@@ -12,8 +12,8 @@ import subprocess
 import sys
 import time
 import tracemalloc
-from attrs import evolve
 
+from attrs import evolve
 from update_step import dgemm  # first: it keeps NumPy to one thread
 
 # isort: split
