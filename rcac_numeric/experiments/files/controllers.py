@@ -151,6 +151,7 @@ CONTROLLER = Deferred(
         forms=FORMS,
         docs=DOCS,
         elsewhere=(SEVERAL, "only [[controllers]] read"),
+        is_later=True,
     )
 )
 ONE_OF_SEVERAL = Deferred(
@@ -159,6 +160,7 @@ ONE_OF_SEVERAL = Deferred(
         given=["learning"],
         forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
         docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
+        is_later=True,
     )
 )
 

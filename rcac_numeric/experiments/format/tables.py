@@ -157,6 +157,8 @@ class Table(Form, Generic[T]):
         Forms, names of keys and descriptions that belong to this table alone.
     elsewhere : pair of Table and str, optional
         Keys that may stand here too, and who alone reads them.
+    is_later : bool
+        Whether a class, too, is a `Part`, since some of its fields do not stand in the file.
 
     Notes
     -----
@@ -187,8 +189,10 @@ class Table(Form, Generic[T]):
         names: Mapping[str, str] | None = None,
         docs: Mapping[str, str] | None = None,
         elsewhere: tuple[Table[Any], str] | None = None,
+        is_later: bool = False,
     ) -> None:
         self.make, self.given, self.elsewhere = make, tuple(given), elsewhere
+        self.is_later = is_later or not self.is_class
         self._forms, self._names, self._docs = forms or {}, names or {}, docs or {}
 
     @property
@@ -277,7 +281,7 @@ class Table(Form, Generic[T]):
         return self._made(values, here)
 
     def _made(self, values: dict[str, Any], here: Place) -> Any:
-        if not self.is_class:
+        if self.is_later:
             return Part(self.make, values)
         try:
             made: Any = self.make(**values)

@@ -2,7 +2,6 @@
 
 import ctypes
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -24,6 +23,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.export.tables import core_tables, scaled
 from tests.support import core_builds
 from tests.support.core_builds import (
