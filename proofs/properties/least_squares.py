@@ -116,3 +116,31 @@ def ud_factors(U: Matrix, phi: Matrix, d: list[int], r: int, forgetting: Rationa
         gain[j], alpha = v, following
     wanted = (P - P * phi * phi.T * P / (r + (phi.T * P * phi)[0])) / forgetting
     return bool(min(d_new) > 0 and new * Matrix.diag(*d_new) * new.T == wanted)
+
+
+@for_all(
+    H=matrices(3, 2),
+    E=matrices(3, 3),
+    Z=matrices(3, 1),
+    U=matrices(2, 1),
+    other=matrices(2, 1),
+    eta=st.integers(1, 3),
+)
+def retrospective_input(
+    H: Matrix, E: Matrix, Z: Matrix, U: Matrix, other: Matrix, eta: int
+) -> bool:
+    """The cost (8.51) is quadratic with (8.53)-(8.55), and U* of (8.56) has a lower one than any
+    other input.
+    """
+    weight = E.T * E
+
+    def cost(X: Matrix) -> Rational:
+        z = Z - H * U + H * X
+        return (z.T * weight * z)[0] + eta * (X.T * X)[0]
+
+    A = H.T * weight * H + eta * eye(2)
+    B = 2 * H.T * weight * (Z - H * U)
+    constant = ((Z - H * U).T * weight * (Z - H * U))[0]
+    best = -A.inv() * B / 2
+    quadratic = (other.T * A * other + B.T * other)[0] + constant
+    return bool(cost(other) == quadratic and (other == best or cost(best) < cost(other)))

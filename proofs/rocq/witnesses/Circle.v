@@ -3,7 +3,7 @@ From mathcomp Require Import all_ssreflect all_algebra ring.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
 From Compensators.theorems Require ForwardRiccati ExactMatch MinimalLoops.
-From Compensators.theorems Require ClosedLoopOrder UdUpdate.
+From Compensators.theorems Require ClosedLoopOrder UdUpdate RetrospectiveInput.
 From Compensators.theorems Require Import Kalman ReturnDifference HighAuthorityPoles Stein Riccati.
 From Compensators.theorems Require Import HighAuthorityLqg.
 From Compensators.counterexamples Require Realisations.
@@ -211,4 +211,16 @@ move=> absurd; apply: (absurd Q 0%N o e e o 0 0 e 0 0 0 e e); rewrite ?scale0r ?
 - exact: one_is_not_zero.
 - by rewrite /number raddf0 mulmx0.
 exact: one_is_not_zero.
+Qed.
+
+Lemma quadratic_form_8_52 : ltac:(can_be_met (@RetrospectiveInput.quadratic_form_8_52)).
+Proof. by move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 0 0 0 _ 0); rewrite trmx0. Qed.
+
+Lemma retrospective_input_minimises :
+  ltac:(can_be_met (@RetrospectiveInput.retrospective_input_minimises)).
+Proof.
+move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 1 0 0 _ 1%:M); rewrite ?trmx0 //.
+  by rewrite /RetrospectiveInput.quadratic_part mulmx0 add0r; apply: one_definite.
+rewrite /RetrospectiveInput.retrospective_input /RetrospectiveInput.linear_part !(mulmx0, mul0mx) scaler0.
+by rewrite mulmx0 scaler0 oppr0; apply: one_is_not_zero.
 Qed.
