@@ -63,7 +63,9 @@ def printed_type(name: str, types: Mapping[str, str]) -> str:
         return f'<a href="#{anchor(key)}">{word.rpartition(".")[2]}</a>'
 
     text = html.escape("\n".join(types.get(name, "").splitlines()[1:]), quote=False)
-    return f'<pre class="coq" style="font-size: 81%; overflow-x: auto">{_WORD.sub(linked, text)}</pre>'
+    return (
+        f'<pre class="coq" style="font-size: 81%; overflow-x: auto">{_WORD.sub(linked, text)}</pre>'
+    )
 
 
 def whereabouts(name: str) -> str:

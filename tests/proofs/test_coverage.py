@@ -20,8 +20,8 @@ def test_every_used_equation_is_in_a_statement_or_has_a_reason():
 def test_coverage_does_not_shrink():
     """Counts of today; a statement that is withdrawn, or loses its theorem, shows here."""
     found = coverage(USED, ledger())
-    assert sum(c.strength.startswith("Coq") for c in found) >= 70
-    assert sum(c.strength != "none" for c in found) >= 84
+    assert sum(c.strength.startswith("Coq") for c in found) >= 78
+    assert sum(c.strength != "none" for c in found) >= 92
 
 
 def test_what_statements_are_about_is_used():
