@@ -138,7 +138,8 @@ def assumed(folder: Path = SOURCES) -> tuple[str, ...]:
     found = []
     for path in sources(folder):
         text, where = without_comments(path.read_text(encoding="utf-8")), path.relative_to(folder)
-        words = [match.group() for match in (_ASSUMED.search(text), _CHANGED.search(text)) if match]
+        match = _ASSUMED.search(text) or _CHANGED.search(text)
+        words = [match.group()] if match else []
         words += list(_outside_sections(text))
         found += [f"{where.as_posix()}: {word.strip()}" for word in words]
     return tuple(found)

@@ -17,6 +17,7 @@ from typing import Any
 from .checks import ForAll
 from .code import Code
 from .entries import Entry
+from .ledger import ledger
 
 Check = tuple[str, str]
 """A package of checks and the check's ``module.name``."""
@@ -238,8 +239,6 @@ def _replaced(node: ast.Call, new: ast.Call) -> tuple[Callable[[], None], Callab
 
 def main() -> int:
     """Run every mutant of every check; fail where one has none that is caught."""
-    from .ledger import ledger
-
     checks = dict.fromkeys(check for entry in ledger() for check in checks_of(entry))
     tried = caught = blind = 0
     for check in checks:

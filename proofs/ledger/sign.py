@@ -6,6 +6,8 @@ one would hold whatever it says.
 
 import sys
 
+from .ledger import ledger
+from .mutants import checks_of, first_caught
 from .signatures import Tree
 
 
@@ -32,9 +34,6 @@ def main(arguments: list[str]) -> int:
 
 def _blind(differences: dict[str, list[str]]) -> dict[str, str]:
     """Say of each changed check, if so, that none of its mutants is caught."""
-    from .ledger import ledger
-    from .mutants import checks_of, first_caught
-
     changed = {name for name, words in differences.items()}
     found = {}
     for entry in ledger():
