@@ -169,9 +169,9 @@ def riccati_formula(
         divisors += [determinant(a + sympy.eye(n)), determinant(_kalman(a, b))]
     divisors += denominators_of((K, P))
     conditions = tuple(_rebuilt(sympy.factor(square.subs(written))) for square in squares)
-    final = [ImmutableMatrix(m.subs(written).applyfunc(_rebuilt)) for m in (K, P)]
+    K, P = (ImmutableMatrix(m.subs(written).applyfunc(_rebuilt)) for m in (K, P))
     exceptional = exceptional_factors(d for d in divisors if d.free_symbols)
-    return RiccatiFormula(*weights, time, *final, conditions, exceptional, certificate)
+    return RiccatiFormula(*weights, time, K, P, conditions, exceptional, certificate)
 
 
 def _kalman(A: Matrix, B: Matrix) -> Matrix:

@@ -44,7 +44,8 @@ class SampledPlant(ExactValue):
     step : sympy.Expr
         h, the time between samples.
     exponentials : tuple of (Symbol, Expr)
-        What each new symbol stands for, such as (x, exp(-h)).
+        What each new symbol stands for, such as (x, exp(-h)), or (y, tan(h/2)) for poles at
+        :math:`\pm\mathrm{j}`, in which :math:`\cos h = (1 - y^2)/(1 + y^2)`.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols that the matrices are divided by, such as a - b where
         poles a and b would be one.
@@ -87,8 +88,9 @@ def zero_order_hold(
     Parameters
     ----------
     plant : Realisation, matrices, transfer function
-        Anything :func:`realisation` reads, in s or another variable that is not z or q. Its poles
-        are rational, or sums of monomials in symbols such as -a.
+        Anything :func:`realisation` reads, in s or another variable that is not z or q. Its
+        denominator has factors of degree 1 and 2, with rational numbers or symbols, and the real
+        parts (of real irrational poles: the means) are sums of monomials such as -a.
     step : number or symbol, optional
         h > 0: a symbol, a rational number, or a SymPy expression like log(2), which makes
         exponentials of whole poles rational numbers.
@@ -100,16 +102,19 @@ def zero_order_hold(
     Raises
     ------
     InputError
-        If the plant is discrete, h is not positive, or a pole is neither rational nor a sum of
-        monomials.
+        If the plant is discrete, h is not positive, an irreducible factor has degree 3 or more, or
+        a real part is no sum of monomials.
 
     Notes
     -----
     The exponential is the polynomial in the matrix that interpolates e^(sh) on the spectrum.
     Exponentials of poles that are whole multiples of one number are powers of one symbol, so that
-    no relation between them is lost. For a short h the zeros beyond those of the plant tend to the
-    roots of :func:`sampling_zero_polynomial`. Source: K. J. Astrom, P. Hagander and J. Sternby,
-    Zeros of sampled systems, Automatica 20 (1984).
+    no relation between them is lost; the same holds for the tangents of frequencies with rational
+    ratios. (Exponentials of others are algebraically independent at every algebraic h > 0, by the
+    theorem of Lindemann and Weierstrass.) At the steps :math:`h = (2l + 1)\pi/\omega` a tangent
+    is infinite, and the matrices are the limits. For a short h the zeros beyond those of the plant
+    tend to the roots of :func:`sampling_zero_polynomial`. Source: K. J. Astrom, P. Hagander and
+    J. Sternby, Zeros of sampled systems, Automatica 20 (1984).
 
     Examples
     --------
@@ -122,6 +127,9 @@ def zero_order_hold(
     B = [[1 - x]]
     C = [[1]]
     x = exp(-h)
+    >>> found = zero_order_hold("1/(s**2 + 1)")
+    >>> found.realisation.A[0, 0], found.exponentials  # cos(h)
+    ((1 - y**2)/(y**2 + 1), ((y, tan(h/2)),))
     """
     given = realisation(plant, variable)
     z = as_symbol(discrete_variable)
@@ -145,6 +153,14 @@ def zero_order_hold(
     found = matrix_exponential(M, annihilator, t, used)
     E = found.value
     values = {x: _exponential(rate * h) for x, rate in found.rates}
+    for y, square in found.tangents:
+        omega = sympy.sqrt(square)
+        if h.has(sympy.log):
+            raise InputError(
+                f"with poles of frequency {omega} the step {shown(h)}, a logarithm, may hide "
+                "relations; leave it a symbol"
+            )
+        values[y] = sympy.tan(omega * h / 2) / omega
     known = {x: value for x, value in values.items() if value.is_Rational}
     sampled = E.subs({t: h, **known}) if t != h or known else E
     if any(e.has(sympy.log, sympy.exp) for e in sampled):
