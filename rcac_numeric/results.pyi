@@ -20,6 +20,7 @@ from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.record import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .experiments.verdicts import Verification as Verification
+from .export.folder import Export as Export
 from .h2.agreement import ExactAgreement as ExactAgreement
 from .h2.conversion import ConversionCertificate as ConversionCertificate
 from .h2.costs import H2Cost as H2Cost

@@ -76,6 +76,7 @@ LAYERS = {
         "reports",
         "reports.studies",
         "reports.page",
+        "export",
         "dissertation.errata.evidence",
         "dissertation.errata",
         "dissertation",
