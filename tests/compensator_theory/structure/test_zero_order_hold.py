@@ -13,10 +13,13 @@ from sympy import Matrix, Rational, Symbol, log
 import compensator_theory as exact
 from compensator_theory import (
     Realisation,
+    first_order_hold,
     polynomial,
     sampling_zero_polynomial,
+    tustin,
     zero_order_hold,
 )
+from compensator_theory.errors import NoSolutionError
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer
@@ -109,6 +112,41 @@ def test_scipy_agrees_on_complex_and_irrational_poles(plant, step):
     theirs = scipy.signal.cont2discrete(source, float(step), "zoh")
     for one, other in zip(mine, theirs[:2], strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(("function", "name"), [(first_order_hold, "foh"), (tustin, "tustin")])
+@fewer(2)
+@given(plants() | oscillating_plants(), st.sampled_from([Rational(1, 10), Rational(1)]))
+def test_other_rules_against_scipy(function, name, plant, step):
+    """The transfer functions: SciPy's realisation of Tustin's rule has another basis."""
+    try:
+        found = function(plant, step)
+    except NoSolutionError:  # 2/h is a pole
+        assert function is tustin and (sympy.eye(plant.n) - plant.A * step / 2).det() == 0
+        return
+    assert found.certificate.holds
+    values = dict(found.exponentials)
+    S = found.realisation
+    A, B, C, D = (numbers(part, values) for part in (S.A, S.B, S.C, S.D))
+    source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
+    a, b, c, d, _ = scipy.signal.cont2discrete(source, float(step), name)
+    for z in (2.5 + 0.5j, -3.0, 7j):
+        mine = C @ np.linalg.solve(z * np.eye(plant.n) - A, B) + D
+        theirs = c @ np.linalg.solve(z * np.eye(plant.n) - a, b) + d
+        np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-8)
+
+
+def test_the_rules_of_integrators():
+    """h (z + 1)/(2 (z - 1)) is both the line's and Tustin's."""
+    expected = exact.transfer_function("h*(z + 1)/(2*(z - 1))", "z")
+    assert first_order_hold("1/s").transfer_function() == expected
+    assert tustin("1/s").transfer_function() == expected
+    double = first_order_hold("1/s**2").transfer_function()
+    assert double == exact.transfer_function("h**2*(z**2 + 4*z + 1)/(6*(z - 1)**2)", "z")
+    with pytest.raises(exact.CompensatorError, match="another step"):
+        tustin("1/(s - 2)", 1)
+    with pytest.raises(exact.CompensatorError, match="rational number or a symbol"):
+        tustin("1/(s + 2)", log(2))
 
 
 def test_oscillators_of_the_textbooks():
