@@ -212,11 +212,11 @@ def stability_margins(
     >>> print(stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1))
     the loop is stable
     stable for gain factors in (0, 3)
-    |L| = 1 at 1.22715: phase margin 25.39 degrees
+    |L| = 1 at 1.22706: phase margin 25.39 degrees
     L < 0 at 2.23607: gain factor 3
     >>> found = stability_margins("1/(s*(s + 1))", feedback=-1)
     >>> found.gain_crossovers[0].square, found.delay_margin
-    (-1/2 + sqrt(5)/2, 1.15061159219420785083 ± 5.0e-21)
+    (-1/2 + sqrt(5)/2, 1.15061414365604986842 ± 5.0e-21)
     """
     G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     N, D = G.numerator * G_c.numerator * -feedback, G.denominator * G_c.denominator

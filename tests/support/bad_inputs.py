@@ -181,6 +181,8 @@ GOOD = {
     "h_infinity_norm": ([_MATRIX], {}),
     "stability_margins": (["1/(s*(s + 1))"], {"feedback": -1}),
     "root_locus": (["1/(s*(s + 1))"], {"feedback": -1}),
+    "first_order_hold": (["1/(s + 1)", "1/2"], {}),
+    "tustin": (["1/(s + 1)", "1/2"], {}),
     "stability_delays": ([["s", "1"]], {}),
     "decide_bounded_real": ([_MATRIX], {}),
     "decide_positive_real": ([_MATRIX], {}),
