@@ -89,7 +89,7 @@ def draws(count):
     return settings(max_examples=count, phases=phases, suppress_health_check=list(HealthCheck))
 
 
-@draws(6)
+@draws(5)
 @given(core_settings(), seeds)
 def test_u_and_theta_are_those_of_the_controller(case, seed):
     hold_together(case, seed)
@@ -165,7 +165,7 @@ def test_a_target_model_that_is_set_while_it_runs(past, denominator):
     assert closed_loop(controller, core, Loop(PLANT, 0, 500, 3), 500, between) == 500
 
 
-@draws(4)
+@draws(3)
 @given(core_settings(strictly_proper=True), seeds)
 def test_what_an_actuator_left_of_u(case, seed):
     """One step later by rcac_correct, or within the step by rcac_adapt."""

@@ -119,10 +119,15 @@ FUZZED = {
 }
 
 
-@pytest.mark.parametrize("real", ["float64", "float32"])
+@pytest.mark.long
 @pytest.mark.parametrize("name", FUZZED)
-def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name, real):
+def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name):
     """10^5 steps in full: u stays finite and, where it is limited, bounded; the status says why."""
+    for real in ["float64", "float32"] if in_full else ["float64" if name == "iir" else "float32"]:
+        fuzz(tmp_path, name, real, 100_000 if in_full else 5000)
+
+
+def fuzz(tmp_path, name, real, steps):
     given_settings, more = FUZZED[name]
     tables = core_tables(given_settings, **more)
     tables = scaled(tables) if real == "float32" else tables
@@ -131,7 +136,7 @@ def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name, real):
     command = [
         "gcc", "-std=c99", "-O1", "-g", *WARNINGS, "-Wno-float-equal", "-Wno-conversion",
         "-fsanitize=address,undefined", "-fno-sanitize-recover=all",
-        f"-DSTEPS={100_000 if in_full else 5000}L", f"-DSEED={len(name)}u",
+        f"-DSTEPS={steps}L", f"-DSEED={len(name)}u",
         f"-DLIMIT={1 if 'saturation' in more else 0}", f"-I{tmp_path}", f"-I{CORE}",
         tmp_path / "fuzz.c", CORE / "rcac.c", "-o", tmp_path / "fuzz",
     ]  # fmt: skip
@@ -147,7 +152,7 @@ def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name, real):
 
 def test_the_linked_image_holds_nothing_but_itself(tmp_path):
     """No heap, no libm, no exceptions: what the core needs of others is what compilers call."""
-    for number, (given_settings, more) in enumerate(FUZZED.values()):
+    for number, (given_settings, more) in enumerate([FUZZED["iir"], FUZZED["rich"]]):
         (tmp_path / "rcac_config.h").write_text(config_header(core_tables(given_settings, **more)))
         for cc, standard in (("gcc", "c99"), ("g++", "c++17")):
             if shutil.which(cc) is None:
@@ -167,7 +172,7 @@ def test_the_linked_image_holds_nothing_but_itself(tmp_path):
             assert not re.findall(r" [bBdD] (\w+)", out)  # no memory of its own
 
 
-@settings(max_examples=5, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
+@settings(max_examples=3, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(core_settings(), seeds, st.sampled_from(["gcc", "clang"]))
 def test_float32_follows_float64(case, seed, cc):
     """Closed loops of all kinds: no NaN, and the signals of float64 as far as the loop allows.
