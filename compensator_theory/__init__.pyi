@@ -26,9 +26,12 @@ from .diophantine.polynomial_equations import solve_diophantine as solve_diophan
 from .errors import CompensatorError as CompensatorError
 from .errors import InputError as InputError
 from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
+from .frequency.delays import stability_delays as stability_delays
+from .frequency.margins import stability_margins as stability_margins
 from .frequency.norms import h_infinity_norm as h_infinity_norm
 from .frequency.passivity import decide_bounded_real as decide_bounded_real
 from .frequency.passivity import decide_positive_real as decide_positive_real
+from .frequency.root_locus import root_locus as root_locus
 from .geometry.decoupling import decouple as decouple
 from .geometry.disturbance_decoupling import decouple_disturbance as decouple_disturbance
 from .geometry.fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes
@@ -65,7 +68,10 @@ from .lqg.high_authority_limits import high_authority_limits as high_authority_l
 from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import lqg_poles as lqg_poles
 from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
+from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
+from .lqg.riccati_formulas import riccati_formula as riccati_formula
+from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
 from .matrices.certificates import Certificate as Certificate
 from .matrix_equations.gramians import gramians as gramians
@@ -109,6 +115,7 @@ from .roots.certified import certified_roots as certified_roots
 from .roots.counts import count_roots as count_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
+from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
 from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_roots as locate_roots

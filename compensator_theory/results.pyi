@@ -13,8 +13,17 @@ from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDio
 from .diophantine.polynomial_equations import DiophantineSolution as DiophantineSolution
 from .exceptional_sets.cases import ExceptionalCase as ExceptionalCase
 from .exceptional_sets.cases import ExceptionalCases as ExceptionalCases
+from .frequency.delays import DelayCrossing as DelayCrossing
+from .frequency.delays import StabilityDelays as StabilityDelays
+from .frequency.margins import GainCrossover as GainCrossover
+from .frequency.margins import PhaseCrossover as PhaseCrossover
+from .frequency.margins import StabilityMargins as StabilityMargins
 from .frequency.norms import HInfinityNorm as HInfinityNorm
 from .frequency.passivity import RealnessDecision as RealnessDecision
+from .frequency.root_locus import LocusAngles as LocusAngles
+from .frequency.root_locus import LocusBreak as LocusBreak
+from .frequency.root_locus import LocusCrossing as LocusCrossing
+from .frequency.root_locus import RootLocus as RootLocus
 from .geometry.decoupling import Decoupling as Decoupling
 from .geometry.disturbance_decoupling import DisturbanceDecoupling as DisturbanceDecoupling
 from .geometry.fixed_modes import FixedModes as FixedModes
@@ -33,7 +42,9 @@ from .lqg.high_authority_limits import HighAuthorityLimit as HighAuthorityLimit
 from .lqg.high_authority_limits import HighAuthorityLimits as HighAuthorityLimits
 from .lqg.locus import RegulatorLocus as RegulatorLocus
 from .lqg.poles import LQGPoles as LQGPoles
+from .lqg.riccati import GainFormula as GainFormula
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
+from .lqg.riccati_formulas import RiccatiFormula as RiccatiFormula
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .matrix_equations.gramians import Gramians as Gramians
 from .matrix_equations.regulator_equations import RegulatorSolution as RegulatorSolution
@@ -49,6 +60,8 @@ from .placement.solutions import PolePlacement as PolePlacement
 from .roots.certified import Root as Root
 from .roots.counts import RootCount as RootCount
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
+from .roots.number_fields import FieldMatrix as FieldMatrix
+from .roots.number_fields import NumberField as NumberField
 from .roots.spectral_factors import SpectralFactor as SpectralFactor
 from .roots.stability import StabilityDecision as StabilityDecision
 from .stabilisation.interval_polynomials import IntervalStability as IntervalStability

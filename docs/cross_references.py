@@ -130,7 +130,8 @@ def _holder(target: str) -> str | None:
             found = getattr(found, attribute) if attribute else found
         except (ImportError, AttributeError, ValueError):
             continue
-        if name in getattr(found, "__dataclass_fields__", ()) or hasattr(found, name):
+        fields = getattr(found, "__dataclass_fields__", getattr(found, "__annotations__", ()))
+        if name in fields or hasattr(found, name):
             return public_target(path, None) or path
     return None
 

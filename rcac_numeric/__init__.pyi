@@ -70,12 +70,7 @@ from .experiments.files.schema import json_schema as json_schema
 from .experiments.verdicts import verify as verify
 from .export.fmu import export_fmu as export_fmu
 from .export.folder import export_controller as export_controller
-from .h2.agreement import ExactAgreement as ExactAgreement
-from .h2.conversion import ConversionCertificate as ConversionCertificate
-from .h2.conversion import (
-    compensator_from_state_space as compensator_from_state_space,
-)
-from .h2.costs import H2Cost as H2Cost
+from .h2.conversion import compensator_from_state_space as compensator_from_state_space
 from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
 from .h2.lqg import lqg as lqg

@@ -3,7 +3,6 @@
 Different seeds make different data. A new public data class gets a line in `SAMPLES`.
 """
 
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import numpy as np
 
 import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results, sweeps
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.signals.signal import Scaled, Sum

@@ -1,15 +1,16 @@
 """Public data are equal by content, and pickle to an equal object in a fresh process."""
 
 import copy
-import dataclasses
 import inspect
 import pickle
 import re
 import struct
 import subprocess
 import sys
+from dataclasses import is_dataclass
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -18,14 +19,14 @@ from hypothesis import strategies as st
 import rcac_numeric as rcac
 from compensator_theory.errors import DivergedError
 from rcac_numeric import identification, sweeps
-from rcac_numeric.arrays.values import equal
+from rcac_numeric.arrays.values import equal, field_names
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 from tests.support.estimation_samples import ESTIMATORS
 from tests.support.public import public_objects
 
 PUBLIC = [*public_objects("rcac_numeric").values()]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
-DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
+DATA_CLASSES = [cls for cls in CLASSES if attrs.has(cls) or is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
 NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
@@ -98,12 +99,12 @@ def test_it_is_equal_where_all_that_it_holds_is_equal(cls, seed, other):
     assert value == again and hash(value) == hash(again)
     assert value != different
     assert value != "something else"
-    for field in dataclasses.fields(cls):
-        if not field.compare or equal(getattr(value, field.name), getattr(different, field.name)):
+    for name in field_names(cls, compared=True):
+        if equal(getattr(value, name), getattr(different, name)):
             continue
         twin = copy.copy(value)
-        object.__setattr__(twin, field.name, getattr(different, field.name))
-        assert twin != value and value != twin, field.name
+        object.__setattr__(twin, name, getattr(different, name))
+        assert twin != value and value != twin, name
 
 
 def _fit(cls, **settings):

@@ -88,7 +88,7 @@ def read_chapter(table: Raw, file: str) -> tuple[Erratum, ...]:
     """
     read = _FILE.read(table, Place(file))
     chapter = read.arguments["chapter"]
-    entries = tuple(part.build(chapter=chapter) for part in read.arguments["erratum"])
+    entries = tuple(part.of(None, chapter=chapter) for part in read.arguments["erratum"])
     _require_different(entries, file)
     return entries
 

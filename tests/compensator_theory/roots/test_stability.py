@@ -196,7 +196,8 @@ def test_bezout_with_symbols():
        for time in ("continuous", "discrete"))],
 )  # fmt: skip
 @pytest.mark.parametrize(
-    "bad", [polynomial(0, "s"), polynomial("s + a"), "1/s", None, "s*z", [1, 2], float("nan")]
+    "bad",
+    [polynomial(0, "s"), polynomial("s + a"), "1/s", None, "s*z", [], [1, None], float("nan")],
 )
 def test_bad_input_of_counts(function, bad):
     with pytest.raises(InputError):

@@ -70,6 +70,19 @@ def test_brunovskys_form(pair):
         assert rank(columns) == sum(min(index, k) for index in found.indices)
 
 
+def test_all_gains_are_those_that_are_similar():
+    """K = -2I gives the poles -1, -1 too, and no Jordan block: it is none of the cyclic family."""
+    unit = sympy.eye(2)
+    cyclic = state_feedback_family(unit, unit, [-1, -1])
+    assert "and A + BK cyclic" in str(cyclic) and cyclic.parameters_of(-2 * unit) == ()
+    diagonal = state_feedback_family(unit, unit, Lambda=-unit)
+    assert "similar to [[-1, 0], [0, -1]]" in str(diagonal)
+    basis = diagonal.parameters_of(-2 * unit)
+    generic = sum((p * i**2 for i, p in enumerate(basis, 1)), sympy.zeros(2, 2))
+    assert diagonal.gain(generic) == -2 * unit
+    assert "cyclic" not in str(state_feedback_family(unit, unit, [-1, -2]))
+
+
 @fewer(2)
 @given(pairs(), st.data())
 def test_every_member_places_the_poles(pair, data):

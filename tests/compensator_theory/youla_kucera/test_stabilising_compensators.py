@@ -182,7 +182,10 @@ FAMILY = stabilising_compensators("(s + 2)/(s - 1)", [-1], [-1], feedback=1)
         (lambda: stabilising_compensators("1/(s - 1)", [-1], [-1], feedback=2), InputError),
         (lambda: stabilising_compensators("1/(x - 1)", [-1], [-1], feedback=1), InputError),
         (lambda: stabilising_compensators("s", [], [], feedback=1), ImproperError),
-        (lambda: doubly_coprime_fractions(([[1]], [[0]], [[1]]), [-1], [-1]), NotControllableError),
+        (
+            lambda: doubly_coprime_fractions(([[1]], [[0]], [[1]]), [-1], [-1], "s"),
+            NotControllableError,
+        ),
         (lambda: FAMILY.compensator("-1"), ImproperError),
         (lambda: FAMILY.compensator("s"), ImproperError),
         (lambda: FAMILY.compensator([[1, 2]]), InputError),

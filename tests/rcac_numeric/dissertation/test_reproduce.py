@@ -8,13 +8,13 @@ import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation import load_example, reproduce
 from rcac_numeric.dissertation.reproduction import FEW, KeptCases, digest_of, made, reduced

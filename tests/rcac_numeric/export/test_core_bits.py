@@ -1,7 +1,6 @@
 """The stand-alone core against `Controller`: the same bits, step by step."""
 
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +22,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.export.tables import core_tables, scaled
 from tests.support import core_builds
 from tests.support.core_builds import (

@@ -3,7 +3,6 @@
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,6 +21,7 @@ from rcac_numeric import (
     iir,
     pid,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.export.header import config_header
 from rcac_numeric.export.tables import core_tables, scaled
 from tests.support import core_builds
