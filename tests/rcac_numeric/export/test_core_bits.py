@@ -280,6 +280,9 @@ def test_what_does_not_fit_is_refused():
             "set_target", live._array(numerator), live._array(denominator), order, past
         )
         assert status == REFUSED and live.save() == before
+    assert live.correct([0.1]) == OK
+    assert live.set_target(TargetModel([0.5, 1.0, 0.0]), 0) == OK
+    assert live.correct([0.1]) == REFUSED  # u(k) is in the filter already
 
 
 def without_pragmas(text):
