@@ -350,6 +350,10 @@ SAMPLES = {
     results.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
     ),
+    # export
+    results.Export: lambda seed: results.Export(
+        Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
+    ),
     # errata
     results.Erratum: erratum,
     results.ErratumEvidence: lambda seed: results.ErratumEvidence(derivation=f"by step {seed}"),
