@@ -26,9 +26,12 @@ from .diophantine.polynomial_equations import solve_diophantine as solve_diophan
 from .errors import CompensatorError as CompensatorError
 from .errors import InputError as InputError
 from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
+from .frequency.delays import stability_delays as stability_delays
+from .frequency.margins import stability_margins as stability_margins
 from .frequency.norms import h_infinity_norm as h_infinity_norm
 from .frequency.passivity import decide_bounded_real as decide_bounded_real
 from .frequency.passivity import decide_positive_real as decide_positive_real
+from .frequency.root_locus import root_locus as root_locus
 from .geometry.decoupling import decouple as decouple
 from .geometry.disturbance_decoupling import decouple_disturbance as decouple_disturbance
 from .geometry.fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes

@@ -168,8 +168,8 @@ def riccati_formula(
     if time == "discrete":
         divisors += [determinant(a + sympy.eye(n)), determinant(_kalman(a, b))]
     divisors += denominators_of((K, P))
-    conditions = tuple(sympy.factor(square.subs(written)) for square in squares)
-    final = [ImmutableMatrix(m.subs(written)) for m in (K, P)]
+    conditions = tuple(_rebuilt(sympy.factor(square.subs(written))) for square in squares)
+    final = [ImmutableMatrix(m.subs(written).applyfunc(_rebuilt)) for m in (K, P)]
     exceptional = exceptional_factors(d for d in divisors if d.free_symbols)
     return RiccatiFormula(*weights, time, *final, conditions, exceptional, certificate)
 
@@ -253,6 +253,11 @@ def _equations(weights: Weights, K: Matrix, P: Matrix, time: Time) -> list[Matri
         A.T * P * A + Q - P + (A.T * P * B + N) * K,
         (R + B.T * P * B) * K + B.T * P * A + N.T,
     ]
+
+
+def _rebuilt(value: Expr) -> Expr:
+    """Return what SymPy makes of the parts: factors that it keeps apart would not pickle."""
+    return value.func(*map(_rebuilt, value.args)) if value.args else value
 
 
 def _remainder(value: Expr, roots: list[Symbol], squares: list[Expr]) -> Expr:
