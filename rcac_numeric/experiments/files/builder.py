@@ -144,14 +144,19 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
     corrections = {run.name: run.correction for run in runs}
     claims = tuple(claim for part in read.claims for claim in claims_of(part, corrections))
-    common = runs[0].plant.build()
-    plants = [
-        run.plant.build() if "plant" in override else common
-        for run, override in zip(runs, overrides, strict=True)
-    ]
+    errors, plants = Errors(), []
+    common: Plant | PlantSchedule | None = None  # made once for all that take it as it is
+    for run, override in zip(runs, overrides, strict=True):
+        with errors:
+            if "plant" in override:
+                plants.append(run.plant.build())
+            else:
+                common = run.plant.build() if common is None else common
+                plants.append(common)
+    errors.raise_any()
     pairs = list(zip(runs, plants, strict=True))
     budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
-    made, errors = {}, Errors()
+    made = {}
     for run, plant in pairs:
         with errors:
             made[run.name] = _made(run, plant, len(pairs) > 1)

@@ -237,8 +237,7 @@ def read_run(base: Raw, override: Raw, file: str, wrong: Collection[str] = ()) -
             if course is not None and course.arithmetic in UPDATES.kinds:  # it says the update too
                 common = {"update": course.arithmetic, **common}
             several = override.get("controllers", base.get("controllers", []))
-            note = place("controller").notes or place("target").notes or place("controllers").notes
-            controller = read_controllers(common, joined["target"], several, note, file)
+            controller = read_controllers(common, joined["target"], several, place)
             if course is not None:
                 for part in controller.parts:
                     _require_agreement(part, course.arithmetic, place("controller"))
