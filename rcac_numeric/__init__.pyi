@@ -37,6 +37,12 @@ from .controllers.structure import Structure as Structure
 from .controllers.structure import Tap as Tap
 from .controllers.structure import difference as difference
 from .controllers.structure import integral as integral
+from .controllers.supervision import Supervision as Supervision
+from .controllers.supervision import SupervisionEvent as SupervisionEvent
+from .controllers.supervision import SupervisionRecord as SupervisionRecord
+from .controllers.supervision import SupervisionWarning as SupervisionWarning
+from .controllers.supervision import TroubleCount as TroubleCount
+from .controllers.updates.forgetting import CappedForgetting as CappedForgetting
 from .controllers.updates.forgetting import ScheduledForgetting as ScheduledForgetting
 from .controllers.updates.forgetting import SubspaceForgetting as SubspaceForgetting
 from .controllers.updates.forgetting import VariableRateForgetting as VariableRateForgetting

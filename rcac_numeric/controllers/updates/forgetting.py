@@ -118,8 +118,39 @@ class SubspaceForgetting:
         object.__setattr__(self, "lambda_", forgetting_factor(self.lambda_))
 
 
+@dataclass(frozen=True)
+class CappedForgetting:
+    """Exponential forgetting that stops at P(0); for `UD`.
+
+    With P = U D U', after every update
+
+        d_j <- min(d_j / lambda, d_j(0)),
+
+    so that no variance exceeds what R_theta allowed at the beginning. Where the data excite theta
+    it is exponential forgetting by lambda; where they do not nothing winds up. Like every bound on P
+    it relies on R_theta: with 1e-10 the cap is 1e10. The cap is ours; `SubspaceForgetting` does
+    more, and costs twice as much.
+
+    Attributes
+    ----------
+    lambda_ : float
+        In (0, 1].
+
+    Examples
+    --------
+    >>> from rcac_numeric import UD, CappedForgetting
+    >>> UD(R_theta=0.01, lambda_=CappedForgetting(0.99))
+    UD(R_theta=0.01, lambda_=CappedForgetting(lambda_=0.99))
+    """
+
+    lambda_: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "lambda_", forgetting_factor(self.lambda_))
+
+
 # A forgetting factor that is not constant, or does not act on all of P.
-Forgetting = ScheduledForgetting | VariableRateForgetting | SubspaceForgetting
+Forgetting = ScheduledForgetting | VariableRateForgetting | SubspaceForgetting | CappedForgetting
 
 
 def forgetting_factor(value: object) -> float:

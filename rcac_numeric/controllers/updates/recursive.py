@@ -12,6 +12,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.controllers.updates.forgetting import (
+    CappedForgetting,
     Forgetting,
     SubspaceForgetting,
     forgetting_factor,
@@ -41,8 +42,9 @@ class RecursiveLeastSquares(Update):
     ) -> None:
         set_ = partial(object.__setattr__, self)
         set_("R_theta", weight(R_theta, "R_theta", definite=True))
-        if isinstance(lambda_, SubspaceForgetting) and not isinstance(self, UD):
-            raise InputError("SubspaceForgetting works on the factors of P = U D U'; use UD.")
+        if isinstance(lambda_, SubspaceForgetting | CappedForgetting) and not isinstance(self, UD):
+            name = type(lambda_).__name__
+            raise InputError(f"{name} works on the factors of P = U D U'; use UD.")
         if not isinstance(lambda_, Forgetting):
             lambda_ = forgetting_factor(lambda_)
         set_("lambda_", lambda_)
@@ -79,9 +81,11 @@ class UD(RecursiveLeastSquares):
     R_theta : float or array, shape (l_theta, l_theta)
         Weight of theta - theta(0) in (2.41); P(0) is its inverse. A number stands for that
         multiple of the identity.
-    lambda_ : float, ScheduledForgetting, VariableRateForgetting or SubspaceForgetting
-        Forgetting factor, in (0, 1]. With a number P grows without bound while the data are poor;
-        with `SubspaceForgetting` it does not.
+    lambda_ : float, or a Forgetting
+        Forgetting factor, in (0, 1]; or ScheduledForgetting, VariableRateForgetting,
+        SubspaceForgetting, CappedForgetting. With a number below 1 P grows without bound while the
+        data are poor, and the next disturbance meets a gain that no data support; with
+        `CappedForgetting` and `SubspaceForgetting` it does not.
     process_noise : float or array, shape (l_theta, l_theta), optional
         Q of (2.46), added to P after every update; with lambda = 1.
     reset : CovarianceReset, optional

@@ -23,6 +23,7 @@ from rcac_numeric.controllers.normalization import FUNCTIONS, Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.settings_checks import Weight
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
+from rcac_numeric.controllers.supervision import POLICIES, Supervision
 from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight
@@ -43,7 +44,9 @@ ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
 
 
 @singledispatch
-def compiled_controller(controller: object, l_z: int, failures: Failures) -> _kernel.Controller:
+def compiled_controller(
+    controller: object, l_z: int, failures: Failures, supervision: Supervision | None = None
+) -> _kernel.Controller:
     """A compiled controller at step 0.
 
     Parameters
@@ -53,12 +56,17 @@ def compiled_controller(controller: object, l_z: int, failures: Failures) -> _ke
         Number of the loop's performance variables.
     failures : Failures
         Keeps the exceptions of weights that are functions.
+    supervision : Supervision, optional
+        The mildest by default.
     """
     raise InputError(f"settings = {controller!r}: ControllerSettings are needed.")
 
 
 @compiled_controller.register(ControllerSettings)
-def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Controller:
+def _(
+    settings: ControllerSettings, l_z: int, failures: Failures,
+    supervision: Supervision | None = None,
+) -> _kernel.Controller:  # fmt: skip
     require_kind(settings, "settings", compiled_controller.registry)
     require_parts(settings)
     structure, target = settings.structure, settings.target
@@ -98,12 +106,16 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Con
         events=_events(settings, update),
         theta_0=settings.theta_0,
         dither=_dither(settings.learning),
+        supervision=_supervision(supervision, structure.l_u, structure.l_y + structure.l_r),
         **_additions(settings),
     )
 
 
 @compiled_controller.register(FixedController)
-def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Controller:
+def _(
+    controller: FixedController, l_z: int, failures: Failures,
+    supervision: Supervision | None = None,
+) -> _kernel.Controller:  # fmt: skip
     """The difference equation as a regressor with its coefficients; no update is ever due."""
     require_kind(controller, "settings", compiled_controller.registry)
     c = controller.compensator
@@ -236,6 +248,19 @@ def _additions(settings: ControllerSettings) -> dict[str, Any]:
     if (fixed := settings.fixed) is not None:
         found["fixed"] = (fixed.past_u, fixed.past_y)
     return found
+
+
+def _supervision(given: Supervision | None, l_u: int, l_e: int) -> tuple[Any, ...] | None:
+    if given is None:
+        return None
+    require_kind(given, "supervision", (Supervision,))
+    given.require_widths(l_u, l_e)
+    fallback = given.fallback
+    past_u, past_y = (np.zeros(0),) * 2 if fallback is None else (fallback.past_u, fallback.past_y)
+    return (
+        POLICIES.index(given.policy), given.growth, given.limit, given.jump or 0.0, given.patience,
+        given.fade, past_u, past_y, given.missed == "fallback",
+    )  # fmt: skip
 
 
 def _dither(learning: DataDriven | None) -> tuple[int, float, float, int]:
