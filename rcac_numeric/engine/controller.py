@@ -24,7 +24,6 @@ from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import (
-    TROUBLES,
     Supervision,
     SupervisionRecord,
     SupervisionWarning,
@@ -47,14 +46,10 @@ def _rebuilt(
     return controller
 
 
-# What each trouble means, and what to do next.
+# What is said with a warning, once: what it means, and what to do next.
 WORDS = {
     "windup": "P grows where the data do not excite theta, and the next disturbance meets a gain "
     "that no data support; use CappedForgetting, or SubspaceForgetting, or lambda = 1",
-    "large z": "abs(z) exceeds the limit of the supervision",
-    "saturated": "the actuator does not apply u; smaller commands, or limits that it can follow",
-    "missed sample": "y, z or r was not known; u was held, and theta waited",
-    "jump": "z jumped away from its past and was taken for a missed sample",
     "overflow": "a number left float64; theta is that of the last look without trouble, P is P(0)",
 }
 
@@ -71,8 +66,8 @@ class Controller:
     settings : ControllerSettings
         With `DataDriven` in the place of a target model it learns as in `simulate`, bit for bit.
     supervision : Supervision, optional
-        What watches it, and acts in trouble; by default troubles are noted, in `record`, the first
-        of each kind with a `SupervisionWarning`, and the plant is never left without a u.
+        What watches it, and acts in trouble; by default troubles are noted, in `record`,
+        windup and overflow with a `SupervisionWarning`, and the plant is never left without a u.
 
     Examples
     --------
@@ -196,7 +191,7 @@ class Controller:
         """Say once of every trouble that it occurred."""
         record = self.record
         for event in record.events:
-            if event.kind in TROUBLES and event.kind not in self._said:
+            if event.kind in WORDS and event.kind not in self._said:
                 self._said.add(event.kind)
                 words = f"{event}: {WORDS[event.kind]}"
                 warnings.warn(words, SupervisionWarning, stacklevel=3)
