@@ -124,6 +124,8 @@ from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
 from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
+from .h2.riccati.equations import ContinuousSolution as ContinuousSolution
+from .h2.riccati.equations import solve_care as solve_care
 from .h2.riccati.equations import solve_dare as solve_dare
 from .h2.riccati.solutions import StabilisingSolution as StabilisingSolution
 from .health.diagnosis import loop_health as loop_health

@@ -23,6 +23,7 @@ from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.riccati.equations import stabilising_solution
 from rcac_numeric.h2.riccati.obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.riccati.solutions import StabilisingSolution
+from rcac_numeric.h2.riccati.square_roots import least_squares
 from rcac_numeric.h2.state_space import StateSpace, state_space_latex
 from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
@@ -277,6 +278,14 @@ def filter_gain(
     estimator: StabilisingSolution,
 ) -> Array:  # fmt: skip
     """D_f: the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w from the innovation."""
+    if regulator.factor is not None and estimator.factor is not None:  # nothing squared
+        S, T = regulator.factor, estimator.factor
+        from_w = least_squares(
+            np.vstack([plant.E_2, S @ plant.B]), np.vstack([inputs.E_0, S @ inputs.D_1])
+        )
+        return -least_squares(
+            np.vstack([inputs.D_2.T, T @ plant.C.T]), np.vstack([from_w.T, T @ regulator.gain.T])
+        ).T
     from_w = -np.linalg.solve(
         regulator.innovation, plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1
     )
@@ -304,9 +313,13 @@ def cost_of_solutions(
     """tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
     S, V = regulator.innovation, estimator.innovation
     K, Q = regulator.gain, estimator.P
+    saved = np.trace(S @ D_f @ V @ D_f.T)
+    if estimator.factor is not None and D_f.any():  # V is a square in which much cancels with D_f
+        seen = np.vstack([inputs.D_2.T, estimator.factor @ estimator.B]) @ D_f.T
+        saved = np.trace(S @ seen.T @ seen)
     return float(
         np.trace(inputs.D_1.T @ regulator.P @ inputs.D_1)
         + np.trace(S @ K @ Q @ K.T)
         + np.sum(inputs.E_0**2)
-        - np.trace(S @ D_f @ V @ D_f.T)
+        - saved
     )

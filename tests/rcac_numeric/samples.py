@@ -301,7 +301,8 @@ SAMPLES = {
     rcac.SupervisionEvent: lambda seed: rcac.SupervisionEvent(seed, "windup", 1e7),
     rcac.SupervisionRecord: lambda seed: rcac.SupervisionRecord(
         {"jump": rcac.TroubleCount(3 + seed, 1, 0, 7, 2.0)},
-        (rcac.SupervisionEvent(seed, "jump", 2.0),), 0.5,
+        (rcac.SupervisionEvent(seed, "jump", 2.0),),
+        0.5,
     ),
     rcac.SubspaceForgetting: lambda seed: rcac.SubspaceForgetting(float(fraction(seed))),
     rcac.VariableRateForgetting: lambda seed: rcac.VariableRateForgetting(1, seed + 2, 0.5),
@@ -344,6 +345,9 @@ SAMPLES = {
     rcac.ExactAgreement: agreement,
     rcac.ConversionCertificate: lambda seed: rcac.ConversionCertificate(
         random(seed, 3) * 1j, 1e-15, 1e-14, seed % 3
+    ),
+    rcac.ContinuousSolution: lambda seed: rcac.solve_care(
+        [[1.0 + seed]], [[1.0]], [[1], [0]], [[0], [1]]
     ),
     rcac.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]

@@ -149,7 +149,9 @@ def test_no_damaged_state_reaches_beyond_an_array(rules, data):
         if damaged.tobytes() != state.values.tobytes():
             with pytest.raises(InputError, match="damaged: it was changed after it was saved"):
                 resume(replace(state, values=damaged))
-        with suppress(InputError, DivergedError, SupervisionWarning):  # by one who knows the checksum, too
+        with suppress(
+            InputError, DivergedError, SupervisionWarning
+        ):  # by one who knows the checksum, too
             resume(SavedState.taken(state.kind, state.k, damaged, state.fingerprint))
 
 
