@@ -3,9 +3,10 @@
 Run with: python benchmarks/supervision.py [STEPS]
 
 Two controllers with the same settings, one supervised by default and one not at all, take the same
-measurements in turn, in blocks, in one process; the medians over rounds of the ratio of neighbouring
-blocks are printed, of the kernel's own step and of `Controller.step`, with the quartiles. Processor
-time is counted, so that what else runs on the machine is not. theta of both is compared at the end.
+measurements in turn, in blocks, in one process; the medians over rounds of the ratio of two
+neighbouring blocks are printed, of the kernel's own step and of `Controller.step`, with the
+quartiles. Processor time is counted, so that what else runs on the machine is not. theta of both is
+compared at the end.
 """
 
 from __future__ import annotations

@@ -6,7 +6,6 @@
 #include "controller/adaptation_rules.hpp"
 #include "controller/coefficient_bounds.hpp"
 #include "controller/fixed_part.hpp"
-#include "controller/normalization.hpp"
 #include "controller/performance_rules.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/target_filter.hpp"

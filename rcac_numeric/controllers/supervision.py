@@ -40,8 +40,8 @@ class Supervision(Value):
     - "fallback": the fixed compensator takes over, without a bump, until `Controller.resume`.
     - "off": nothing is noted, and an overflow or a missed sample is an error.
 
-    In `Controller.step` a y, z or r with an entry that is not finite is a missed sample: k moves on,
-    u is held (or the fallback makes it), theta waits, and the last known entries stand in the
+    In `Controller.step` a y, z or r with an entry that is not finite is a missed sample: k moves
+    on, u is held (or the fallback makes it), theta waits, and the last known entries stand in the
     regressor. An update that leaves float64 there gives theta back that was held at the last look
     without trouble, with P = P(0), and the controller goes on. `simulate` reports that as the
     outcome "overflow", unless a policy was chosen that acts.
@@ -62,7 +62,7 @@ class Supervision(Value):
     fallback : Compensator, optional
         From [y; r] to u. Where there is one it runs along on the u that was applied.
     fade : float
-        In [0, 1): what is left of a bump in u from step to step where another controller takes over.
+        In [0, 1): what is left of a bump in u from step to step after a change of controllers.
     missed : {"hold", "fallback"}
         What makes u where y or r is not known.
 
@@ -109,8 +109,7 @@ fade=0.9, missed='hold')
             )
         set_("limit", np.inf if limit == np.inf else number(limit, "limit"))
         set_("jump", None if jump is None else number(jump, "jump"))
-        for name in ("limit", "jump"):
-            value = getattr(self, name)
+        for name, value in (("limit", self.limit), ("jump", self.jump)):
             if value is not None and not value > 0:
                 raise InputError(f"{name} = {value} must be positive.")
         set_("patience", integer(patience, "patience", at_least=1))
@@ -153,6 +152,12 @@ class TroubleCount:
         The first and the last of these steps.
     worst : float
         The largest value noted: of the growth of P, of abs(z), of the steps in saturation.
+
+    Examples
+    --------
+    >>> from rcac_numeric import TroubleCount
+    >>> TroubleCount(steps=12, episodes=2, first=100, last=240, worst=1.0).episodes
+    2
     """
 
     steps: int
@@ -164,7 +169,14 @@ class TroubleCount:
 
 @dataclass(frozen=True)
 class SupervisionEvent:
-    """The beginning of a trouble, or something that was done; at a step, with its value."""
+    """The beginning of a trouble, or something that was done; at a step, with its value.
+
+    Examples
+    --------
+    >>> from rcac_numeric import SupervisionEvent
+    >>> print(SupervisionEvent(step=2063, kind="windup", value=1.2e6))
+    step 2063: windup (1.2e+06)
+    """
 
     step: int
     kind: str
@@ -190,6 +202,16 @@ class SupervisionRecord:
         The largest growth of a variance over P(0), at any look; 0 before the first.
     is_frozen, in_fallback : bool
         Whether theta is held by the policy, and whether the fallback makes u.
+
+    Examples
+    --------
+    >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+    >>> controller = Controller(ControllerSettings(
+    ...     structure=iir(n_c=1), target=TargetModel([0, 1]), update=UD(R_theta=1)))
+    >>> for y in (0.0, 1.0, float("nan"), float("nan"), 0.5):
+    ...     _ = controller.step(y, y)
+    >>> print(controller.record)
+    missed sample once in 2 steps from 2 on
     """
 
     troubles: Mapping[str, TroubleCount] = field(hash=False)

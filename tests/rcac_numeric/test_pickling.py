@@ -28,7 +28,7 @@ DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
 NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     rcac.ProgressLine, rcac.RecursiveARX, rcac.RecursiveMarkov, rcac.StoreError,
-    rcac.RecursiveMuMarkov, rcac.StudyInterrupted, rcac.TargetLearner,
+    rcac.RecursiveMuMarkov, rcac.StudyInterrupted, rcac.SupervisionWarning, rcac.TargetLearner,
 }  # fmt: skip
 
 FRESH = """

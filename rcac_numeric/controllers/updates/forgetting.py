@@ -127,8 +127,8 @@ class CappedForgetting:
         d_j <- min(d_j / lambda, d_j(0)),
 
     so that no variance exceeds what R_theta allowed at the beginning. Where the data excite theta
-    it is exponential forgetting by lambda; where they do not nothing winds up. Like every bound on P
-    it relies on R_theta: with 1e-10 the cap is 1e10. The cap is ours; `SubspaceForgetting` does
+    it is exponential forgetting by lambda; where they do not nothing winds up. Like every bound on
+    P it relies on R_theta: with 1e-10 the cap is 1e10. The cap is ours; `SubspaceForgetting` does
     more, and costs twice as much.
 
     Attributes

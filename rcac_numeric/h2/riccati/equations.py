@@ -68,11 +68,12 @@ def solve_dare(
     Notes
     -----
     From the gain of `scipy.linalg.solve_discrete_are`, or of the pencil in which no weight is
-    squared, by Kleinman's iteration in square roots (`square_roots`): a weight R_2 of 1e-14 R_1 costs
-    no digit. Where the full weight is indefinite, by Newton steps on P. SciPy returns without a word a solution with a closed-loop pole on the unit circle for a zero
-    at 1, and a meaningless one where R_2 = 0 and the inputs outnumber the outputs: hence the
-    checks. Source: (A.6), (A.7). The form here needs no inverse of R_2, as (A.9) does. "Unique
-    positive-semidefinite solution", said after (A.12), is true of the stabilising one only.
+    squared, by Kleinman's iteration in square roots (`square_roots`): a weight R_2 of 1e-14 R_1
+    costs no digit. Where the full weight is indefinite, by Newton steps on P. SciPy returns without
+    a word a solution with a closed-loop pole on the unit circle for a zero at 1, and a meaningless
+    one where R_2 = 0 and the inputs outnumber the outputs: hence the checks. Source: (A.6), (A.7).
+    The form here needs no inverse of R_2, as (A.9) does. "Unique positive-semidefinite solution",
+    said after (A.12), is true of the stabilising one only.
 
     Examples
     --------

@@ -176,7 +176,7 @@ def test_the_fallback_takes_over_and_gives_back_without_a_bump():
     supervision = Supervision("fallback", limit=50.0, fallback=proportional, fade=0.8)
     settings = ControllerSettings(structure=pid("PI"), target=fir_target(PLANT), update=UD(1.0))
     controller = Controller(settings, supervision)
-    us, _, x = driven(controller, 100, noise=0.1)
+    _, _, x = driven(controller, 100, noise=0.1)
     x += 100.0
     u = float(controller.step(x, x)[0])  # z is seen after u was made
     assert controller.record.in_fallback
@@ -202,7 +202,7 @@ def test_a_fallback_makes_u_where_samples_are_missed():
     proportional = Compensator(np.zeros((0, 1, 1)), [[[-0.5]]])
     supervision = Supervision(fallback=proportional, missed="fallback", fade=0.0)
     controller = Controller(settings_of(1.0), supervision)
-    us, xs, _ = driven(controller, 50, noise=1.0)
+    us, _, _ = driven(controller, 50, noise=1.0)
     first = float(controller.step(np.nan, np.nan)[0])
     assert first == pytest.approx(us[-1])  # no bump
     assert not controller.record.in_fallback
