@@ -25,11 +25,12 @@ void require_window(std::size_t steps, const char* name) {
 
 std::unique_ptr<Update> update_of(const std::string& name, const std::vector<double>& P,
                                   const std::vector<double>& theta, std::size_t l_z,
-                                  std::size_t window, double step_size) {
+                                  std::size_t window, double step_size,
+                                  const InstructionSet& instructions) {
     const std::size_t l_theta = theta.size();
-    if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta);
+    if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta, instructions);
     if (name == "ud, capped") {
-        auto made = std::make_unique<UdUpdate>(P.data(), l_theta);
+        auto made = std::make_unique<UdUpdate>(P.data(), l_theta, instructions);
         made->cap();
         return made;
     }
@@ -61,7 +62,7 @@ std::unique_ptr<OwnedController> make_controller(
     const Array& P_0, const Array& theta_0, std::size_t window, double step_size,
     const Perturbation& dither, const Array& penalty, const Curve& normalization,
     const nb::tuple& bounds, const nb::tuple& fixed, nb::object supervision,
-    const nb::tuple& limits) {
+    const nb::tuple& limits, const std::string& instructions) {
     ControllerPlan plan;
     require_width(l_z, 1, "l_z");
     plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
@@ -105,7 +106,8 @@ std::unique_ptr<OwnedController> make_controller(
     bool penalises = false;
     for (const double s : plan.penalty.base) penalises = penalises || s != 0.0;
     const std::size_t rows = penalises ? l_z + l_u : l_z;
-    std::unique_ptr<Update> arithmetic = update_of(update, P, theta, rows, window, step_size);
+    std::unique_ptr<Update> arithmetic = update_of(update, P, theta, rows, window, step_size,
+                                                    instruction_set(instructions.c_str()));
     return std::make_unique<OwnedController>(std::move(plan), std::move(arithmetic),
                                              std::move(theta));
 }
@@ -288,7 +290,8 @@ void bind_controller(nb::module_& m) {
           nb::arg("normalization") = Curve{0, 1.0, 1.0},
           nb::arg("bounds") = nb::make_tuple(empty, empty, false, 0),
           nb::arg("fixed") = nb::make_tuple(empty, empty), nb::arg("supervision") = nb::none(),
-          nb::arg("limits") = nb::make_tuple(empty, empty, empty, empty));
+          nb::arg("limits") = nb::make_tuple(empty, empty, empty, empty),
+          nb::arg("instruction_set") = "");
 }
 
 }  // namespace rcac

@@ -6,12 +6,12 @@ from sympy import Expr, Matrix, Poly, Rational, Symbol, degree, fraction, togeth
 
 from compensator_theory import (
     StandardProblem,
-    UnitCircleError,
     high_authority_target,
     polynomial,
     solve_riccati,
     standard_problem,
 )
+from compensator_theory.errors import UnitCircleError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 
 Facts = Iterator[tuple[str, bool]]

@@ -13,13 +13,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from compensator_theory.errors import InputError
-from rcac_numeric.experiments.files.documents import (
-    Raw,
-    example_ids,
-    example_titles,
-    read_example,
-    read_file,
-)
+from rcac_numeric.dissertation.examples import example_ids, example_titles, read_example
+from rcac_numeric.experiments.files.documents import Raw, read_file
 from rcac_numeric.experiments.files.schema import json_schema
 from rcac_numeric.sweeps.study.paths import with_value
 

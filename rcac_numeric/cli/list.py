@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from rcac_numeric.arrays.wording import printable
-from rcac_numeric.experiments.files.documents import absent_examples, example_titles, in_order
+from rcac_numeric.dissertation.examples import absent_examples, example_titles, in_order
 
 
 @click.command("list")

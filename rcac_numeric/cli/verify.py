@@ -20,14 +20,15 @@ from rcac_numeric.cli.cases import (
     with_values,
 )
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
+from rcac_numeric.dissertation.load import load_example
+from rcac_numeric.dissertation.pages import case_page, write_page
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.files.builder import build, load_example, load_experiment
+from rcac_numeric.experiments.files.builder import build, load_experiment
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.experiments.verdicts import verify as verified
 from rcac_numeric.plots.formats import save
 from rcac_numeric.reports.page.cases import case_of
-from rcac_numeric.reports.page.pages import case_page, write_page
 from rcac_numeric.reports.verification import verification_sheet
 
 

@@ -155,7 +155,7 @@ class TroubleCount:
 
     Examples
     --------
-    >>> from rcac_numeric import TroubleCount
+    >>> from rcac_numeric.results import TroubleCount
     >>> TroubleCount(steps=12, episodes=2, first=100, last=240, worst=1.0).episodes
     2
     """
@@ -173,7 +173,7 @@ class SupervisionEvent:
 
     Examples
     --------
-    >>> from rcac_numeric import SupervisionEvent
+    >>> from rcac_numeric.results import SupervisionEvent
     >>> print(SupervisionEvent(step=2063, kind="windup", value=1.2e6))
     step 2063: windup (1.2e+06)
     """

@@ -143,6 +143,7 @@ def controller(
     fixed: tuple[Array, Array] = ...,
     supervision: tuple[Any, ...] | None = ...,
     limits: tuple[Array, Array, Array, Array] = ...,
+    instruction_set: str = ...,
 ) -> Controller: ...
 
 class Arx:

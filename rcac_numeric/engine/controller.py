@@ -92,7 +92,7 @@ class Controller:
         self.supervision = Supervision() if supervision is None else supervision
         instance_of(self.supervision, "supervision", Supervision)
         self._kernel = compiled_controller(
-            settings, settings.target.l_z, self._failures, self.supervision
+            settings, settings.target.l_z, self._failures, supervision=self.supervision
         )
         self._said: set[str] = set()
         self._learner = None if settings.learning is None else DeviceLearner(settings, self._kernel)

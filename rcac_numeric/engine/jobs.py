@@ -74,7 +74,7 @@ class PreparedRun:
             divergence_limit, scale_of(self._before, self.w, self.x_0)
         )
         self._kernels = [
-            compiled_controller(one, plant.l_z, self._failures, self.supervision)
+            compiled_controller(one, plant.l_z, self._failures, supervision=self.supervision)
             for one in self._controllers
         ]
         self._loop = self._compiled_loop(body)

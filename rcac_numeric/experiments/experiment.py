@@ -149,7 +149,7 @@ class Experiment(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> experiment = load_example("4.8")
     >>> list(experiment.runs)[:2], len(experiment.claims)
     (['UD', 'exact'], 6)
@@ -188,7 +188,7 @@ class Experiment(Value):
 
         Examples
         --------
-        >>> from rcac_numeric import load_example
+        >>> from rcac_numeric.dissertation import load_example
         >>> experiment = load_example("5.1")
         >>> experiment.main_run.seeds, experiment.reduced().main_run.seeds
         (20, 3)

@@ -27,7 +27,8 @@ def verification_sheet(verification: Verification) -> Sheet:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.verification import verification_sheet
     >>> sheet = verification_sheet(verify(load_example("4.7")))
     >>> sheet.title, sheet.record["claims"][0]["verdict"]

@@ -18,13 +18,11 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import json_schema, load_experiment
+from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.files.builder import FILE, build
-from rcac_numeric.experiments.files.documents import example_ids, read_example
 from rcac_numeric.experiments.files.runs import TABLES
-from rcac_numeric.experiments.format.by_key import ByKey
-from rcac_numeric.experiments.format.deferred import Deferred
 from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf, Row
-from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.tables import ByKey, Deferred, Kinds, Table
 from rcac_numeric.experiments.format.values import Choice, Exact, Flag, Integer, Numbers, Real
 from tests.support.work import at_most, at_most_bytes
 
@@ -205,7 +203,7 @@ def folder(tmp_path_factory):
 @given(seed=st.integers(0, 2**64))
 def test_mutated_text(seed, folder):
     rng = random.Random(seed)
-    paths = sorted(ROOT.glob("rcac_numeric/experiments/dissertation/*.toml"))
+    paths = sorted(ROOT.glob("rcac_numeric/dissertation/example_files/*.toml"))
     text = bytearray(rng.choice(paths).read_bytes())
     for _ in range(rng.choice([1, 1, 2, 4, 8])):
         at = rng.randrange(len(text))

@@ -20,11 +20,8 @@ ATTRIBUTES = {"prec", "dps", "environ", "rcParams", "filters", "umask"}
 ALLOWED = {
     ("compensator_theory/polynomials/ball_precision.py", "prec"),
     ("rcac_numeric/cli/__main__.py", "signal"),
-    ("rcac_numeric/reproduction/workers.py", "signal"),
-    (
-        "rcac_numeric/sweeps/chunks/measuring.py",
-        "signal",
-    ),  # in the main thread, while runs are measured
+    ("rcac_numeric/dissertation/workers.py", "signal"),
+    ("rcac_numeric/sweeps/chunks/measuring.py", "signal"),  # of the main thread, while measuring
     ("rcac_numeric/sweeps/running/pools.py", "signal"),
     ("rcac_numeric/sweeps/running/pools.py", "environ"),
     ("rcac_numeric/sweeps/chunks/worker.py", "environ"),

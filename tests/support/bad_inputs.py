@@ -77,6 +77,7 @@ GOOD = {
     "lqg_poles": ([_STANDARD], {}),
     "regulator_spectrum": ([[[3]], [[1]], [[2]], [[0]]], {"time": "discrete"}),
     "solve_riccati": ([[[0]], [[1]], [[2], [0]], [[0], [1]]], {"time": "continuous"}),
+    "riccati_formula": ([[[0]], [[1]], [[2], [0]], [[0], [1]]], {"time": "continuous"}),
     "high_authority_target": ([_STANDARD], {}),
     "bezout_identity": ([_P, _Q], {}),
     "number_of_common_roots": ([_P, _Q], {}),
@@ -210,5 +211,5 @@ LAST_ARGUMENTS = {
     ],
 }  # fmt: skip
 """What an argument with a default cannot use, or barely can: no foreign error, and no long work."""
-NOT_DOORS = {"strategies", "budget", "ball_precision"}
+NOT_DOORS = {"errors", "results", "strategies", "budget", "ball_precision"}
 """A module of strategies, and two settings that have tests of their own."""

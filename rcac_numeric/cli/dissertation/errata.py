@@ -6,9 +6,9 @@ import click
 import numpy as np
 
 from rcac_numeric.cli.output import as_json_option, show
-from rcac_numeric.errata.checking import check_erratum
-from rcac_numeric.errata.reading import find_errata
-from rcac_numeric.errata.sheet import errata_sheet
+from rcac_numeric.dissertation.errata.checking import check_erratum
+from rcac_numeric.dissertation.errata.reading import find_errata
+from rcac_numeric.dissertation.errata.sheet import errata_sheet
 
 
 @click.command("errata")

@@ -12,13 +12,13 @@ import click
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import require_library
 from rcac_numeric.cli.output import as_json_option, show
+from rcac_numeric.dissertation.examples import example_ids
+from rcac_numeric.dissertation.load import load_example
+from rcac_numeric.dissertation.reproduction import Reproduction, reduced, reproduce
+from rcac_numeric.dissertation.workers import case_workers
 from rcac_numeric.experiments.claims import VERDICTS
-from rcac_numeric.experiments.files.builder import load_example
-from rcac_numeric.experiments.files.documents import example_ids
 from rcac_numeric.reports.page.cases import Case
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
-from rcac_numeric.reproduction.reproduce import Reproduction, reduced, reproduce
-from rcac_numeric.reproduction.workers import case_workers
 
 LARGEST_JOBS = 256
 

@@ -9,7 +9,7 @@ import click
 from compensator_theory.errors import InputError
 from rcac_numeric.cli.cases import complete_case, is_example
 from rcac_numeric.cli.output import as_json_option, picture_option, show
-from rcac_numeric.experiments.files.documents import example_text
+from rcac_numeric.dissertation.examples import example_text
 from rcac_numeric.reports.studies.sweep import sweep_sheet
 from rcac_numeric.sweeps.results.export import export_table
 from rcac_numeric.sweeps.results.overview import sweep_overview

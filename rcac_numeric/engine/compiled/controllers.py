@@ -1,6 +1,6 @@
 """From a controller as data to a compiled controller at step 0.
 
-A new kind of controller is registered here: `@compiled_controller.register(YourController)`. What
+A new kind of controller is registered here: `@kernel_arguments.register(YourController)`. What
 is derived from a kind that is, or made of parts that are derived from ours, is refused: the kernel
 would run it without what it adds.
 """
@@ -43,9 +43,9 @@ NEVER = 2**62  # a step that no run reaches
 ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
 
 
-@singledispatch
 def compiled_controller(
-    controller: object, l_z: int, failures: Failures, supervision: Supervision | None = None
+    controller: object, l_z: int, failures: Failures, instructions: str = "",
+    supervision: Supervision | None = None,
 ) -> _kernel.Controller:
     """A compiled controller at step 0.
 
@@ -56,18 +56,35 @@ def compiled_controller(
         Number of the loop's performance variables.
     failures : Failures
         Keeps the exceptions of weights that are functions.
+    instructions : str
+        One of `_kernel.instruction_sets()` for UD; that of the process by default.
     supervision : Supervision, optional
         The mildest by default.
+    """
+    require_instruction_set()
+    arguments = kernel_arguments(controller, l_z, failures)
+    if isinstance(controller, ControllerSettings):
+        l_e = controller.structure.l_y + controller.structure.l_r
+        arguments["supervision"] = _supervision(supervision, controller.structure.l_u, l_e)
+    return _kernel.controller(**arguments, instruction_set=instructions)
+
+
+@singledispatch
+def kernel_arguments(controller: object, l_z: int, failures: Failures) -> dict[str, Any]:
+    """What `_kernel.controller` is called with; the export writes it as tables, too.
+
+    Parameters
+    ----------
+    controller : ControllerSettings or FixedController
+    l_z : int
+    failures : Failures
     """
     raise InputError(f"settings = {controller!r}: ControllerSettings are needed.")
 
 
-@compiled_controller.register(ControllerSettings)
-def _(
-    settings: ControllerSettings, l_z: int, failures: Failures,
-    supervision: Supervision | None = None,
-) -> _kernel.Controller:  # fmt: skip
-    require_kind(settings, "settings", compiled_controller.registry)
+@kernel_arguments.register(ControllerSettings)
+def _(settings: ControllerSettings, l_z: int, failures: Failures) -> dict[str, Any]:
+    require_kind(settings, "settings", kernel_arguments.registry)
     require_parts(settings)
     structure, target = settings.structure, settings.target
     update = kernel_update(settings.update, structure.l_theta)
@@ -85,7 +102,7 @@ def _(
         channels = [*((i, 0) for i in range(structure.l_u)), *regressor]
         filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
     longest = max(model.n_f for model in models)
-    return _compiled(
+    return _arguments(
         update,
         l_u=structure.l_u,
         l_y=structure.l_y,
@@ -106,18 +123,14 @@ def _(
         events=_events(settings, update),
         theta_0=settings.theta_0,
         dither=_dither(settings.learning),
-        supervision=_supervision(supervision, structure.l_u, structure.l_y + structure.l_r),
         **_additions(settings),
     )
 
 
-@compiled_controller.register(FixedController)
-def _(
-    controller: FixedController, l_z: int, failures: Failures,
-    supervision: Supervision | None = None,
-) -> _kernel.Controller:  # fmt: skip
+@kernel_arguments.register(FixedController)
+def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, Any]:
     """The difference equation as a regressor with its coefficients; no update is ever due."""
-    require_kind(controller, "settings", compiled_controller.registry)
+    require_kind(controller, "settings", kernel_arguments.registry)
     c = controller.compensator
     require_kind(c, "compensator", (Compensator,))
     first = 0 if c.past_y[0].any() else 1  # u(k) waits for y(k) only where it uses it
@@ -129,7 +142,7 @@ def _(
         of_u, columns = [(0, 1)], [np.zeros(c.l_u)]
     theta = np.concatenate(columns)
     size = len(theta)
-    return _compiled(
+    return _arguments(
         KernelUpdate(Gradient.name, P_0=np.zeros((size, size))),
         l_u=c.l_u,
         l_y=c.l_y - controller.l_r,
@@ -190,19 +203,18 @@ def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
             require_kind(weight, name, (SignalWeight,), who)
 
 
-def _compiled(update: KernelUpdate, **arguments: Any) -> _kernel.Controller:
-    require_instruction_set()
-    return _kernel.controller(
-        update=update.name,
-        P_0=update.P_0,
-        forgetting_factor=update.forgetting_factor,
-        forgetting=update.forgetting,
-        reset=update.reset,
-        noise=update.noise,
-        window=update.window,
-        step_size=update.step_size,
+def _arguments(update: KernelUpdate, **arguments: Any) -> dict[str, Any]:
+    return {
+        "update": update.name,
+        "P_0": update.P_0,
+        "forgetting_factor": update.forgetting_factor,
+        "forgetting": update.forgetting,
+        "reset": update.reset,
+        "noise": update.noise,
+        "window": update.window,
+        "step_size": update.step_size,
         **arguments,
-    )
+    }
 
 
 def _events(settings: ControllerSettings, update: KernelUpdate) -> list[Event]:

@@ -118,9 +118,8 @@ def estimation_claim(part: Part[Any], corrections: Mapping[str, str]) -> Claim:
     return Claim(**{**defaults, **said, "checks": checks, "recorded": recorded, "run": run})
 
 
-def estimation_figure(part: Part[FigureRequest], runs: Mapping[str, str]) -> FigureRequest:
-    """The figure that a table asks for."""
-    request = part.build(channel="", noise=None, direct=True, designs=())
+def estimation_figure(request: FigureRequest, runs: Mapping[str, str]) -> FigureRequest:
+    """The figure that a table asks for, if its runs are there."""
     for name in request.runs:
         require_run(name, runs, "a figure")
     return request

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from compensator_theory.errors import CompensatorError, InputError
+import attrs
+
+from compensator_theory.errors import InputError
 from rcac_numeric.experiments.budgets import Budget
+from rcac_numeric.experiments.estimation.runs import Estimation
 from rcac_numeric.experiments.estimation.studies import EstimationStudy
 from rcac_numeric.experiments.estimation_files.claims import (
     CLAIM,
@@ -18,67 +21,72 @@ from rcac_numeric.experiments.estimation_files.claims import (
 )
 from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL, Trial
 from rcac_numeric.experiments.experiment import Experiment
+from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.places import Place, brief
+from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Table
 
 Raw = Mapping[str, Any]
 KEPT = 6  # numbers that are kept of each step
 
 
-def _estimation_run(
-    name: str, like: str = "", estimation: Any = None, estimator: Any = None, correction: str = ""
-) -> str:
-    """One estimator on one true system.
-
-    Parameters
-    ----------
-    name : str
-        What it is called; claims refer to it.
-    like : str
-        An earlier run whose tables it begins with, in place of those of the file.
-    estimation, estimator : tables
-        What differs from those.
-    correction : str
-        What this run reads differently from the source: its claims that hold are reproduced with
-        that correction.
-    """
-    return name
+BEGINNING = "What differs from those."
+AS_ELSEWHERE = "As of any experiment."
 
 
-def _estimation_file(
-    estimation: Any, runs: list[Any], estimator: Any = None, claims: Any = None,
-    figures: Any = None, title: str = "", id: str = "", source: str = "", notes: str = "",
-) -> str:  # fmt: skip
-    """An estimation example.
+@attrs.frozen(eq=False)
+class EstimationRun:
+    """One estimator on one true system."""
 
-    Parameters
-    ----------
-    estimation : table
-        The true system and its records.
-    runs : tables
-        Estimators, or variants, on it; the first is the main one.
-    estimator : table
-        What the estimators of all runs begin with.
-    claims, figures : tables
-        What is said and drawn of it.
-    title, id, source, notes : str
-        As of any experiment.
-    """
-    return title
+    name: Annotated[str, "What it is called; claims refer to it."]
+    like: Annotated[
+        str,
+        "An earlier run whose tables it begins with, in place of those of the file.",
+    ] = ""
+    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
+    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
+    correction: Annotated[
+        str,
+        "What this run reads differently from the source: its claims that hold are reproduced "
+        "with that correction.",
+    ] = ""
 
 
-RUN = Table(_estimation_run, forms={"estimation": TRIAL, "estimator": ESTIMATOR})
-ESTIMATION_FILE = Table(
-    _estimation_file,
-    forms={
-        "estimation": TRIAL,
-        "estimator": ESTIMATOR,
-        "runs": ListOf(RUN, 1, needed="an array of tables, [[runs]]"),
-        "claims": ListOf(CLAIM, needed="an array of tables, [[claims]]"),
-        "figures": ListOf(FIGURE, needed="an array of tables, [[figures]]"),
-    },
-)
+RUN = Table(EstimationRun)
+
+
+@attrs.frozen(eq=False)
+class EstimationFile:
+    """An estimation example."""
+
+    estimation: Annotated[Raw, TRIAL, "The true system and its records."]
+    runs: Annotated[
+        list[EstimationRun],
+        ListOf(RUN, 1, needed="an array of tables, [[runs]]", named="run"),
+        "Estimators, or variants, on it; the first is the main one.",
+    ]
+    estimator: Annotated[
+        Raw | None,
+        ESTIMATOR,
+        "What the estimators of all runs begin with.",
+    ] = None
+    claims: Annotated[
+        list[Any],
+        ListOf(CLAIM, needed="an array of tables, [[claims]]"),
+        "What is said and drawn of it.",
+    ] = attrs.field(factory=list)
+    figures: Annotated[
+        list[FigureRequest],
+        ListOf(FIGURE, needed="an array of tables, [[figures]]"),
+        "What is said and drawn of it.",
+    ] = attrs.field(factory=list)
+    title: Annotated[str, AS_ELSEWHERE] = ""
+    id: Annotated[str, AS_ELSEWHERE] = ""
+    source: Annotated[str, AS_ELSEWHERE] = ""
+    notes: Annotated[str, AS_ELSEWHERE] = ""
+
+
+ESTIMATION_FILE = Table(EstimationFile)
 
 
 def is_estimation(table: Raw) -> bool:
@@ -97,14 +105,16 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("8.3").reduced(1))
     >>> verification.verdicts[0].verdict
     'not reproduced'
     """
-    read = ESTIMATION_FILE.read(table, Place(file)).arguments
+    read: EstimationFile = ESTIMATION_FILE.read(table, Place(file))
     raw: dict[str, dict[str, Any]] = {}
     studies: dict[str, EstimationStudy] = {}
+    errors = Errors()
     for run in table["runs"]:
         name = str(run["name"])
         if name in studies:
@@ -115,32 +125,35 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
             key: form.joined(base.get(key, {}), run.get(key, {}))
             for key, form in (("estimation", TRIAL), ("estimator", ESTIMATOR))
         }
-        studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
+        with errors:
+            studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
+    errors.raise_any()
     _require_budget(studies, budget)
     corrections = {name: study.correction for name, study in studies.items()}
-    text = {key: read.get(key, "") for key in ("title", "id", "source", "notes")}
     return Experiment(
-        id=text["id"] or Path(file).stem,
-        title=text["title"],
-        source=text["source"],
-        notes=text["notes"].strip(),
+        id=read.id or Path(file).stem,
+        title=read.title,
+        source=read.source,
+        notes=read.notes.strip(),
         runs={},
         studies=studies,
-        claims=tuple(estimation_claim(part, corrections) for part in read.get("claims", ())),
-        figures=[estimation_figure(part, corrections) for part in read.get("figures", ())],
+        claims=tuple(estimation_claim(part, corrections) for part in read.claims),
+        figures=[estimation_figure(figure, corrections) for figure in read.figures],
         description={"truth": _words(table["estimation"])},
     )
 
 
 def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
-    notes = (f"run {name!r}",)
-    trial_part = TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
-    estimator_part = ESTIMATOR.table.read(raw["estimator"], Place(file, "estimator", notes=notes))
-    try:
-        trial: Trial = trial_part.build()
-        estimator = estimator_part.build()
-    except CompensatorError as error:
-        raise type(error)(f"run {name!r}: {error}") from None
+    notes, errors = (f"run {name!r}",), Errors()
+    trial: Trial | None = None
+    estimator: Estimation | None = None
+    with errors:
+        trial = TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
+    with errors:
+        estimator = ESTIMATOR.table.read(raw["estimator"], Place(file, "estimator", notes=notes))
+    errors.raise_any()
+    assert trial is not None
+    assert estimator is not None
     return EstimationStudy(
         name, trial.system, estimator, trial.steps, trial.seed, trial.seeds, correction
     )

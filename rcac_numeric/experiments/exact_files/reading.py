@@ -4,69 +4,63 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import attrs
 
 from rcac_numeric.experiments.claims import VERDICTS, Claim
 from rcac_numeric.experiments.exact.system import ExactSystem
-from rcac_numeric.experiments.exact.tables import CHECK, SYSTEM, exact_check_of
+from rcac_numeric.experiments.exact.tables import CHECK, StatementTable
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Table
 from rcac_numeric.experiments.format.values import Choice
 
 
-def _exact_claim(
-    text: str,
-    checks: list[Any],
-    claimed: str = "",
-    correction: str = "",
-    reason: str = "",
-    verdict: str = "",
-) -> Any:
-    """Something said of the example.
+@attrs.frozen(eq=False)
+class ExactClaim:
+    """Something said of the example."""
 
-    Parameters
-    ----------
-    text, claimed : str
-        What is said, and what is claimed.
-    checks : tables
-        What decides it: it holds where all of them do.
-    correction : str
-        What had to be read differently from the source.
-    reason : str
-        Where it does not hold: why, in a sentence.
-    verdict : str
-        The verdict of record.
-    """
-    return text
+    text: Annotated[str, "What is said, and what is claimed."]
+    checks: Annotated[
+        list[StatementTable],
+        ListOf(CHECK, 1),
+        "What decides it: it holds where all of them do.",
+    ]
+    claimed: Annotated[str, "What is said, and what is claimed."] = ""
+    correction: Annotated[str, "What had to be read differently from the source."] = ""
+    reason: Annotated[str, "Where it does not hold: why, in a sentence."] = ""
+    verdict: Annotated[str, Choice(VERDICTS), "The verdict of record."] = ""
+
+    def of(self, system: ExactSystem) -> Claim:
+        """The claim of a system."""
+        checks = tuple(check.of(system) for check in self.checks)
+        return Claim(
+            self.text, self.claimed, checks, self.correction, self.verdict, reason=self.reason
+        )
 
 
-def _exact_file(
-    exact: Any, claims: Any, title: str = "", id: str = "", source: str = "", notes: str = ""
-) -> str:
-    """An exact example.
-
-    Parameters
-    ----------
-    exact : table
-        What its statements are about.
-    claims : tables
-        What is said of it.
-    title, id, source, notes : str
-        As of any experiment.
-    """
-    return title
+AS_ELSEWHERE = "As of any experiment."
 
 
-CLAIM: Table[Any] = Table(
-    _exact_claim, forms={"checks": ListOf(CHECK, 1), "verdict": Choice(VERDICTS)}
-)
-EXACT_FILE: Table[str] = Table(
-    _exact_file,
-    forms={"exact": SYSTEM, "claims": ListOf(CLAIM, 1, needed="an array of tables, [[claims]]")},
-)
+@attrs.frozen(eq=False)
+class ExactFile:
+    """An exact example."""
+
+    exact: Annotated[ExactSystem, "What its statements are about."]
+    claims: Annotated[
+        list[ExactClaim],
+        ListOf(Table(ExactClaim), 1, needed="an array of tables, [[claims]]"),
+        "What is said of it.",
+    ]
+    title: Annotated[str, AS_ELSEWHERE] = ""
+    id: Annotated[str, AS_ELSEWHERE] = ""
+    source: Annotated[str, AS_ELSEWHERE] = ""
+    notes: Annotated[str, AS_ELSEWHERE] = ""
+
+
+EXACT_FILE = Table(ExactFile)
 
 
 def is_exact(table: Mapping[str, Any]) -> bool:
@@ -84,31 +78,22 @@ def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("B.2"))
     >>> verification.results, [v.verdict for v in verification.verdicts]
     ({}, ['reproduced', 'reproduced with a correction'])
     """
-    read = EXACT_FILE.read(table, Place(file)).arguments
-    system: ExactSystem = read["exact"].build()
-    text = {key: read.get(key, "") for key in ("title", "id", "source", "notes")}
-    words = {name: _words(value) for name, value in table["exact"].items()}
+    read: ExactFile = EXACT_FILE.read(table, Place(file))
     return Experiment(
-        id=text["id"] or Path(file).stem,
-        title=text["title"],
-        source=text["source"],
-        notes=text["notes"].strip(),
+        id=read.id or Path(file).stem,
+        title=read.title,
+        source=read.source,
+        notes=read.notes.strip(),
         runs={},
-        claims=tuple(_claim(part, system) for part in read["claims"]),
-        description=words,
+        claims=tuple(claim.of(read.exact) for claim in read.claims),
+        description={name: _words(value) for name, value in table["exact"].items()},
     )
-
-
-def _claim(part: Part[Any], system: ExactSystem) -> Claim:
-    arguments = dict(part.arguments)
-    checks = tuple(exact_check_of(check, system) for check in arguments.pop("checks"))
-    recorded = arguments.pop("verdict", "")
-    return Claim(checks=checks, recorded=recorded, **{"claimed": "", **arguments})
 
 
 def _words(value: object) -> str:

@@ -1,18 +1,18 @@
-"""TOML files as tables: the numbered examples of the dissertation and users' own."""
+"""TOML files as tables."""
 
 from __future__ import annotations
 
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterator, Mapping
-from importlib import resources
+from collections.abc import Mapping
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.files import require_readable
-from rcac_numeric.experiments.format.places import DEEPEST, brief, shortened
+from rcac_numeric.experiments.format.places import DEEPEST, Refused, brief, shortened
 
 Raw = dict[str, Any]
 
@@ -30,68 +30,6 @@ _STRINGS = re.compile(
 _PIECES = re.compile(r"([^\n=,\[\]{}]*+)([\n=,\[\]{}]|\Z)")
 # What changes the direction of the text around it could show a reader another file than is run.
 REORDERING = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
-
-
-def example_ids() -> list[str]:
-    """The numbers of the dissertation's examples that are here, in order."""
-    names = [path.name.removesuffix(".toml") for path in _folder().iterdir()]
-    numbers = [name for name in names if not name.startswith("__")]
-    return sorted(numbers, key=in_order)
-
-
-def in_order(number: str) -> list[str]:
-    """By chapter and then by number, 2.10 after 2.9; the appendices last."""
-    return [part.zfill(2) for part in number.split(".")]
-
-
-def absent_examples() -> Iterator[tuple[str, str]]:
-    """The numbered examples that are not here, each with the reason.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.files.documents import absent_examples
-    >>> dict(absent_examples()).get("8.1") is None
-    True
-    """
-    here = set(example_ids())
-    table = tomllib.loads(_folder().joinpath("__absent__.toml").read_text("utf-8"))
-    for entry in table["absent"]:
-        for number in entry["numbers"]:
-            if number not in here:
-                yield number, str(entry["reason"])
-
-
-def example_titles() -> Iterator[tuple[str, str]]:
-    """Number and title of each example, without building anything."""
-    for number in example_ids():
-        yield number, str(read_example(number)[0]["title"])
-
-
-def read_example(number: str) -> tuple[Raw, str]:
-    """The tables of one numbered example and the name of its file."""
-    return tomllib.loads(example_text(number)), number
-
-
-def example_text(number: str) -> str:
-    """The file of one numbered example, as it was written.
-
-    Raises
-    ------
-    InputError
-        Where there is no such example.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.files.documents import example_text
-    >>> example_text("4.7").splitlines()[0]
-    'id = "4.7"'
-    """
-    if number not in example_ids():
-        raise InputError(
-            f"there is no example {brief(number)}; there are {', '.join(example_ids())}. "
-            "For a case of your own, give the path of its TOML file."
-        )
-    return str(_folder().joinpath(f"{number}.toml").read_text("utf-8"))
 
 
 def read_file(path: str | Path) -> tuple[Raw, str]:
@@ -117,7 +55,7 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
     try:
         decoded = text.decode()
         _require_short_keys(decoded, str(path))
-        table = tomllib.loads(decoded)
+        table = parsed(decoded)
     except InputError:
         raise
     except RecursionError:
@@ -126,6 +64,23 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
         raise InputError(f"{path} is not valid TOML: {error}.") from None
     require_plain(table, str(path))
     return table, str(path)
+
+
+def parsed(text: str) -> Raw:
+    r"""The tables of a TOML text; a number with more digits than float64 keeps them all.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.files.documents import parsed
+    >>> parsed("a = 0.1\\nb = 0.10000000000000000555")
+    {'a': 0.1, 'b': Decimal('0.10000000000000000555')}
+    """
+    return tomllib.loads(text, parse_float=_number)
+
+
+def _number(digits: str) -> float | Decimal:
+    exact, rounded = Decimal(digits), float(digits)
+    return exact if exact.is_finite() and exact != Decimal(repr(rounded)) else rounded
 
 
 def _require_short_keys(text: str, file: str) -> None:
@@ -170,6 +125,8 @@ def require_plain(table: Raw, file: str) -> None:
 
 def named(error: CompensatorError, file: str) -> CompensatorError:
     """The same error with the file's name in front, and of bearable length."""
+    if isinstance(error, Refused):
+        return InputError(error.named(file))
     text = str(error)
     return type(error)(shortened(text if text.startswith(file) else f"{file}: {text}"))
 
@@ -182,7 +139,3 @@ def _require_printable(text: str, file: str) -> None:
                 f"{file}: the text {brief(text)} holds the control character "
                 f"{character!a}, which a terminal would obey. Leave it out."
             )
-
-
-def _folder() -> Any:
-    return resources.files("rcac_numeric.experiments.dissertation")

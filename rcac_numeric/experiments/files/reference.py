@@ -14,7 +14,7 @@ from rcac_numeric.experiments.files.controllers import CONTROLLER
 from rcac_numeric.experiments.files.plants import CHANGE, PLANT, PROBLEMS
 from rcac_numeric.experiments.files.runs import COURSE, OVERRIDE, SATURATION
 from rcac_numeric.experiments.files.signals import SIGNAL, SIGNALS
-from rcac_numeric.experiments.files.structures import DERIVED
+from rcac_numeric.experiments.files.structures import Derived
 from rcac_numeric.experiments.files.targets import TARGETS
 from rcac_numeric.experiments.files.updates import UPDATES
 from rcac_numeric.experiments.format.markdown import (
@@ -45,7 +45,7 @@ def reference_tables() -> dict[str, str]:
         "signals": keys_table(SIGNALS),
         "a signal": by_key_table(SIGNAL),
         "controller": keys_table(CONTROLLER.table),
-        "controller.derived": keys_table(DERIVED),
+        "controller.derived": keys_table(Table(Derived)),
         "saturation": keys_table(SATURATION.table),
         "run": keys_table(COURSE.table),
         "runs": keys_table(OVERRIDE),

@@ -163,7 +163,7 @@ def load_study(path: str | Path) -> Study:
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from rcac_numeric import load_study
+    >>> from rcac_numeric.sweeps import load_study
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "study.toml"
     >>> _ = file.write_text('''
     ... signals.w = { white_noise = 1 }

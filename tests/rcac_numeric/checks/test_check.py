@@ -24,7 +24,6 @@ from rcac_numeric import (
     fir,
     fir_target,
     iir,
-    load_example,
     pid,
     read_log,
     replay,
@@ -33,6 +32,7 @@ from rcac_numeric import (
     standard_plant,
 )
 from rcac_numeric.checks.replays import replay_compensator
+from rcac_numeric.dissertation import load_example
 from tests.support.strategies import controllers, plants, seeds
 
 OCTAVE = "examples/octave/rcac_loop.mat"

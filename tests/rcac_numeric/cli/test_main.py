@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from rcac_numeric.cli.main import main
-from rcac_numeric.experiments.files.documents import example_ids
+from rcac_numeric.dissertation.examples import example_ids
 
 USER_CASE = """
 title = "My plant"

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -74,7 +75,7 @@ def perturbed(case, rng, relative):
     settings = replace(
         case.settings,
         theta_0=move(case.settings.theta_0),
-        update=replace(update, R_theta=update.R_theta * move(1.0)),
+        update=attrs.evolve(update, R_theta=update.R_theta * move(1.0)),
     )
     options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
     return SimulationCase(

@@ -13,7 +13,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import DivergedError, FunctionFailedError, InputError
+from compensator_theory import InputError
+from compensator_theory.errors import DivergedError, FunctionFailedError
 from rcac_numeric import (
     UD,
     Controller,

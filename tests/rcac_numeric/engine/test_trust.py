@@ -14,11 +14,11 @@ from rcac_numeric import (
     TargetModel,
     exogenous,
     iir,
-    load_example,
     simulate,
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.dissertation import load_example
 from tests.support.dissertation_plants import PLANT_4_1
 
 

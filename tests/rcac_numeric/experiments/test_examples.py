@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.dissertation import load_example
+from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, VERDICTS
-from rcac_numeric.experiments.files.documents import example_ids
 from rcac_numeric.experiments.measures.measures import MEASURES
 
 # Beside these every example of chapters 2 and 4 to 6 has a target model and adapts to it.

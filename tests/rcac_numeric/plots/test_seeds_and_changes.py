@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rcac_numeric import FigureRequest, load_example, lqg, plot_request, verify
+from rcac_numeric import FigureRequest, lqg, plot_request, verify
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.files.builder import build
 
 SEEDS = 4

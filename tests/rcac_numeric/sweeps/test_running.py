@@ -20,7 +20,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
-from rcac_numeric import (
+from rcac_numeric import simulate
+from rcac_numeric.engine.compiled.instruction_sets import instruction_set
+from rcac_numeric.sweeps import (
     Axis,
     Kept,
     StoreError,
@@ -29,10 +31,8 @@ from rcac_numeric import (
     read_table,
     replay_run,
     run_study,
-    simulate,
     sweep_overview,
 )
-from rcac_numeric.engine.compiled.instruction_sets import instruction_set
 from rcac_numeric.sweeps.chunks.chunk import ChunkTask
 from rcac_numeric.sweeps.chunks.worker import run_chunk
 from rcac_numeric.sweeps.running import sweep

@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric import Kept, StoreError, load_study, replay_run, run_study
 from rcac_numeric.cli.main import main
+from rcac_numeric.sweeps import Kept, StoreError, load_study, replay_run, run_study
 from rcac_numeric.sweeps.store.store import Store
 from rcac_numeric.sweeps.study.canonical import canonical_json, digest, source_of
 from tests.support import studies

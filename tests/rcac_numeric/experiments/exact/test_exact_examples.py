@@ -6,13 +6,14 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
 from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import load_example
+from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
 from rcac_numeric.experiments.exact.system import ExactSystem
 from rcac_numeric.experiments.exact_files.reading import is_exact
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.files.documents import example_ids, read_example
 
 EXACT = [number for number in example_ids() if is_exact(read_example(number)[0])]
 PLANT = ExactSystem(A=[[-1, 4], [0, -3]], B=[[0], [1]], C=[[1, 0]])

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import json_schema
+from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.files.builder import FILE, build
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
 from rcac_numeric.experiments.files.controllers import ONE_OF_SEVERAL
-from rcac_numeric.experiments.files.documents import example_ids, read_example
 from rcac_numeric.experiments.files.plants import CHANGE
 from rcac_numeric.experiments.files.reference import page_with_tables, reference_tables
 from rcac_numeric.experiments.files.runs import OVERRIDE, TABLES

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.dissertation import load_example
+from rcac_numeric.dissertation.pages import case_page, gallery_page, write_page
 from rcac_numeric.reports.page.cases import case_of
-from rcac_numeric.reports.page.pages import case_page, gallery_page, write_page
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install it")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

@@ -9,12 +9,9 @@ from itertools import pairwise
 import pytest
 from matplotlib.figure import Figure
 
-from rcac_numeric import load_example, verify
-from rcac_numeric.experiments.claims import NOT_REPRODUCED, VERDICTS
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of
-from rcac_numeric.reports.page.html import sheet_html, words
-from rcac_numeric.reports.page.pages import (
+from rcac_numeric import verify
+from rcac_numeric.dissertation import load_example
+from rcac_numeric.dissertation.pages import (
     LETTERS,
     MEANINGS,
     PHRASES,
@@ -22,6 +19,10 @@ from rcac_numeric.reports.page.pages import (
     gallery_page,
     told_of,
 )
+from rcac_numeric.experiments.claims import NOT_REPRODUCED, VERDICTS
+from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of
+from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.reports.sheets.terminal import as_text

@@ -1,0 +1,135 @@
+"""What an erratum says, and what shows that it is right."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import one_of
+from rcac_numeric.arrays.values import Value
+
+KINDS = {
+    "misprint": "a slip that a reader mends by looking twice",
+    "false": "a statement or formula that is not true as it stands",
+    "number": "a number that the text's own data do not give",
+    "missing": "data without which the example cannot be run",
+}
+EVIDENCE = {
+    "check": "by a check that runs",
+    "ledger": "by the ledger of proofs",
+    "example": "by a claim of an example",
+    "derivation": "by derivation",
+}
+_EQUATION = re.compile(r"\(([1-9AB]\.\d+)\)(?:-\(([1-9AB])\.(\d+)\))?")
+_NAMED = re.compile(
+    r"(Example|Table|Figure|Section|Theorem|Proposition) ([1-9AB][\d.]*\d|[A-B]?\d)"
+)
+
+
+@dataclass(frozen=True)
+class ErratumEvidence(Value):
+    """What shows that an erratum is right: one of four kinds.
+
+    Attributes
+    ----------
+    check : str
+        ``module.function`` of `rcac_numeric.dissertation.errata.evidence`.
+    ledger, counterexample : str
+        An entry of the ledger of proofs and, where there is one, the case that refutes the print.
+    example, claim : str
+        The number of an example, and the words that its claim begins with.
+    derivation : str
+        Two sentences, where nothing can be run yet.
+    """
+
+    check: str = ""
+    ledger: str = ""
+    counterexample: str = ""
+    example: str = ""
+    claim: str = ""
+    derivation: str = ""
+
+    def __post_init__(self) -> None:
+        given = [name for name in EVIDENCE if getattr(self, name)]
+        if len(given) != 1:
+            raise InputError(
+                f"evidence is exactly one of {', '.join(EVIDENCE)}; given are {given or 'none'}."
+            )
+        if bool(self.example) != bool(self.claim):
+            raise InputError("example and claim go together: a claim of which example?")
+        if self.counterexample and not self.ledger:
+            raise InputError("a counterexample belongs to an entry of the ledger; name it.")
+
+    @property
+    def kind(self) -> str:
+        """A key of `EVIDENCE`."""
+        return next(name for name in EVIDENCE if getattr(self, name))
+
+    @property
+    def words(self) -> str:
+        """In a line."""
+        if self.check:
+            return f"check {self.check}"
+        if self.ledger:
+            case = f", refuted by {self.counterexample}" if self.counterexample else ""
+            return f"ledger of proofs: {self.ledger}{case}"
+        return f"Example {self.example}: {self.claim}" if self.example else self.derivation
+
+
+@dataclass(frozen=True, eq=False)
+class Erratum(Value):
+    """One place of the dissertation that is wrong or incomplete.
+
+    Attributes
+    ----------
+    name : str
+        Identifier.
+    where : str
+        Equations, examples, sections, captions.
+    kind : str
+        A key of `KINDS`.
+    printed, true : str
+        What the text says, and what is so.
+    evidence : ErratumEvidence
+    chapter : str
+        1 to 9, A or B.
+
+    Examples
+    --------
+    >>> from rcac_numeric.dissertation import find_errata
+    >>> entry = find_errata("(A.16)")[0]
+    >>> entry.where, entry.equations
+    ('(A.15)-(A.17), Example A.2', ('A.15', 'A.16', 'A.17'))
+    """
+
+    name: str
+    where: str
+    kind: str
+    printed: str
+    true: str
+    evidence: ErratumEvidence = field()
+    chapter: str = ""
+
+    def __post_init__(self) -> None:
+        one_of(self.kind, "kind", tuple(KINDS))
+        for part in ("name", "where", "printed", "true"):
+            if not getattr(self, part):
+                raise InputError(f"an erratum needs {part}; write what it is.")
+
+    @property
+    def equations(self) -> tuple[str, ...]:
+        """The numbers of its equations, ranges written out."""
+        return tuple(self._equations())
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """Its examples, tables, sections and so on, such as ``Example 7.1``."""
+        return tuple(f"{kind} {number}" for kind, number in _NAMED.findall(self.where))
+
+    def _equations(self) -> Iterator[str]:
+        for first, chapter, last in _EQUATION.findall(self.where):
+            own, start = first.split(".")
+            stop = int(last) if chapter == own else int(start)
+            yield from (f"{own}.{i}" for i in range(int(start), stop + 1))

@@ -1,1 +1,0 @@
-"""The numbered examples as data: plant, signals, settings and claims, one TOML file each."""
