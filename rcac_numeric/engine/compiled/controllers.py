@@ -44,7 +44,10 @@ ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
 
 
 def compiled_controller(
-    controller: object, l_z: int, failures: Failures, instructions: str = "",
+    controller: object,
+    l_z: int,
+    failures: Failures,
+    instructions: str = "",
     supervision: Supervision | None = None,
 ) -> _kernel.Controller:
     """A compiled controller at step 0.
