@@ -6,10 +6,11 @@ Plants of order 1 to 4, standard and servo, with forgetting factors, k_w, R_thet
 saturations, jumps of the plant and faults of the sensor drawn at random. The truth is computed
 here, without what health uses: eigenvalues of the frozen loop from its state space; the run goes on
 with another disturbance than health's, beside the same with theta held; the H2 cost by SciPy's
-Lyapunov and Riccati solvers; poles that were asked for, from the roots of the loop. A loop is bad where it
-did not end, is unstable, blew up to 1e4 times what acts on it, goes 100 times as far as with theta
-held, misses asked poles by more than 0.05, or costs more than twice LQG's. Silent: bad, and not one
-warning. A false grave alarm: not bad, and a grave warning.
+Lyapunov and Riccati solvers; poles that were asked for, from the roots of the loop.
+
+A loop is bad where it did not end, is unstable, blew up to 1e4 times what acts on it, goes 100
+times as far as with theta held, misses asked poles by more than 0.05, or costs more than twice
+LQG's. Silent: bad, and not one warning. A false grave alarm: not bad, and a grave warning.
 """
 
 from __future__ import annotations

@@ -29,6 +29,7 @@ from .controllers.kinds import fir_integrator as fir_integrator
 from .controllers.kinds import iir as iir
 from .controllers.kinds import pid as pid
 from .controllers.kinds import quasi_fir as quasi_fir
+from .controllers.limits import ControlLimits as ControlLimits
 from .controllers.normalization import Normalization as Normalization
 from .controllers.settings import ControllerSettings as ControllerSettings
 from .controllers.structure import DerivedSignal as DerivedSignal
@@ -57,6 +58,7 @@ from .engine.controller import Controller as Controller
 from .engine.interruption import RunInterrupted as RunInterrupted
 from .engine.learning.target_learner import TargetLearner as TargetLearner
 from .engine.live.changes import ControllerChange as ControllerChange
+from .engine.recorder import Recorder as Recorder
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
 from .engine.runs import load_run as load_run

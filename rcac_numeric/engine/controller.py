@@ -22,6 +22,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, number, vector
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.limits import ControlLimits
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import (
     Supervision,
@@ -39,9 +40,10 @@ from rcac_numeric.targets.model import TargetModel
 
 
 def _rebuilt(
-    settings: ControllerSettings, state: SavedState, supervision: Supervision | None = None
-) -> Controller:
-    controller = Controller(settings, supervision)
+    settings: ControllerSettings, state: SavedState, supervision: Supervision | None = None,
+    limits: ControlLimits | None = None,
+) -> Controller:  # fmt: skip
+    controller = Controller(settings, supervision, limits)
     controller.restore(state)
     return controller
 
@@ -69,6 +71,9 @@ class Controller:
         What watches it, and acts in trouble; by default troubles are noted, in `record`,
         windup and overflow with a `SupervisionWarning`, and the plant is never left without a u.
 
+    limits : ControlLimits, optional
+        Of u and of its change, kept by the controller itself.
+
     Examples
     --------
     >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
@@ -83,16 +88,22 @@ class Controller:
     """
 
     def __init__(
-        self, settings: ControllerSettings, supervision: Supervision | None = None
-    ) -> None:
+        self, settings: ControllerSettings, supervision: Supervision | None = None,
+        limits: ControlLimits | None = None,
+    ) -> None:  # fmt: skip
         if not isinstance(settings, ControllerSettings):
             raise InputError(f"settings = {settings!r}: ControllerSettings are needed.")
         self.settings = settings
         self._failures = Failures()
         self.supervision = Supervision() if supervision is None else supervision
         instance_of(self.supervision, "supervision", Supervision)
+        self.limits = None if limits is None else instance_of(limits, "limits", ControlLimits)
         self._kernel = compiled_controller(
-            settings, settings.target.l_z, self._failures, supervision=self.supervision
+            settings,
+            settings.target.l_z,
+            self._failures,
+            supervision=self.supervision,
+            limits=limits,
         )
         self._said: set[str] = set()
         self._learner = None if settings.learning is None else DeviceLearner(settings, self._kernel)
@@ -104,7 +115,7 @@ class Controller:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are controllers of their own in the same state."""
-        return _rebuilt, (self.settings, self.state, self.supervision)
+        return _rebuilt, (self.settings, self.state, self.supervision, self.limits)
 
     def step(
         self,
@@ -412,9 +423,10 @@ class Controller:
     @property
     def _name(self) -> str:
         """What a state of this controller is recognised by."""
-        if self.supervision == Supervision():
+        if self.supervision == Supervision() and self.limits is None:
             return fingerprint(self.settings)
-        return fingerprint((self.settings, self.supervision))
+        parts = (self.settings, self.supervision)
+        return fingerprint(parts if self.limits is None else (*parts, self.limits))
 
     @property
     def record(self) -> SupervisionRecord:

@@ -227,7 +227,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
             estimator=estimator,
             state_space=parts,
             cost=h2_cost(plant, parts, noise=noise),
-            cost_from_riccati=cost_of_solutions(inputs, regulator, estimator, D_f),
+            cost_from_riccati=cost_of_solutions(inputs, regulator, estimator, D_f, plant.E_2),
         )
     )
 
@@ -308,18 +308,20 @@ def controller_matrices(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> Sta
 
 
 def cost_of_solutions(
-    inputs: NoiseInputs, regulator: StabilisingSolution, estimator: StabilisingSolution, D_f: Array
-) -> float:
+    inputs: NoiseInputs, regulator: StabilisingSolution, estimator: StabilisingSolution,
+    D_f: Array, E_2: Array,
+) -> float:  # fmt: skip
     """tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
-    S, V = regulator.innovation, estimator.innovation
     K, Q = regulator.gain, estimator.P
-    saved = np.trace(S @ D_f @ V @ D_f.T)
-    if estimator.factor is not None and D_f.any():  # V is a square in which much cancels with D_f
-        seen = np.vstack([inputs.D_2.T, estimator.factor @ estimator.B]) @ D_f.T
-        saved = np.trace(S @ seen.T @ seen)
+    if regulator.factor is not None and estimator.factor is not None:
+        # S and V are squares, in which much cancels with large gains: their roots are used.
+        of_u = np.vstack([E_2, regulator.factor @ regulator.B])
+        of_y = np.vstack([inputs.D_2.T, estimator.factor @ estimator.B])
+        spent = np.sum((of_u @ K @ estimator.factor.T) ** 2)
+        saved = np.sum((of_u @ D_f @ of_y.T) ** 2)
+    else:
+        S, V = regulator.innovation, estimator.innovation
+        spent, saved = np.trace(S @ K @ Q @ K.T), np.trace(S @ D_f @ V @ D_f.T)
     return float(
-        np.trace(inputs.D_1.T @ regulator.P @ inputs.D_1)
-        + np.trace(S @ K @ Q @ K.T)
-        + np.sum(inputs.E_0**2)
-        - saved
+        np.trace(inputs.D_1.T @ regulator.P @ inputs.D_1) + spent + np.sum(inputs.E_0**2) - saved
     )

@@ -305,6 +305,7 @@ SAMPLES = {
     rcac.Instantaneous: lambda seed: rcac.Instantaneous(symmetric(seed)),
     rcac.Gradient: lambda seed: rcac.Gradient(abs(random(seed)[()])),
     rcac.ScheduledForgetting: scheduled,
+    rcac.ControlLimits: lambda seed: rcac.ControlLimits(low=-1.0 - seed, rise=0.5),
     rcac.CappedForgetting: lambda seed: rcac.CappedForgetting(float(fraction(seed))),
     rcac.Supervision: lambda seed: rcac.Supervision("bound", growth=2.0 + seed, jump=30),
     results.TroubleCount: lambda seed: results.TroubleCount(3 + seed, 1, 0, 7, 2.0),

@@ -19,6 +19,7 @@ from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_c
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.limits import ControlLimits
 from rcac_numeric.controllers.normalization import FUNCTIONS, Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.settings_checks import Weight
@@ -49,6 +50,7 @@ def compiled_controller(
     failures: Failures,
     instructions: str = "",
     supervision: Supervision | None = None,
+    limits: ControlLimits | None = None,
 ) -> _kernel.Controller:
     """A compiled controller at step 0.
 
@@ -63,12 +65,16 @@ def compiled_controller(
         One of `_kernel.instruction_sets()` for UD; that of the process by default.
     supervision : Supervision, optional
         The mildest by default.
+    limits : ControlLimits, optional
+        That the controller keeps u to.
     """
     require_instruction_set()
     arguments = kernel_arguments(controller, l_z, failures)
     if isinstance(controller, ControllerSettings):
         l_e = controller.structure.l_y + controller.structure.l_r
         arguments["supervision"] = _supervision(supervision, controller.structure.l_u, l_e)
+        if limits is not None:
+            arguments["limits"] = limits.bounds(controller.structure.l_u)
     return _kernel.controller(**arguments, instruction_set=instructions)
 
 
