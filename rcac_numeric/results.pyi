@@ -22,6 +22,7 @@ from .estimation.local_observability import Observability as Observability
 from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.record import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
+from .estimation.smoothing import SmoothedStates as SmoothedStates
 from .experiments.verdicts import Verification as Verification
 from .export.folder import Export as Export
 from .h2.agreement import ExactAgreement as ExactAgreement
