@@ -29,6 +29,7 @@ from .controllers.kinds import fir_integrator as fir_integrator
 from .controllers.kinds import iir as iir
 from .controllers.kinds import pid as pid
 from .controllers.kinds import quasi_fir as quasi_fir
+from .controllers.limits import ControlLimits as ControlLimits
 from .controllers.normalization import Normalization as Normalization
 from .controllers.settings import ControllerSettings as ControllerSettings
 from .controllers.structure import DerivedSignal as DerivedSignal
@@ -36,6 +37,9 @@ from .controllers.structure import Structure as Structure
 from .controllers.structure import Tap as Tap
 from .controllers.structure import difference as difference
 from .controllers.structure import integral as integral
+from .controllers.supervision import Supervision as Supervision
+from .controllers.supervision import SupervisionWarning as SupervisionWarning
+from .controllers.updates.forgetting import CappedForgetting as CappedForgetting
 from .controllers.updates.forgetting import ScheduledForgetting as ScheduledForgetting
 from .controllers.updates.forgetting import SubspaceForgetting as SubspaceForgetting
 from .controllers.updates.forgetting import VariableRateForgetting as VariableRateForgetting
@@ -54,6 +58,7 @@ from .engine.controller import Controller as Controller
 from .engine.interruption import RunInterrupted as RunInterrupted
 from .engine.learning.target_learner import TargetLearner as TargetLearner
 from .engine.live.changes import ControllerChange as ControllerChange
+from .engine.recorder import Recorder as Recorder
 from .engine.reference.run import simulate_reference as simulate_reference
 from .engine.runs import Run as Run
 from .engine.runs import load_run as load_run
@@ -75,6 +80,7 @@ from .h2.costs import h2_cost as h2_cost
 from .h2.lqg import LQG as LQG
 from .h2.lqg import lqg as lqg
 from .h2.noise import with_bias as with_bias
+from .h2.riccati.equations import solve_care as solve_care
 from .h2.riccati.equations import solve_dare as solve_dare
 from .health.diagnosis import loop_health as loop_health
 from .health.warning import HealthWarning as HealthWarning

@@ -5,6 +5,9 @@ from .analysis.residual_split import ResidualSplit as ResidualSplit
 from .checks.check import ControllerCheck as ControllerCheck
 from .checks.plant_residual import PlantResidual as PlantResidual
 from .checks.replays import ControlReplay as ControlReplay
+from .controllers.supervision import SupervisionEvent as SupervisionEvent
+from .controllers.supervision import SupervisionRecord as SupervisionRecord
+from .controllers.supervision import TroubleCount as TroubleCount
 from .dissertation.errata.checking import Checked as Checked
 from .dissertation.errata.entries import Erratum as Erratum
 from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
@@ -19,11 +22,13 @@ from .estimation.local_observability import Observability as Observability
 from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.record import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
+from .estimation.smoothing import SmoothedStates as SmoothedStates
 from .experiments.verdicts import Verification as Verification
 from .export.folder import Export as Export
 from .h2.agreement import ExactAgreement as ExactAgreement
 from .h2.conversion import ConversionCertificate as ConversionCertificate
 from .h2.costs import H2Cost as H2Cost
+from .h2.riccati.equations import ContinuousSolution as ContinuousSolution
 from .h2.riccati.solutions import StabilisingSolution as StabilisingSolution
 from .health.health import LoopHealth as LoopHealth
 from .identification.bootstrap import BootstrapZeros as BootstrapZeros

@@ -29,6 +29,11 @@ std::unique_ptr<Update> update_of(const std::string& name, const std::vector<dou
                                   const InstructionSet& instructions) {
     const std::size_t l_theta = theta.size();
     if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta, instructions);
+    if (name == "ud, capped") {
+        auto made = std::make_unique<UdUpdate>(P.data(), l_theta, instructions);
+        made->cap();
+        return made;
+    }
     if (name == "ud, subspace") return std::make_unique<SubspaceUpdate>(P.data(), l_theta);
     if (name == "covariance") return std::make_unique<CovarianceUpdate>(P.data(), l_theta);
     if (name == "sliding window") {
@@ -56,7 +61,8 @@ std::unique_ptr<OwnedController> make_controller(
     const Forgetting& forgetting, const Reset& reset, const Array& noise, const std::string& update,
     const Array& P_0, const Array& theta_0, std::size_t window, double step_size,
     const Perturbation& dither, const Array& penalty, const Curve& normalization,
-    const nb::tuple& bounds, const nb::tuple& fixed, const std::string& instructions) {
+    const nb::tuple& bounds, const nb::tuple& fixed, nb::object supervision,
+    const nb::tuple& limits, const std::string& instructions) {
     ControllerPlan plan;
     require_width(l_z, 1, "l_z");
     plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
@@ -68,6 +74,8 @@ std::unique_ptr<OwnedController> make_controller(
     plan.normalization = normalization_of(std::get<0>(normalization), std::get<1>(normalization),
                                           std::get<2>(normalization));
     plan.fixed = fixed_of(fixed, l_u, l_y + l_r);
+    plan.supervision = supervision_of(supervision, l_u, l_y + l_r);
+    read_limits(limits, l_u, plan);
     require_forgetting(lambda, "lambda");
     plan.lambda = lambda;
     require_step(k_w, "k_w");
@@ -104,29 +112,41 @@ std::unique_ptr<OwnedController> make_controller(
                                              std::move(theta));
 }
 
-// u(k), and whether everything stayed in the range of float64; None where an argument is not of
-// the right size, not finite, or not to be read at once, and the controller has not moved.
+// u(k), and 0 where a number left the range of float64, 1 where nothing new is to be said, 2 where
+// the supervisor has something to say; None where an argument is not of the right size, or not to be
+// read at once, or not a number where nobody supervises, and the controller has not moved.
 nb::object step(OwnedController& owned, nb::handle y_k, nb::handle z_k, nb::handle r_k,
                 nb::handle u_applied) {
     Controller& controller = owned.controller;
     std::vector<double> y(controller.structure().l_y), z(controller.l_z()),
         r(controller.structure().l_r), applied(u_applied.is_none() ? 0 : controller.l_u());
-    if (!quick_read(y_k, y) || !quick_read(z_k, z) || !quick_read(r_k, r) ||
+    const bool gaps = controller.supervisor().is_on();
+    if (!quick_read(y_k, y, gaps) || !quick_read(z_k, z, gaps) || !quick_read(r_k, r, gaps) ||
         !quick_read(u_applied, applied))
         return nb::none();
     const Hold hold(owned.use);
-    controller.begin();
-    if (!applied.empty()) controller.correct_previous(applied.data());
-    controller.measure(y.data(), r.data());
-    bool done = true;
-    if (controller.filter_form()) done = controller.adapt(z.data());
-    std::vector<double> u(controller.l_u());
-    std::copy_n(controller.control(), u.size(), u.begin());
-    if (!controller.adapted()) done = controller.adapt(z.data());
-    controller.finish();
-    const bool in_range = done && finite(u.data(), u.size());
+    const std::int64_t noted = controller.supervisor().noted();
+    const bool done = controller.step(y.data(), z.data(), r.data(),
+                                      applied.empty() ? nullptr : applied.data());
+    std::vector<double> u(controller.u());
     const std::size_t size = u.size();
-    return nb::make_tuple(to_numpy(std::move(u), {size}), in_range);
+    const int status = !done || !finite(u.data(), size)             ? 0
+                       : controller.supervisor().noted() == noted ? 1
+                                                                  : 2;
+    return nb::make_tuple(to_numpy(std::move(u), {size}), status);
+}
+
+// Counts by kind, (steps, episodes, first, last, worst); the last entries, (step, kind, value); the
+// largest growth of a variance; whether theta is held, and whether the fallback runs.
+nb::tuple troubles(const OwnedController& owned) {
+    const Supervisor& supervisor = owned.controller.supervisor();
+    nb::list counts, entries;
+    for (const Supervisor::Count& c : supervisor.counts())
+        counts.append(nb::make_tuple(c.steps, c.episodes, c.first, c.last, c.worst));
+    for (const Supervisor::Entry& e : supervisor.entries())
+        entries.append(nb::make_tuple(e.step, e.kind, e.value));
+    return nb::make_tuple(counts, entries, supervisor.worst_growth(), owned.controller.stopped(),
+                          owned.controller.in_fallback());
 }
 
 // How far the filtered signals moved. The controller stays as it was where that is refused.
@@ -191,6 +211,21 @@ void bind_controller(nb::module_& m) {
                  const Hold hold(self.use);
                  self.controller.reset_covariance();
              })
+        .def("resume_from_trouble",
+             [](OwnedController& self) {
+                 const Hold hold(self.use);
+                 self.controller.resume_from_trouble();
+             })
+        .def("take_over",
+             [](OwnedController& self, const Array& u, double fade) {
+                 const std::vector<double> last = copied(u, self.controller.l_u(), "u");
+                 refuse_unless(finite(last.data(), last.size()) && fade >= 0.0 && fade < 1.0,
+                               "u is not finite, or fade not in [0, 1)");
+                 const Hold hold(self.use);
+                 self.controller.take_over(last.data(), fade);
+             },
+             nb::arg("u"), nb::arg("fade"))
+        .def_prop_ro("troubles", &troubles)
         .def("set_target", &set_target, nb::arg("numerator"), nb::arg("denominator"),
              nb::arg("past"))
         .def("set_weights", &set_weights, nb::arg("R_z").none(), nb::arg("R_u").none(),
@@ -254,7 +289,9 @@ void bind_controller(nb::module_& m) {
           nb::arg("dither") = Perturbation{0, 0.0, 0.0, 0}, nb::arg("penalty") = empty,
           nb::arg("normalization") = Curve{0, 1.0, 1.0},
           nb::arg("bounds") = nb::make_tuple(empty, empty, false, 0),
-          nb::arg("fixed") = nb::make_tuple(empty, empty), nb::arg("instruction_set") = "");
+          nb::arg("fixed") = nb::make_tuple(empty, empty), nb::arg("supervision") = nb::none(),
+          nb::arg("limits") = nb::make_tuple(empty, empty, empty, empty),
+          nb::arg("instruction_set") = "");
 }
 
 }  // namespace rcac

@@ -193,6 +193,42 @@ inline FixedPlan fixed_of(const nb::tuple& given, std::size_t l_v, std::size_t l
             copied(past_e, past_e.size(), "past_y")};
 }
 
+// (policy, growth, limit, jump, patience, fade, past_u, past_y, fallback_where_missed).
+using Supervision =
+    std::tuple<int, double, double, double, std::int64_t, double, Array, Array, bool>;
+inline SupervisionPlan supervision_of(nb::handle given, std::size_t l_u, std::size_t l_e) {
+    if (given.is_none()) return {};
+    const auto [policy, growth, limit, jump, patience, fade, past_u, past_y, where_missed] =
+        read<Supervision>(given, "supervision", "nine entries");
+    require_range<int>(policy, SupervisionPlan::off, SupervisionPlan::fallback, "the policy");
+    refuse_unless(growth > 0.0 && limit > 0.0 && jump >= 0.0, "a bound of the supervision");
+    refuse_unless(fade >= 0.0 && fade < 1.0, "fade is not in [0, 1)");
+    require_range<std::int64_t>(patience, 1, most_steps, "patience");
+    SupervisionPlan plan;
+    plan.policy = static_cast<SupervisionPlan::Policy>(policy);
+    plan.growth = growth, plan.limit = limit, plan.jump = jump, plan.patience = patience;
+    plan.fade = fade;
+    plan.fallback_plan = fixed_of(nb::make_tuple(past_u, past_y), l_u, l_e);
+    plan.fallback_where_missed = where_missed;
+    refuse_unless(!plan.fallback_plan.past_e.empty() ||
+                      (plan.policy != SupervisionPlan::fallback && !where_missed),
+                  "there is no fallback");
+    return plan;
+}
+
+// (low, high, rise, fall) of u, or four empty arrays.
+inline void read_limits(const nb::tuple& given, std::size_t l_u, ControllerPlan& plan) {
+    const auto [low, high, rise, fall] = read<std::tuple<Array, Array, Array, Array>>(
+        given, "limits", "(low, high, rise, fall)");
+    if (low.size() == 0) return;
+    plan.low = copied(low, l_u, "low"), plan.high = copied(high, l_u, "high");
+    plan.rise = copied(rise, l_u, "rise"), plan.fall = copied(fall, l_u, "fall");
+    for (std::size_t i = 0; i < l_u; ++i) {
+        refuse_unless(plan.low[i] <= plan.high[i], "a low limit exceeds the high one");
+        refuse_unless(plan.rise[i] > 0.0 && plan.fall[i] > 0.0, "a rate is not positive");
+    }
+}
+
 // The roots of D_c are those of q^n - theta_1 q^(n-1) - ...: one u, and no u(k) among its taps.
 inline void require_reflectable(const Structure& structure) {
     refuse_unless(structure.l_u == 1, "poles are reflected for l_u = 1 only");

@@ -55,9 +55,9 @@ inline bool quick_array(nb::handle value, std::vector<double>& out) {
 }
 
 // `value` as `out.size()` finite numbers: a float, an int, a flat list or tuple of them, or an
-// array of real numbers. False for anything else; the caller then reads it with care and says what
+// array of real numbers; with `gaps` some may be no finite numbers. False for anything else; the caller then reads it with care and says what
 // is wrong. None is no number at all.
-inline bool quick_read(nb::handle value, std::vector<double>& out) {
+inline bool quick_read(nb::handle value, std::vector<double>& out, bool gaps = false) {
     if (value.is_none()) return out.empty();
     PyObject* object = value.ptr();
     if (PyList_CheckExact(object) || PyTuple_CheckExact(object)) {
@@ -73,7 +73,7 @@ inline bool quick_read(nb::handle value, std::vector<double>& out) {
     } else if (!nb::ndarray_check(value) || !quick_array(value, out)) {
         return false;
     }
-    return finite(out.data(), out.size());
+    return gaps || finite(out.data(), out.size());
 }
 
 }  // namespace rcac

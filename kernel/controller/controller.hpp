@@ -7,6 +7,7 @@
 #include "controller/pole_reflection.hpp"
 #include "controller/regressor.hpp"
 #include "controller/stored_signals.hpp"
+#include "plants/actuator.hpp"
 #include "updates/update.hpp"
 
 namespace rcac {
@@ -29,7 +30,13 @@ public:
           rows_(plan_, l_z(), theta_.size()),
           bounds_(plan_.bounds, theta_.size()),
           fixed_(plan_.fixed, l_u(), structure().l_y + structure().l_r),
-          u_(l_u()) {
+          supervisor_(plan_.supervision, theta_),
+          fallback_(plan_.supervision.fallback_plan, l_u(), structure().l_y + structure().l_r),
+          limits_(plan_.low, plan_.high, plan_.rise, plan_.fall),
+          u_(l_u()),
+          held_(l_u()),
+          last_(l_u()),
+          bump_(l_u()) {
         place_taps();
         if (regressor_.size() * l_u() != theta_.size() || filtered_.size() != rows_.size_of_Phi_f())
             throw std::invalid_argument("l_theta does not fit");
@@ -44,14 +51,18 @@ public:
         filter_.advance();
         performance_.advance();
         fixed_.advance();
+        fallback_.advance();
         adapted_ = false;
     }
 
     void measure(const double* y, const double* r) {
         regressor_.measure(y, r);
-        if (!fixed_.is_there()) return;
-        for (std::size_t i = 0; i < structure().l_y; ++i) fixed_.measure(i, y[i]);
-        for (std::size_t i = 0; i < structure().l_r; ++i) fixed_.measure(structure().l_y + i, r[i]);
+        for (FixedPart* part : {&fixed_, &fallback_}) {
+            if (!part->is_there()) continue;
+            for (std::size_t i = 0; i < structure().l_y; ++i) part->measure(i, y[i]);
+            for (std::size_t i = 0; i < structure().l_r; ++i)
+                part->measure(structure().l_y + i, r[i]);
+        }
     }
 
     // u(k) = Phi(k) theta(k), (2.29), and what a fixed compensator beside it adds.
@@ -62,19 +73,42 @@ public:
             for (std::size_t i = 0; i < l_u(); ++i) u_[i] += plan_.dither(step_, i);
         for (std::size_t i = 0; i < l_u(); ++i) signals().now(i) = u_[i];
         if (fixed_.is_there()) fixed_.add_to(u_.data());
+        if (fallback_.is_there() || hands_over_ || !limits_.is_ideal()) conduct();
+        held_ = u_;
+        return u_.data();
+    }
+
+    // u(k) = u(k-1), or that of the fallback, where y(k) is not known.
+    const double* hold() {
+        const bool runs_fallback = plan_.supervision.fallback_where_missed && !in_fallback_;
+        if (!runs_fallback && !in_fallback_) {
+            const std::vector<double> before = held_;
+            control();
+            u_ = before;
+            take_the_place(u_.data());
+            return u_.data();
+        }
+        if (runs_fallback) switch_fallback(true);
+        control();
+        if (runs_fallback) switch_fallback(false);
         return u_.data();
     }
 
     // What the actuator made of u(k), without the fixed part, takes its place in every later
     // regressor.
-    void apply(const double* u) {
-        for (std::size_t i = 0; i < l_u(); ++i) signals().now(i) = u[i] - fixed_.now(i);
+    void apply(const double* u, bool as_asked) {
+        supervisor_.see_actuator(as_asked, step_);
+        take_the_place(u);
     }
 
     // The same one step later, for a device that learns afterwards what was applied; G_f must be
     // strictly proper, so that nothing has used u(k-1) yet.
     void correct_previous(const double* u) {
+        supervisor_.see_actuator(std::equal(u, u + l_u(), held_.begin()), step_ - 1);
+        std::copy_n(u, l_u(), held_.begin());
+        limits_.start_from(u);
         for (std::size_t i = 0; i < l_u(); ++i) {
+            fallback_.replace_before(i, u[i]);
             const double own = u[i] - fixed_.before(i);
             signals().before(i) = own;
             for (std::size_t c = 0; c < structure().channels.size(); ++c) {
@@ -85,8 +119,8 @@ public:
         }
     }
 
-    // Filter this step's signals and form its data; false where no update is due.
-    bool prepare(const double* z) {
+    // Filter this step's signals, and remember z.
+    void take_in(const double* z) {
         if (step_ >= plan_.k_filter)
             for (std::size_t c = 0; c < structure().channels.size(); ++c)
                 filter_.input(c) = signals()(structure().channels[c]);
@@ -94,7 +128,12 @@ public:
         for (std::size_t i = 0; i < l_z(); ++i) performance_.now(i) = z[i];
         rules_.see(z, l_z());
         update_->see(z);
-        if (step_ < plan_.k_update || frozen_) return false;
+    }
+
+    // Form this step's data; false where no update is due.
+    bool prepare(const double* z) {
+        take_in(z);
+        if (step_ < plan_.k_update || frozen_ || stopped_ || in_fallback_) return false;
 
         filtered_.read(filter_.outputs().values(), rows_.Phi_f());
         for (std::size_t r = 0; r < l_z(); ++r) {
@@ -124,10 +163,18 @@ public:
     // theta(k+1) from theta(k); false where that left the range of float64.
     bool adapt(const double* z) {
         adapted_ = true;
+        if (supervisor_.is_on() && supervisor_.is_beyond_limit(z, l_z(), step_)) respond();
         if (!prepare(z)) return true;
-        if (!(*update_)(rows_.data(lambda_), step_, theta_.data())) return false;
+        if (!(*update_)(rows_.data(lambda_), step_, theta_.data())) return recovers();
         conclude();
         return true;
+    }
+    // The same where z(k) is not known: signals move on, theta stays.
+    void pass_by() {
+        adapted_ = true;
+        z_.resize(l_z());
+        for (std::size_t i = 0; i < z_.size(); ++i) z_[i] = performance_.before(i);
+        take_in(z_.data());
     }
 
     void finish() {
@@ -135,7 +182,74 @@ public:
             for (std::size_t c = 0; c < structure().channels.size(); ++c)
                 filter_.input(c) = signals()(structure().channels[c]);
         ++step_;
+        if (supervisor_.is_on() && Supervisor::is_due(step_)) {
+            if (supervisor_.is_wound_up(*update_, step_ - 1)) respond();
+            if (keeps_going()) supervisor_.keep(theta_);
+        }
     }
+
+    // A whole step of a device, whose plant must not be left without a u. What is not known of y, z
+    // and r is not a number, and is replaced by what was known last. False where the update failed
+    // and nobody is to recover.
+    bool step(double* y, double* z, double* r, const double* applied) {
+        is_live_ = true;
+        begin();
+        if (applied)
+            correct_previous(applied);
+        else
+            supervisor_.see_actuator(true, step_);
+        const History& known = signals();
+        bool y_missed = false, z_missed = false;
+        if (supervisor_.is_on() && finite(z, l_z()) && supervisor_.jumps(z, l_z(), step_)) {
+            y_missed = z_missed = true;
+            for (std::size_t i = 0; i < structure().l_y; ++i) y[i] = known(l_u() + i, 1);
+        }
+        for (std::size_t i = 0; i < structure().l_y + structure().l_r; ++i) {
+            double& value = i < structure().l_y ? y[i] : r[i - structure().l_y];
+            if (std::isfinite(value)) continue;
+            y_missed = true;
+            value = known(l_u() + i, 1);
+        }
+        z_missed = z_missed || !finite(z, l_z());
+        if (y_missed || z_missed) supervisor_.note(Trouble::missed, step_, 1.0);
+        measure(y, r);
+        bool done = true;
+        if (filter_form()) z_missed ? pass_by() : void(done = adapt(z));
+        y_missed ? hold() : control();
+        if (supervisor_.is_on() && !finite(u_.data(), u_.size())) {
+            recovers();
+            u_ = last_;
+            take_the_place(u_.data());
+        }
+        if (!adapted_) z_missed ? pass_by() : void(done = adapt(z));
+        last_ = u_;
+        finish();
+        return done;
+    }
+    const std::vector<double>& u() const { return u_; }
+
+    // Ends what the supervisor began; the controller goes on from P(0), without a bump.
+    void resume_from_trouble() {
+        if (!stopped_ && !in_fallback_) return;
+        if (in_fallback_) hands_over_ = takes_up_ = true;
+        stopped_ = in_fallback_ = false;
+        reset_covariance();
+        supervisor_.note(Trouble::to_adaptive, step_, 0.0);
+    }
+    // Another controller ran the plant up to here, and u was the last that it applied: what this one
+    // asks for differs from that by a bump, of which `fade` is left from step to step.
+    void take_over(const double* u, double fade) {
+        std::copy_n(u, l_u(), held_.begin());
+        limits_.start_from(u);
+        fade_ = fade;
+        hands_over_ = takes_up_ = true;
+    }
+    const Supervisor& supervisor() const { return supervisor_; }
+    Supervisor& supervisor() { return supervisor_; }
+    bool stopped() const { return stopped_; }
+    bool in_fallback() const { return in_fallback_; }
+    bool has_limits() const { return !limits_.is_ideal(); }
+    void has_applied(const double* u) { std::copy_n(u, l_u(), held_.begin()); }
 
     // Between two steps: G_f from the next step on, and as if it had filtered what is remembered.
     // theta stays. Nothing is allocated where the order is not above that of the models before.
@@ -197,6 +311,11 @@ public:
     }
 
     void visit(Archive& archive) {
+        std::int64_t format = archive_format;
+        archive(format);
+        if (format != archive_format)
+            throw std::invalid_argument(
+                "it was saved in another format than this version reads; run again from the start");
         archive(theta_);
         archive(lambda_);
         archive(step_, 0, Archive::longest);
@@ -206,6 +325,17 @@ public:
         archive(last_reset_, -1, Archive::longest);
         archive(bounded_, 0, Archive::longest);
         archive(frozen_);
+        archive(stopped_);
+        archive(in_fallback_);
+        archive(hands_over_);
+        archive(takes_up_);
+        archive(fade_);
+        archive(held_);
+        archive(last_);
+        archive(bump_);
+        limits_.visit(archive);
+        supervisor_.visit(archive);
+        fallback_.visit(archive);
         auto order = static_cast<std::int64_t>(filter_.order());
         archive(order, 0, static_cast<std::int64_t>(longest_order()));
         if (archive.reading() && as_size(order) != filter_.order()) resize_filter(as_size(order));
@@ -221,6 +351,88 @@ public:
     }
 
 private:
+    // Of what `visit` writes; 1 had no number at its head.
+    static constexpr std::int64_t archive_format = 2;
+
+    // Whether an overflow is survived: on a device wherever there is supervision, in a run only
+    // where a policy was chosen, because there the overflow is what the run came to.
+    bool keeps_going() const {
+        return supervisor_.acts() || (is_live_ && supervisor_.is_on());
+    }
+
+    bool recovers() {
+        if (!keeps_going()) return false;
+        supervisor_.note(Trouble::overflow, step_, 0.0);
+        theta_ = supervisor_.good();
+        reset_covariance();
+        signals().mend();
+        performance_.mend();
+        filter_.mend();
+        fixed_.mend();
+        fallback_.mend();
+        supervisor_.note(Trouble::restored, step_, 0.0);
+        respond();
+        return true;
+    }
+
+    void respond() {
+        const auto note = [this](Trouble::Kind kind) { supervisor_.note(kind, step_, 0.0); };
+        switch (plan_.supervision.policy) {
+            case SupervisionPlan::off:
+            case SupervisionPlan::warn: return;
+            case SupervisionPlan::freeze:
+                if (!stopped_) note(Trouble::frozen);
+                stopped_ = true;
+                return;
+            case SupervisionPlan::bound:
+                update_->bound(plan_.supervision.growth);
+                return note(Trouble::bounded);
+            case SupervisionPlan::reset:
+                reset_covariance();
+                return note(Trouble::reset);
+            case SupervisionPlan::fallback:
+                if (!in_fallback_) note(Trouble::to_fallback);
+                if (!in_fallback_) switch_fallback(true);
+        }
+    }
+
+    void switch_fallback(bool on) {
+        in_fallback_ = on;
+        hands_over_ = takes_up_ = true;
+        fade_ = plan_.supervision.fade;
+    }
+
+    // u(k) of another controller, without a bump, and within the limits.
+    void conduct() {
+        if (in_fallback_) {
+            std::fill(u_.begin(), u_.end(), 0.0);
+            fallback_.add_to(u_.data());
+        }
+        if (takes_up_)
+            for (std::size_t i = 0; i < l_u(); ++i) bump_[i] = held_[i] - u_[i];
+        takes_up_ = false;
+        hands_over_ = false;
+        for (std::size_t i = 0; i < l_u(); ++i) {
+            u_[i] += bump_[i];
+            bump_[i] *= fade_;
+            if (!(std::fabs(bump_[i]) > 1e-16 * std::fabs(u_[i]))) bump_[i] = 0.0;
+            hands_over_ = hands_over_ || bump_[i] != 0.0;
+        }
+        const double* allowed = limits_.apply(u_.data());
+        if (allowed != u_.data()) std::copy_n(allowed, l_u(), u_.data());
+        take_the_place(u_.data());
+    }
+
+    // This, and not what RCAC asked for, is u(k) in every later regressor.
+    void take_the_place(const double* u) {
+        limits_.start_from(u);
+        for (std::size_t i = 0; i < l_u(); ++i) {
+            signals().now(i) = u[i] - fixed_.now(i);
+            fallback_.replace(i, u[i]);
+            held_[i] = u[i];
+        }
+    }
+
     static std::size_t as_size(std::int64_t i) { return static_cast<std::size_t>(i); }
     std::int64_t events() const { return static_cast<std::int64_t>(plan_.events.size()); }
     const Event& event() const { return plan_.events[as_size(next_event_)]; }
@@ -291,7 +503,13 @@ private:
     CostRows rows_;
     CoefficientBounds bounds_;
     FixedPart fixed_;
-    std::vector<double> u_, polynomial_;
+    Supervisor supervisor_;
+    FixedPart fallback_;  // runs along, on what was applied
+    Actuator limits_;
+    bool is_live_ = false, stopped_ = false, in_fallback_ = false;
+    bool hands_over_ = false, takes_up_ = false;  // a bump fades; it begins with the next u
+    double fade_ = 0.0;
+    std::vector<double> u_, held_, last_, bump_, z_, polynomial_;
     std::int64_t step_ = 0, next_event_ = 0, reflections_ = 0, resets_ = 0, bounded_ = 0,
                  last_reset_ = -1;
 };

@@ -47,6 +47,16 @@ public:
             signals_.now(i) = sum;
         }
     }
+    // Another output took its place.
+    void replace(std::size_t i, double value) {
+        if (is_there()) signals_.now(i) = value;
+    }
+    void replace_before(std::size_t i, double value) {
+        if (is_there()) signals_.before(i) = value;
+    }
+    void mend() {
+        if (is_there()) signals_.mend();
+    }
     // v(k) and v(k-1); zero where there is none.
     double now(std::size_t i) { return is_there() ? signals_.now(i) : 0.0; }
     double before(std::size_t i) { return is_there() ? signals_.before(i) : 0.0; }

@@ -6,8 +6,8 @@
 #include "controller/adaptation_rules.hpp"
 #include "controller/coefficient_bounds.hpp"
 #include "controller/fixed_part.hpp"
-#include "controller/normalization.hpp"
 #include "controller/performance_rules.hpp"
+#include "controller/supervisor.hpp"
 #include "controller/target_filter.hpp"
 
 namespace rcac {
@@ -50,6 +50,8 @@ struct ControllerPlan {
     ForgettingRule forgetting;
     ResetRule reset;
     Dither dither;
+    SupervisionPlan supervision;
+    std::vector<double> low, high, rise, fall;  // of u, where the controller keeps to limits
     std::vector<double> noise;  // rows a with Q = sum a a', (2.46)
 };
 

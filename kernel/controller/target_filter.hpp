@@ -70,6 +70,11 @@ public:
     std::size_t l_z() const { return l_z_; }
     std::size_t order() const { return order_; }
 
+    void mend() {
+        inputs_.mend();
+        outputs_.mend();
+    }
+
     void visit(Archive& archive) {
         inputs_.visit(archive);
         outputs_.visit(archive);

@@ -23,8 +23,10 @@ inline bool fits_lanes(Loop& loop) {
     if (!plant || !plant->is_constant()) return false;
     Controller& c = *loop.controllers().front();
     const ControllerPlan& plan = c.plan();
-    if (!dynamic_cast<UdUpdate*>(&c.update()) || plan.filter_form || plan.reflect_poles ||
-        c.frozen() || plan.dither.is_on() || c.has_left_its_plan() || !plan.events.empty() || !plan.noise.empty() ||
+    const auto* ud = dynamic_cast<const UdUpdate*>(&c.update());
+    if (!ud || ud->is_capped() || plan.filter_form || plan.reflect_poles ||
+        c.frozen() || c.stopped() || c.supervisor().acts() || c.has_limits() ||
+        plan.dither.is_on() || c.has_left_its_plan() || !plan.events.empty() || !plan.noise.empty() ||
         c.rows().penalises() || plan.normalization.function != Normalization::none ||
         !plan.bounds.low.empty() || !plan.fixed.past_e.empty() || plan.R_z.nu != 0.0 ||
         plan.R_u.nu != 0.0 || !plan.structure.derived.empty() || plan.forgetting.long_window > 0 ||

@@ -47,8 +47,24 @@ private:
             const std::int64_t stride = jobs_[i]->record.stride;
             count = std::min({count, jobs_[i]->steps - jobs_[i]->done,
                               stride - jobs_[i]->done % stride});
+            if (a_.forgets)
+                count = std::min(count, Supervisor::interval - steps_of(i) % Supervisor::interval);
         }
         return any ? static_cast<std::size_t>(count) : 0;
+    }
+
+    std::int64_t steps_of(std::size_t lane) const {
+        const Job& job = *jobs_[lane];
+        return job.loop->controllers().front()->step() + job.done - first_[lane];
+    }
+
+    // What a supervised controller sees of P; without forgetting nothing of it grows.
+    void watch(std::size_t lane) {
+        Controller& c = *jobs_[lane]->loop->controllers().front();
+        if (!a_.forgets || !c.supervisor().is_on() || !Supervisor::is_due(steps_of(lane))) return;
+        auto& ud = dynamic_cast<UdUpdate&>(c.update());
+        for (std::size_t j = 0; j < ud.l_theta(); ++j) ud.d(j) = a_.factors.D[j * lanes + lane];
+        c.supervisor().is_wound_up(ud, steps_of(lane) - 1);
     }
 
     void before(std::size_t lane, std::size_t count) {
@@ -74,7 +90,10 @@ private:
             --job.done;
             job.loop->has_failed(LaneState::taken(a_.theta_before, a_.factors.n, lane));
             leave(lane);
-        } else if (job.finished()) {
+            return;
+        }
+        watch(lane);
+        if (job.finished()) {
             leave_intact(lane);
         }
     }

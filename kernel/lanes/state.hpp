@@ -157,6 +157,7 @@ private:
                 c.signals().now(a.l_u + a.l_y + i) = job.w[row * a.l_w + a.r_in_w + i];
             for (std::size_t i = 0; i < a.l_z; ++i)
                 c.performance().now(i) = job.record.z[row * a.l_z + i];
+            c.has_applied(job.record.u + row * a.l_u);
         }
     }
 

@@ -89,8 +89,10 @@ public:
             for (std::size_t i = 0; i < size.l_u; ++i) u[i] += own[i];
         }
         copy_few(actuator_.apply(u), size.l_u, u_a_.data());
-        if (!actuator_.is_ideal() || (options_.shared_u && controllers_.size() > 1))
-            for (Controller* c : controllers_) c->apply(u_a_.data());
+        if (!actuator_.is_ideal() || (options_.shared_u && controllers_.size() > 1)) {
+            const bool as_asked = std::equal(u_a_.begin(), u_a_.end(), u);
+            for (Controller* c : controllers_) c->apply(u_a_.data(), as_asked);
+        }
         if (record.u_applied)
             std::copy(u_a_.begin(), u_a_.end(),
                       record.u_applied + row * static_cast<std::int64_t>(size.l_u));

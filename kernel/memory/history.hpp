@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "memory/archive.hpp"
@@ -64,6 +65,12 @@ public:
     }
     // The past of one signal, newest first.
     const double* past(std::size_t signal) const { return values() + signal * stretch_; }
+
+    // What has left float64 is forgotten.
+    void mend() {
+        for (double& value : values_)
+            if (!std::isfinite(value)) value = 0.0;
+    }
 
     void visit(Archive& archive) {
         if (archive.reading()) now_ = stretch_ - depth_;

@@ -104,6 +104,22 @@ public:
                 for (std::size_t j = 0; j < n_; ++j) P_[i * n_ + j] += noise[i] * noise[j];
     }
 
+    double growth() const override {
+        double most = 0.0;
+        for (std::size_t i = 0; i < n_; ++i) most = std::max(most, P_[i * n_ + i] / P_0_[i * n_ + i]);
+        return most;
+    }
+    // S P S with a diagonal S, which leaves P as definite as it was.
+    void bound(double growth) override {
+        std::vector<double> S(n_, 1.0);
+        for (std::size_t i = 0; i < n_; ++i) {
+            const double most = growth * P_0_[i * n_ + i];
+            if (P_[i * n_ + i] > most) S[i] = std::sqrt(most / P_[i * n_ + i]);
+        }
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t j = 0; j < n_; ++j) P_[i * n_ + j] *= S[i] * S[j];
+    }
+
     double trace() const override {
         double sum = 0.0;
         for (std::size_t i = 0; i < n_; ++i) sum += P_[i * n_ + i];

@@ -44,6 +44,8 @@ public:
 
     void reset() override { ud_.reset(); }
     double trace() const override { return ud_.trace(); }
+    double growth() const override { return ud_.growth(); }
+    void bound(double growth) override { ud_.bound(growth); }
 
     // Of theta; that of d stays inside.
     void covariance(double* P) const override {

@@ -45,6 +45,8 @@ public:
     void doubt_past(double rho) override { core_.doubt_past(rho); }
     void inflate(const double* noise, std::size_t count) override { core_.inflate(noise, count); }
     double trace() const override { return core_.trace(); }
+    double growth() const override { return core_.growth(); }
+    void bound(double growth) override { core_.bound(growth); }
     void visit(Archive& archive) override {
         Update::visit(archive);
         core_.visit(archive);

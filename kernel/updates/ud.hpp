@@ -28,12 +28,17 @@ public:
         factorise(P0);
         U_0_ = U_;
         D_0_ = D_;
+        inverse_D_0_.resize(n_);
+        for (std::size_t j = 0; j < n_; ++j) inverse_D_0_[j] = 1.0 / D_0_[j];
     }
 
     bool operator()(const Data& data, std::int64_t step, double* theta) override {
         if (!measure(data, step, theta)) return false;
         if (data.lambda == 1.0) return true;
-        for (double& d : D_) d /= data.lambda;
+        if (capped_)  // what would grow beyond P(0) is known no less than at the beginning
+            for (std::size_t j = 0; j < n_; ++j) D_[j] = std::min(D_[j] / data.lambda, D_0_[j]);
+        else
+            for (double& d : D_) d /= data.lambda;
         return instructions_->finite(D_.data(), n_);
     }
 
@@ -89,6 +94,21 @@ public:
             }
         }
     }
+
+    // d_j is the variance of theta_j where those after it are known, and without forgetting none
+    // of them grows.
+    double growth() const override {
+        double most = 0.0;
+        for (std::size_t j = 0; j < n_; ++j) most = std::max(most, D_[j] * inverse_D_0_[j]);
+        return most;
+    }
+    void bound(double growth) override {
+        for (std::size_t j = 0; j < n_; ++j) D_[j] = std::min(D_[j], growth * D_0_[j]);
+    }
+    // Forgetting stops at P(0).
+    void cap() { capped_ = true; }
+    bool is_capped() const { return capped_; }
+    double initial_d(std::size_t j) const { return D_0_[j]; }
 
     double trace() const override {
         double sum = 0.0;
@@ -147,6 +167,8 @@ private:
     std::size_t n_;
     const InstructionSet* instructions_;
     AlignedVector U_, D_, U_0_, D_0_, gain_, row_;
+    std::vector<double> inverse_D_0_;
+    bool capped_ = false;
     WhitenedRows rows_;
 };
 

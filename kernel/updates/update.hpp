@@ -56,6 +56,10 @@ public:
     }
     // P <- P + sum of a a' over the `count` rows a of `noise` (2.46).
     virtual void inflate(const double* /*noise*/, std::size_t /*count*/) {}
+    // The largest variance over that of P(0); 0 where there is no P that could grow.
+    virtual double growth() const { return 0.0; }
+    // No variance above so many times that of P(0): P only becomes smaller.
+    virtual void bound(double /*growth*/) {}
     // trace P, for rules that watch it.
     virtual double trace() const { return 0.0; }
     // What the next update depends on, beside the settings.

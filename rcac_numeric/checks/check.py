@@ -21,6 +21,7 @@ from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.analyses import channel_margins, fixed_compensator, require_widths
+from rcac_numeric.checks.hypotheses import Decision
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.plant_residual import PlantResidual, plant_residual
 from rcac_numeric.checks.replays import ControlReplay, replay, replay_compensator
@@ -79,6 +80,8 @@ class ControllerCheck(Value):
     plant_residual : PlantResidual or None
         How far the log's y is from what the plant makes of the logged u; None for a run of ours
         with its own plant.
+    decision : Decision or str or None
+        Which problem the log is of, where that was asked of it; a text says why it could not be.
     unsaid : mapping
         From what could not be said to the reason.
     """
@@ -101,6 +104,14 @@ class ControllerCheck(Value):
     disk: DiskMargin | None = None
     unsaid: dict[str, str] = field(default_factory=dict)
     plant_residual: PlantResidual | None = None
+    decision: Decision | str | None = None
+
+    @property
+    def is_undecided(self) -> bool:
+        """Whether the problem was asked of the log, which does not tell."""
+        return self.decision is not None and (
+            isinstance(self.decision, str) or self.decision.is_undecided
+        )
 
     @property
     def poles(self) -> ComplexArray | None:

@@ -18,6 +18,8 @@ FEWEST, LARGEST_ORDER, MOST_COEFFICIENTS = 10, 100, 400  # the last: of the plan
 # plant fitted to the log leaves so many times less. White noise alone makes the second 1, sensor
 # noise 2 or 3; what is not white and was not logged, a tone for instance, may raise doubt, too.
 UNEXPLAINED, TIMES_WORSE = 0.1, 3.0
+# Contradicted is what predicts worse than that y stays, where a fit is so many times better.
+CONTRADICTED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +57,12 @@ class PlantResidual(Value):
             return True
         worse = self.best is None or self.rms > TIMES_WORSE * self.best
         unexplained = UNEXPLAINED if self.best is not None else 1.0
-        return bool(worse and self.relative > unexplained)
+        return bool(worse and self.relative > unexplained) or self.is_contradicted
+
+    @property
+    def is_contradicted(self) -> bool:
+        """Whether "y stays" predicts better, and a fitted plant twice as well."""
+        return self.best is not None and self.relative > 1 and self.rms > CONTRADICTED * self.best
 
     def __str__(self) -> str:
         fitted = "" if self.best is None else f"; a plant fitted to the log leaves {self.best:.3g}"
@@ -67,6 +74,12 @@ class PlantResidual(Value):
             return f"The plant {words}: {size}."
         if self.mend:
             return f"The log is NOT of this plant: {size}. Look at {self.mend}."
+        if self.is_contradicted:
+            return (
+                f"The log is NOT explained by this plant and contradicts it: {size}, so that y "
+                "stays as it is predicts better. It is the log of another plant, sign or problem, "
+                "and what follows is about a loop that did not run."
+            )
         return (
             f"The log is NOT explained by this plant: {size}. Either it is the log of another "
             "plant, and what follows is about a loop that did not run, or disturbances act on the "
@@ -92,7 +105,7 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     >>> plant_residual(ControllerLog(u, y), standard_plant("1/(q + 0.5)")).is_doubtful
     True
     """
-    B, D, known = _inputs(log, plant)
+    B, D, known = inputs(log, plant)
     window = max(plant.n, 1)
     width = (window + 1) * (plant.l_y + B.shape[1])
     steps = min(log.steps, LONGEST, MOST_NUMBERS // width)
@@ -100,7 +113,7 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
         return None
     size = max(np.abs(log.u).max(), np.abs(log.y).max(), np.abs(known).max(initial=0.0)) or 1.0
     u, y, known = log.u[:steps] / size, log.y[:steps] / size, known[:steps] / size
-    rms = _rms(_errors(plant, B, D, np.hstack([u, known]), y)) * size
+    rms = _rms(one_step_errors(plant, B, D, np.hstack([u, known]), y)) * size
     change = _rms(np.diff(y, axis=0)) * size
     best = _best(u, known, y, window)
     found = PlantResidual(float(rms), float(change), None if best is None else best * size)
@@ -115,15 +128,23 @@ def plant_residual(log: ControllerLog, plant: Plant) -> PlantResidual | None:
     }
     for words, other in others.items():
         if (
-            TIMES_WORSE * _rms(_errors(plant, B, D, np.hstack([other, known]), y)) * size
+            TIMES_WORSE * _rms(one_step_errors(plant, B, D, np.hstack([other, known]), y)) * size
             < found.rms
         ):
             return replace(found, mend=words)
     return found
 
 
-def _inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:
-    """B and D of u and of what is known of w, and the latter over time."""
+def inputs(log: ControllerLog, plant: Plant) -> tuple[Array, Array, Array]:
+    """B and D of u and of what is known of w, and the latter over time.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ControllerLog, standard_plant
+    >>> from rcac_numeric.checks.plant_residual import inputs
+    >>> inputs(ControllerLog([0.0, 1.0], [0.0, 0.0]), standard_plant("1/(q - 0.5)"))[0].shape
+    (1, 1)
+    """
     if log.w is not None and log.w.shape[1] == plant.l_w:
         columns, known = np.arange(plant.l_w), log.w
     elif log.r is not None and plant.blocks.get("r") == log.r.shape[1]:
@@ -141,8 +162,19 @@ def _windows(signal: Array, steps: int, count: int) -> Array:
     return np.hstack([signal[i : len(signal) - steps + i] for i in range(count)])
 
 
-def _errors(plant: Plant, B: Array, D: Array, v: Array, y: Array) -> Array:
-    """y(k) less its prediction from the n steps before."""
+def one_step_errors(plant: Plant, B: Array, D: Array, v: Array, y: Array) -> Array:
+    """y(k) less its prediction from the n steps before, by the inputs v through B and D.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.checks.plant_residual import one_step_errors
+    >>> plant = standard_plant("1/(q - 0.5)")
+    >>> one_step_errors(plant, plant.B, plant.D_0, np.ones((3, 1)), np.array([[0.0], [1], [1.5]]))
+    array([[0.],
+           [0.]])
+    """
     n, l_y, l_v = max(plant.n, 1), plant.l_y, v.shape[1]
     powers = [plant.C]
     for _ in range(n):

@@ -14,9 +14,10 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.record_files import is_record
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.checks.case_files import k_w_of, plant_and_tables, read_structure, read_target
-from rcac_numeric.checks.check import check_controller
+from rcac_numeric.checks.check import ControllerCheck, check_controller
+from rcac_numeric.checks.hypotheses import Decision, decide_problem
 from rcac_numeric.checks.logs import ROLES, TIMES, ControllerLog, read_log
-from rcac_numeric.cli.exits import DONE, NO
+from rcac_numeric.cli.exits import DONE, MISSED, NO, UNDECIDED, UNSTABLE
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
 from rcac_numeric.engine.runs import Run, load_run
 from rcac_numeric.experiments.files.documents import Raw, named
@@ -27,6 +28,7 @@ from rcac_numeric.signals.data_files import FORMATS, read_variables
 from rcac_numeric.signals.text_tables import as_number
 from rcac_numeric.targets.filters import target_model
 
+FAR_OFF = 0.05  # of a pole from where it was asked
 KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 
 
@@ -40,7 +42,7 @@ KINDS = ("iir", "fir", "quasi-fir", "pid", "fir + integrator")
 @click.option(
     "--problem", type=click.Choice(["standard", "servo"], case_sensitive=False),
     help="What a transfer function is the plant of: y = z = G (u + w) or, with a command, the "
-    "error y = z = r - G (u + d) - v. Default: standard, where LOG has no r.",
+    "error y = z = r - G (u + d) - v. Default: what the log decides for.",
 )  # fmt: skip
 @click.option(
     "--names", default="", help="What LOG calls its columns: u=input,y=output,theta=gains."
@@ -91,8 +93,9 @@ def check(
     structure, its target and k_w by itself. Otherwise LOG holds u and y, and where there are any
     z, w and r, one row for each step; and theta (its rows over time, or the last one), or the
     polynomials D_c and N_c. Where the logged u is not the output of the logged theta or
-    compensator, the status is 1. An unstable loop or a theta that still moves is reported, and is
-    no error.
+    compensator, or the log contradicts the plant, the status is 1; where the log does not tell
+    which --problem a transfer function is of, 7; of an unstable loop 5, and of one that misses the
+    poles of its target 6. A theta that still moves is reported, and is no error.
     """
     with np.errstate(all="ignore"):  # what leaves float64 is reported, not warned of
         model, table = read_case(plant, problem or "standard")
@@ -104,10 +107,11 @@ def check(
             )  # fmt: skip
             found = replace(found, log=replace(found.log, source=str(log)))
             show(check_sheet(found), as_json, picture, found.plot)
-            return DONE if found.is_consistent else NO
+            return _status(found)
         recorded = read_log(log, parse_names(names), transpose=transpose)
-        if problem is None and is_transfer_function(plant):
-            _require_problem(recorded)
+        decision: Decision | str | None = None
+        if problem is None and is_transfer_function(plant) and plant is not None:
+            decision, model = _decided(recorded, plant)
         if model is None and log.suffix.lower() != ".csv":
             model = plant_in(read_variables(log), str(log))
         k_w = k_w_of(table) if k_w is None else k_w
@@ -126,8 +130,41 @@ def check(
             sample_time=sample_time,
             tolerance=tolerance,
         )
+        found = replace(found, decision=decision)
         show(check_sheet(found), as_json, picture, found.plot)
-    return DONE if found.is_consistent else NO
+    return _status(found)
+
+
+def _status(found: ControllerCheck) -> int:
+    """The exit status that the check of a log comes to."""
+    residual = found.plant_residual
+    if not found.is_consistent or (residual is not None and residual.is_contradicted):
+        return NO
+    if found.is_undecided:
+        return UNDECIDED
+    if found.loop is not None and not found.loop.is_stable:
+        return UNSTABLE
+    comparison, target = found.comparison, found.target
+    if comparison is None or target is None or not target.denominator[1:].any():
+        return DONE  # an FIR target asks for no pole but 0, in its own time
+    if comparison.worst_distance > FAR_OFF:
+        return MISSED
+    return DONE
+
+
+def _decided(log: ControllerLog, plant: str) -> tuple[Decision | str, Plant]:
+    """Which problem the log is of, and its plant; the standard one where it does not tell."""
+    plants = {name: read_case(plant, name)[0] for name in ("standard", "servo")}
+    known = {name: one for name, one in plants.items() if one is not None}
+    decision: Decision | str
+    try:
+        decision = decide_problem(log, known)
+    except CompensatorError as error:
+        decision = f"UNDECIDED: which problem this is a log of: {error}"
+    if isinstance(decision, str) or decision.decided is None:
+        _require_problem(log)
+        return decision, known["standard"]
+    return decision, known[decision.decided.problem]
 
 
 def _own(log: Path) -> Run | None:

@@ -20,14 +20,18 @@ DONE = 0  # what was asked is answered
 NO = 1  # the answer is no: a verdict has changed, a log contradicts itself
 BAD_INPUT = 2  # what was given cannot be used, read, written or held in memory
 DIVERGED = 3  # a loop diverged that was not expected to
+UNSTABLE = 5  # the loop of a log is unstable
+MISSED = 6  # it is stable, and misses the poles that its target asks for
+UNDECIDED = 7  # a log does not tell what was asked of it
 DEFECT = 4  # rcac itself is at fault
 INTERRUPTED = 130  # as of any program that Ctrl-C ends: 128 + SIGINT
 CLOSED_PIPE = 141  # 128 + SIGPIPE: who read the output has seen enough
 
 EXIT_STATUS = """
 Exit status: 0 done; 1 the answer is no (a verdict has changed, a log contradicts itself); 2 bad
-input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; 130
-interrupted; 141 the output was closed.
+input, or what cannot be read or written; 3 a loop diverged unexpectedly; 4 a defect of rcac; of
+rcac check 5 the loop is unstable, 6 poles were missed, 7 undecided; 130 interrupted; 141 the output
+was closed.
 """
 # What errors tell a reader of Python to do, and what does the same at the shell.
 AT_THE_SHELL = {

@@ -12,8 +12,12 @@ Pairs = Sequence[tuple[int, int]]
 Sizes = tuple[int, int, int, int, int]
 
 class Controller:
-    def step(self, y: object, z: object, r: object, u_applied: object) -> tuple[Array, bool] | None:
-        """u(k), and whether all stayed in range; None where an argument cannot be read at once."""
+    def step(self, y: object, z: object, r: object, u_applied: object) -> tuple[Array, int] | None:
+        """u(k) and 0 out of range, 1 fine, 2 something was noted; None where it cannot be read."""
+    def resume_from_trouble(self) -> None: ...
+    def take_over(self, u: Array, fade: float) -> None: ...
+    @property
+    def troubles(self) -> tuple[list[Any], list[Any], float, bool, bool]: ...
     def freeze(self, frozen: bool) -> None: ...
     def reset_covariance(self) -> None: ...
     def set_target(self, numerator: Array, denominator: Array, past: str) -> float:
@@ -137,6 +141,8 @@ def controller(
     normalization: tuple[int, float, float] = ...,
     bounds: tuple[Array, Array, bool, int] = ...,
     fixed: tuple[Array, Array] = ...,
+    supervision: tuple[Any, ...] | None = ...,
+    limits: tuple[Array, Array, Array, Array] = ...,
     instruction_set: str = ...,
 ) -> Controller: ...
 

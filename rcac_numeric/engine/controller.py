@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import deque
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from threading import Lock
 from typing import Any, NoReturn
 
@@ -18,10 +19,16 @@ from compensator_theory.errors import (
     InputError,
 )
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import vector
+from rcac_numeric.arrays.validation import instance_of, number, vector
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.limits import ControlLimits
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.supervision import (
+    Supervision,
+    SupervisionRecord,
+    SupervisionWarning,
+)
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.controllers import compiled_controller, fitted_denominator
@@ -32,10 +39,21 @@ from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.targets.model import TargetModel
 
 
-def _rebuilt(settings: ControllerSettings, state: SavedState) -> Controller:
-    controller = Controller(settings)
+def _rebuilt(
+    settings: ControllerSettings, state: SavedState, supervision: Supervision | None = None,
+    limits: ControlLimits | None = None,
+) -> Controller:  # fmt: skip
+    controller = Controller(settings, supervision, limits)
     controller.restore(state)
     return controller
+
+
+# What is said with a warning, once: what it means, and what to do next.
+WORDS = {
+    "windup": "P grows where the data do not excite theta, and the next disturbance meets a gain "
+    "that no data support; use CappedForgetting, or SubspaceForgetting, or lambda = 1",
+    "overflow": "a number left float64; theta is that of the last look without trouble, P is P(0)",
+}
 
 
 class Controller:
@@ -49,6 +67,12 @@ class Controller:
     ----------
     settings : ControllerSettings
         With `DataDriven` in the place of a target model it learns as in `simulate`, bit for bit.
+    supervision : Supervision, optional
+        What watches it, and acts in trouble; by default troubles are noted, in `record`,
+        windup and overflow with a `SupervisionWarning`, and the plant is never left without a u.
+
+    limits : ControlLimits, optional
+        Of u and of its change, kept by the controller itself.
 
     Examples
     --------
@@ -63,12 +87,25 @@ class Controller:
     True
     """
 
-    def __init__(self, settings: ControllerSettings) -> None:
+    def __init__(
+        self, settings: ControllerSettings, supervision: Supervision | None = None,
+        limits: ControlLimits | None = None,
+    ) -> None:  # fmt: skip
         if not isinstance(settings, ControllerSettings):
             raise InputError(f"settings = {settings!r}: ControllerSettings are needed.")
         self.settings = settings
         self._failures = Failures()
-        self._kernel = compiled_controller(settings, settings.target.l_z, self._failures)
+        self.supervision = Supervision() if supervision is None else supervision
+        instance_of(self.supervision, "supervision", Supervision)
+        self.limits = None if limits is None else instance_of(limits, "limits", ControlLimits)
+        self._kernel = compiled_controller(
+            settings,
+            settings.target.l_z,
+            self._failures,
+            supervision=self.supervision,
+            limits=limits,
+        )
+        self._said: set[str] = set()
         self._learner = None if settings.learning is None else DeviceLearner(settings, self._kernel)
         self._whole = self._learner.whole if self._learner else self._kernel
         self._changes: deque[AppliedChange] = deque(maxlen=1000)
@@ -78,7 +115,7 @@ class Controller:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copies and pickles are controllers of their own in the same state."""
-        return _rebuilt, (self.settings, self.state)
+        return _rebuilt, (self.settings, self.state, self.supervision, self.limits)
 
     def step(
         self,
@@ -109,9 +146,10 @@ class Controller:
         Raises
         ------
         InputError
-            Where an argument has the wrong size or is not finite; the controller has not moved.
+            Where an argument has the wrong size or is no number, or without supervision not
+            finite; the controller has not moved.
         DivergedError
-            Where the controller's own numbers have left float64.
+            Without supervision, where the controller's own numbers have left float64.
         FunctionFailedError
             Where a weight that is a function failed.
         """
@@ -124,17 +162,20 @@ class Controller:
                 refuse_u_applied(self.settings, self.k, u_applied)
             answer = None if self._learner else self._moved(y, z, r, u_applied)
             if answer is None:
-                arguments = step_arguments(self.settings, y, z, r, u_applied)
+                gaps = self.supervision.is_on
+                arguments = step_arguments(self.settings, y, z, r, u_applied, gaps=gaps)
                 answer = self._moved(*arguments, learner=self._learner)
             if answer is None or not answer[1] or self._failures.error is not None:
                 self._fail()
+            if answer[1] > 1:
+                self._warn()
             return answer[0]
         finally:
             self._at_work.release()
 
     def _moved(
         self, *arguments: Any, learner: DeviceLearner | None = None
-    ) -> tuple[Array, bool] | None:
+    ) -> tuple[Array, int] | None:
         """One step of the kernel; None where it could not read an argument and has not moved."""
         k = self.k
         try:
@@ -157,13 +198,60 @@ class Controller:
         self._broken, error = failed_step(self.k - 1, self._failures.error)
         raise error from self._failures.error
 
+    def _warn(self) -> None:
+        """Say once of every trouble that it occurred."""
+        record = self.record
+        for event in record.events:
+            if event.kind in WORDS and event.kind not in self._said:
+                self._said.add(event.kind)
+                words = f"{event}: {WORDS[event.kind]}"
+                warnings.warn(words, SupervisionWarning, stacklevel=3)
+
     def freeze(self) -> None:
         """Stop the adaptation: theta and P stay, signals are still recorded."""
         self._hold(True)
 
     def resume(self) -> None:
-        """Go on adapting after `freeze`."""
+        """Go on adapting after `freeze`, or where the policy of the supervision stopped it.
+
+        From what a policy did P begins again with P(0), and u goes on without a bump.
+        """
         self._hold(False)
+        with self._alone():
+            self._kernel.resume_from_trouble()
+
+    def take_over(self, u: ArrayLike, fade: float = 0.9) -> None:
+        """Take a plant over from another controller, without a bump.
+
+        With ``b = u(k-1) - u~(k)``, where u~ is what this one asks for, it gives
+        ``u~(k + i) + fade^i b`` from the next step on.
+
+        Parameters
+        ----------
+        u : array, shape (l_u,), or a number
+            What the other one applied last.
+        fade : float
+            In [0, 1).
+
+        Raises
+        ------
+        InputError
+            Where u has another width, or fade is out of range.
+
+        Examples
+        --------
+        >>> from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+        >>> controller = Controller(ControllerSettings(
+        ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=1)))
+        >>> controller.take_over(5.0, fade=0.5)
+        >>> [float(controller.step(y=0, z=0)[0]) for k in range(3)]
+        [5.0, 2.5, 1.25]
+        """
+        last = vector(u, "u", self.settings.structure.l_u)
+        if not 0 <= number(fade, "fade") < 1:
+            raise InputError(f"fade = {fade} is not in [0, 1).")
+        with self._alone():
+            self._kernel.take_over(last, float(fade))
 
     def _hold(self, frozen: bool) -> None:
         with self._alone():
@@ -313,7 +401,7 @@ class Controller:
             raise DivergedError(self._broken)
         with self._alone():
             values = self._whole.save()
-        return SavedState.taken("controller", self.k, values, fingerprint(self.settings))
+        return SavedState.taken("controller", self.k, values, self._name)
 
     def restore(self, state: SavedState) -> None:
         """Go back, or forward, to a saved state of a controller with the same settings.
@@ -325,12 +413,25 @@ class Controller:
         """
         with self._alone():
             saved_state(state, "state").restored(
-                "controller", fingerprint(self.settings),
+                "controller", self._name,
                 save=self._whole.save, restore=self._whole.restore, steps=lambda: self._kernel.k,
             )  # fmt: skip
             self._broken, self._failures.error = "", None
             self._changes.clear()
             self._see_targets()
+
+    @property
+    def _name(self) -> str:
+        """What a state of this controller is recognised by."""
+        if self.supervision == Supervision() and self.limits is None:
+            return fingerprint(self.settings)
+        parts = (self.settings, self.supervision)
+        return fingerprint(parts if self.limits is None else (*parts, self.limits))
+
+    @property
+    def record(self) -> SupervisionRecord:
+        """What the supervision has noted and done since step 0."""
+        return SupervisionRecord.of(self._kernel.troubles)
 
     @property
     def k(self) -> int:
@@ -387,7 +488,7 @@ StepArguments = tuple[Array, Array, Array | None, Array | None]
 
 
 def step_arguments(
-    settings: ControllerSettings, y: Any, z: Any, r: Any, u_applied: Any
+    settings: ControllerSettings, y: Any, z: Any, r: Any, u_applied: Any, *, gaps: bool = False
 ) -> StepArguments:
     """The arguments of a step as arrays.
 
@@ -397,6 +498,8 @@ def step_arguments(
         That say how wide they are.
     y, z : arrays or numbers
     r, u_applied : arrays, numbers, or None
+    gaps : bool
+        Whether entries of y, z and r may be no finite numbers.
 
     Raises
     ------
@@ -407,11 +510,23 @@ def step_arguments(
     if (r is None) != (structure.l_r == 0):
         raise InputError(f"the structure reads l_r = {structure.l_r} commands; r = {r!r}.")
     return (
-        vector(y, "y", structure.l_y),
-        vector(z, "z", settings.target.l_z),
-        None if r is None else vector(r, "r", structure.l_r),
+        _sample(y, "y", structure.l_y, gaps),
+        _sample(z, "z", settings.target.l_z, gaps),
+        None if r is None else _sample(r, "r", structure.l_r, gaps),
         None if u_applied is None else vector(u_applied, "u_applied", structure.l_u),
     )
+
+
+def _sample(value: Any, name: str, size: int, gaps: bool) -> Array:
+    """A signal at one step; with `gaps` an entry of it may be no finite number."""
+    if gaps:
+        with suppress(TypeError, ValueError, OverflowError):
+            array = np.asarray(value)
+            if array.dtype.kind == "f" and array.size == size:
+                known = np.isfinite(array)
+                whole = vector(np.where(known, array, 0.0), name, size)
+                return np.where(known.reshape(whole.shape), whole, np.nan)
+    return vector(value, name, size)
 
 
 def refuse_u_applied(settings: ControllerSettings, k: int, u_applied: ArrayLike) -> NoReturn:

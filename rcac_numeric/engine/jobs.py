@@ -13,6 +13,7 @@ from rcac_numeric.arrays.validation import instance_of, integer, number, real_ar
 from rcac_numeric.arrays.values import fingerprint
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.supervision import Supervision, SupervisionRecord
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compatibility import (
@@ -51,6 +52,7 @@ class PreparedRun:
         divergence_limit: float | None = None,
         saturation: Saturation | None = None,
         start: SavedState | None = None,
+        supervision: Supervision | None = None,
     ) -> None:
         # A copy: a frozen twin starts from it, whatever becomes of the caller's array.
         self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)
@@ -60,7 +62,10 @@ class PreparedRun:
         self._controllers = controllers_of(settings)
         if saturation is not None:
             instance_of(saturation, "saturation", Saturation)
+        if supervision is not None:
+            instance_of(supervision, "supervision", Supervision)
         self.plant, self.settings, self.saturation = plant, settings, saturation
+        self.supervision = None if supervision == Supervision() else supervision
         self.w = signal_array(w, "w", plant.l_w)
         require_fit(plant, settings)
         self.stride = integer(stride, "stride", at_least=1)
@@ -69,7 +74,8 @@ class PreparedRun:
             divergence_limit, scale_of(self._before, self.w, self.x_0)
         )
         self._kernels = [
-            compiled_controller(one, plant.l_z, self._failures) for one in self._controllers
+            compiled_controller(one, plant.l_z, self._failures, supervision=self.supervision)
+            for one in self._controllers
         ]
         self._loop = self._compiled_loop(body)
         self.learner = _learner(self._controllers)
@@ -140,7 +146,8 @@ class PreparedRun:
     @cached_property
     def _name(self) -> str:
         """What a state of this loop is recognised by."""
-        return fingerprint((self.plant, self.settings, self.saturation))
+        parts = (self.plant, self.settings, self.saturation)
+        return fingerprint(parts if self.supervision is None else (*parts, self.supervision))
 
     @property
     def has_ended(self) -> bool:
@@ -203,6 +210,7 @@ class PreparedRun:
             failure=self._failures.words,
             changes=tuple(self.changes),
             D_f=self._fitted(outcome),
+            supervision=self._noted(),
         )
 
     def require_no_failure(self, run: Run) -> None:
@@ -229,6 +237,12 @@ class PreparedRun:
         if outcome != 0 or not isinstance(self.settings, ControllerSettings):
             return None
         return fitted_denominator(self.settings, self._kernels[0])
+
+    def _noted(self) -> SupervisionRecord | None:
+        """What was noted of the one adaptive controller; None of others."""
+        if not isinstance(self.settings, ControllerSettings):
+            return None
+        return SupervisionRecord.of(self._kernels[0].troubles)
 
     def _last(self, outcome: int) -> Array:
         if not self._adapts:

@@ -33,6 +33,11 @@ from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
+from rcac_numeric.controllers.supervision import (
+    SupervisionEvent,
+    SupervisionRecord,
+    TroubleCount,
+)
 from rcac_numeric.controllers.updates.forgetting import (
     ScheduledForgetting,
     SubspaceForgetting,
@@ -65,7 +70,8 @@ RECORDS = Records(
     Covariance, CovarianceReset, DataDriven, Decentralized, DerivedSignal, FixedController,
     Gradient, Instantaneous, JointUD, Normalization, Plant, PlantChange, PlantSchedule,
     Saturation, SavedState, ScheduledForgetting, SignalWeight, SlidingWindow, Structure,
-    SubspaceForgetting, Tap, TargetModel, UD, VariableRateForgetting,
+    SubspaceForgetting, SupervisionEvent, SupervisionRecord, Tap, TargetModel, TroubleCount, UD,
+    VariableRateForgetting,
 )  # fmt: skip
 
 # How a run may end, in the order of the kernel's numbers.
@@ -121,6 +127,8 @@ class Run(Value):
         What was changed in the controller while it ran, and why.
     D_f : array, shape (n_d + 1,), or None
         With `JointUD` the denominator 1, d_1, ..., d_n that was fitted with theta_final.
+    supervision : SupervisionRecord, optional
+        What the supervision of the one adaptive controller noted and did.
     """
 
     plant: AnyPlant
@@ -147,6 +155,7 @@ class Run(Value):
     failure: str = ""
     changes: tuple[AppliedChange, ...] = ()
     D_f: Array | None = None
+    supervision: SupervisionRecord | None = None
 
     @property
     def steps(self) -> int:

@@ -21,6 +21,7 @@ from rcac_numeric.arrays.values import fingerprint, replaced
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.stepwise import StepwiseController
+from rcac_numeric.controllers.supervision import Supervision
 from rcac_numeric.engine.compatibility import AnyController, command_position, require_stepwise_fits
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant, initial_state
@@ -48,6 +49,7 @@ def simulate(
     start: SavedState | None = None,
     on_step: Hook | None = None,
     every: int = 1,
+    supervision: Supervision | None = None,
 ) -> Run:
     """Run a controller on a plant.
 
@@ -77,6 +79,9 @@ def simulate(
         k = every, 2 every, ...; returns a `ControllerChange` to make, or None. `Run.changes` says
         what was made.
     every : int
+    supervision : Supervision, optional
+        What watches the controller and acts in trouble; by default it only notes, and nothing of
+        the run is different. Not for a stepwise controller.
 
     Raises
     ------
@@ -123,11 +128,16 @@ def simulate(
             raise InputError(
                 f"on_step changes an RCAC controller; a {type(settings).__name__} has its own step."
             )
+        if supervision is not None:
+            raise InputError(
+                f"a {type(settings).__name__} is run without supervision, which watches P of an "
+                "RCAC controller; leave supervision out."
+            )
         loop = StepwiseLoop(plant, settings, w, **options)
         run = loop.run()
         loop.require_no_failure(run)
         return run
-    prepared = PreparedRun(plant, settings, w, **options)
+    prepared = PreparedRun(plant, settings, w, **options, supervision=supervision)
     if on_step is None:
         run_to_end([prepared])
     else:

@@ -1,4 +1,4 @@
-"""On-line estimation of states, parameters and subsystems (Chapter 8); nothing here smooths."""
+"""On-line estimation of states, parameters and subsystems (Chapter 8)."""
 
 import lazy_loader
 

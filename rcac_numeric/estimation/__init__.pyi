@@ -20,3 +20,4 @@ from .riccati.indirect import IndirectController as IndirectController
 from .riccati.indirect import IndirectSettings as IndirectSettings
 from .settings import EKF as EKF
 from .settings import UKF as UKF
+from .smoothing import smooth as smooth

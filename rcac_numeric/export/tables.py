@@ -18,7 +18,7 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.controllers.updates.forgetting import SubspaceForgetting
+from rcac_numeric.controllers.updates.forgetting import CappedForgetting, SubspaceForgetting
 from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compiled.callbacks import Failures
@@ -429,8 +429,9 @@ def _require_known(settings: ControllerSettings, live_order: int | None) -> None
     if type(update) is not UD:
         refuse(f"the update {type(update).__name__}", "export a controller with UD")
     assert isinstance(update, UD)
-    if isinstance(update.lambda_, SubspaceForgetting):
-        refuse("SubspaceForgetting", "use a number, a schedule or VariableRateForgetting")
+    if isinstance(update.lambda_, SubspaceForgetting | CappedForgetting):
+        name = type(update.lambda_).__name__
+        refuse(name, "use a number, a schedule or VariableRateForgetting")
     if settings.learning is not None:
         refuse("DataDriven learning of the target model",
                "export with the model that was learnt, and live_order")  # fmt: skip

@@ -23,6 +23,7 @@ from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.riccati.equations import stabilising_solution
 from rcac_numeric.h2.riccati.obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.riccati.solutions import StabilisingSolution
+from rcac_numeric.h2.riccati.square_roots import least_squares
 from rcac_numeric.h2.state_space import StateSpace, state_space_latex
 from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
@@ -226,7 +227,7 @@ def lqg(plant: Plant, *, noise: NoiseIntensities | None = None, form: str = "pre
             estimator=estimator,
             state_space=parts,
             cost=h2_cost(plant, parts, noise=noise),
-            cost_from_riccati=cost_of_solutions(inputs, regulator, estimator, D_f),
+            cost_from_riccati=cost_of_solutions(inputs, regulator, estimator, D_f, plant.E_2),
         )
     )
 
@@ -277,6 +278,14 @@ def filter_gain(
     estimator: StabilisingSolution,
 ) -> Array:  # fmt: skip
     """D_f: the best estimate of C_c x - S^{-1}(E_2'E_0 + B'PD_1) w from the innovation."""
+    if regulator.factor is not None and estimator.factor is not None:  # nothing squared
+        S, T = regulator.factor, estimator.factor
+        from_w = least_squares(
+            np.vstack([plant.E_2, S @ plant.B]), np.vstack([inputs.E_0, S @ inputs.D_1])
+        )
+        return -least_squares(
+            np.vstack([inputs.D_2.T, T @ plant.C.T]), np.vstack([from_w.T, T @ regulator.gain.T])
+        ).T
     from_w = -np.linalg.solve(
         regulator.innovation, plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1
     )
@@ -299,14 +308,20 @@ def controller_matrices(plant: Plant, C_c: Array, B_c: Array, D_f: Array) -> Sta
 
 
 def cost_of_solutions(
-    inputs: NoiseInputs, regulator: StabilisingSolution, estimator: StabilisingSolution, D_f: Array
-) -> float:
+    inputs: NoiseInputs, regulator: StabilisingSolution, estimator: StabilisingSolution,
+    D_f: Array, E_2: Array,
+) -> float:  # fmt: skip
     """tr(P V_1) + tr(S C_c Q C_c') + tr(E_0 E_0') - tr(S D_f V D_f')."""
-    S, V = regulator.innovation, estimator.innovation
     K, Q = regulator.gain, estimator.P
+    if regulator.factor is not None and estimator.factor is not None:
+        # S and V are squares, in which much cancels with large gains: their roots are used.
+        of_u = np.vstack([E_2, regulator.factor @ regulator.B])
+        of_y = np.vstack([inputs.D_2.T, estimator.factor @ estimator.B])
+        spent = np.sum((of_u @ K @ estimator.factor.T) ** 2)
+        saved = np.sum((of_u @ D_f @ of_y.T) ** 2)
+    else:
+        S, V = regulator.innovation, estimator.innovation
+        spent, saved = np.trace(S @ K @ Q @ K.T), np.trace(S @ D_f @ V @ D_f.T)
     return float(
-        np.trace(inputs.D_1.T @ regulator.P @ inputs.D_1)
-        + np.trace(S @ K @ Q @ K.T)
-        + np.sum(inputs.E_0**2)
-        - np.trace(S @ D_f @ V @ D_f.T)
+        np.trace(inputs.D_1.T @ regulator.P @ inputs.D_1) + spent + np.sum(inputs.E_0**2) - saved
     )

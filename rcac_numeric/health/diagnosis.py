@@ -14,22 +14,27 @@ from rcac_numeric.checks.analyses import channel_margins
 from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
+from rcac_numeric.engine.controller import Controller
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.excitation import excitation_of
 from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.health.rules import warnings_of_check, warnings_of_run
+from rcac_numeric.health.rules import warnings_of_check, warnings_of_controller, warnings_of_run
 from rcac_numeric.health.signals import SignalSize, signal_health, without_control
+from rcac_numeric.health.trials import cost_over_lqg, missed_poles, next_disturbance
 
 
-def loop_health(of: Run | AnalysedRun | Verification | ControllerCheck) -> LoopHealth:
+def loop_health(
+    of: Run | AnalysedRun | Verification | ControllerCheck | Controller,
+) -> LoopHealth:
     """The health of a loop: stability, sizes of signals, margins, arithmetic, excitation.
 
     Parameters
     ----------
-    of : Run, Verification or ControllerCheck
-        Of a verification, its main run.
+    of : Run, Verification, ControllerCheck or Controller
+        Of a verification, its main run; of a controller that is driven step by step, what its
+        supervision noted so far.
 
     Raises
     ------
@@ -54,8 +59,11 @@ def loop_health(of: Run | AnalysedRun | Verification | ControllerCheck) -> LoopH
             return _of_run(of)
         case Run():
             return _of_run(AnalysedRun(of))
+        case Controller():
+            return _of_controller(of)
     raise InputError(
-        f"loop_health of {type(of).__name__}: give a Run, a Verification or a ControllerCheck."
+        f"loop_health of {type(of).__name__}: give a Run, a Verification, a ControllerCheck or "
+        "a Controller."
     )
 
 
@@ -76,9 +84,30 @@ def _of_run(found: AnalysedRun) -> LoopHealth:
         guard_first_step=run.guard_first_step,
         bounded=run.bounded,
         excitation=excitation_of(run),
+        supervision=run.supervision,
+        next_disturbance=next_disturbance(run),
+        missed_by=missed_poles(found),
+        cost_ratio=cost_over_lqg(found),
         **_of_loop(lambda: found.loop),
     )
     return replace(health, warnings=warnings_of_run(health, found))
+
+
+def _of_controller(controller: Controller) -> LoopHealth:
+    record = controller.record
+    health = LoopHealth(
+        is_stable=None,
+        spectral_radius=None,
+        outcome="",
+        steps=controller.k,
+        k_w=controller.settings.k_w,
+        signals={},
+        guard_count=controller.guard_count,
+        bounded=controller.bounded,
+        supervision=record,
+        obstacle="the plant is not known",
+    )
+    return replace(health, warnings=warnings_of_controller(health, record))
 
 
 def _of_check(check: ControllerCheck) -> LoopHealth:

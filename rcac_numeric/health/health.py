@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 
 from rcac_numeric.arrays.showing import notebook_of, sheet_of
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.supervision import SupervisionRecord
 from rcac_numeric.health.excitation import Excitation
 from rcac_numeric.health.signals import SignalHealth, SignalSize
+from rcac_numeric.health.trials import NextDisturbance
 from rcac_numeric.health.warning import HealthWarning
 from rcac_numeric.margins.classical import Margins
 
@@ -40,6 +42,14 @@ class LoopHealth(Value):
         The grave ones first.
     obstacle : str
         Why there is no verdict on stability.
+    supervision : SupervisionRecord or None
+        What was noted while it ran.
+    next_disturbance : NextDisturbance or None
+        How far z goes where w moves again, beside the same with theta held.
+    missed_by : float or None
+        The largest distance of a pole that was asked for from the one that was reached.
+    cost_ratio : float or None
+        The cost of the final controller over that of LQG, for the noise of the run.
 
     Examples
     --------
@@ -66,6 +76,10 @@ class LoopHealth(Value):
     excitation: Excitation | None = None
     warnings: tuple[HealthWarning, ...] = ()
     obstacle: str = ""
+    supervision: SupervisionRecord | None = None
+    next_disturbance: NextDisturbance | None = None
+    missed_by: float | None = None
+    cost_ratio: float | None = None
 
     @property
     def is_healthy(self) -> bool:

@@ -13,11 +13,13 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import MOST_STATES
 from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.supervision import SupervisionRecord
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.health.margin_words import small_margins
 from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors, zeros_of
+from rcac_numeric.health.trials import MISSED, what_places_them
 from rcac_numeric.health.warning import HealthWarning
 from rcac_numeric.identification.online.arx import WHITE, RecursiveARX
 from rcac_numeric.plants.frozen import plant_at
@@ -31,6 +33,11 @@ LARGE_U = 100.0  # |u| over the largest of |w| and |z|, and the u that moves z b
 WORSE = 2.0  # rms of z at the end over that without control
 SATURATED = 0.1  # share of the last tenth of the steps
 UNSETTLED = 0.1  # change of theta in the last tenth, relative
+KICKED, FAR = 10.0, 100.0  # |z| after a kick over that with theta held, and where that is grave
+IDLE = 1e-6  # of the largest of w and z: smaller is no loop at work
+COSTLY = 2.0  # cost over LQG's
+GRAVE = 1e4  # |z| or |u| over what acts on the loop, whatever the loop does in the end
+MISSED_SAMPLES = 0.05  # share of the steps
 SLOW = 0.5  # time constant of the slowest mode over the length of the run
 
 SOFTER = "a larger R_theta (100 times), or a later k_w"
@@ -56,6 +63,9 @@ def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarni
         _transients(health, run, at_first),
         _control(health, run, found, at_first),
         _worse(health, run),
+        _wound_up(health),
+        _missed(health, found),
+        _costly(health),
         _arithmetic(run),
         _margins(health),
         _saturated(run),
@@ -119,8 +129,21 @@ def _transients(health: LoopHealth, run: Run, mends: list[str]) -> Iterator[Heal
             f"While theta adapted |z| reached {z.after.peak:.3g}, {z.after.peak / scale:.2g} times "
             "all that acts on the loop or is left at its end.",
             _or(mends, SOFTER, "a saturation of u, handed over as u_applied"),
-            is_grave=True,
+            is_grave=z.after.peak > GRAVE * scale or not _ends_well(health),
         )
+
+
+def _ends_well(health: LoopHealth) -> bool:
+    """Whether the loop is stable, and z at the end no larger than without control."""
+    late = health.signals["z"].late
+    if not health.is_stable or health.outcome != "completed" or late is None:
+        return False
+    return health.free is None or late.rms <= max(health.free.rms, 1e-12 * _largest(health))
+
+
+def _largest(health: LoopHealth) -> float:
+    after = health.signals["z"].after
+    return 0.0 if after is None else after.peak
 
 
 def _control(
@@ -139,7 +162,7 @@ def _control(
             f"|u| reached {u.peak:.3g}; {scale:.2g} moves z in one step by as much as w and z ask "
             "for.",
             _or(mends, SOFTER, "a saturation of u, handed over as u_applied", "a weight R_u"),
-            is_grave=True,
+            is_grave=u.peak > GRAVE * scale or not _ends_well(health),
         )
 
 
@@ -147,13 +170,107 @@ def _worse(health: LoopHealth, run: Run) -> Iterator[HealthWarning]:
     late, free = health.signals["z"].late, health.free
     if late is None or free is None or run.outcome != "completed" or not free.rms:
         return
-    if late.rms > WORSE * free.rms:
+    idle = IDLE * max(_peak(run.w), _largest(health))
+    if late.rms > max(WORSE * free.rms, idle):
         yield HealthWarning(
             "worse than without control",
             f"At the end rms z is {late.rms:.3g}, and {free.rms:.3g} with u = 0.",
             "the sign of H and d_zu, a larger n_c, a larger R_theta",
             is_grave=late.rms > TRANSIENT * free.rms,
         )
+
+
+def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
+    """By trial where the plant is known; else by the growth of P alone."""
+    record, kick = health.supervision, health.next_disturbance
+    grown = "" if record is None else f"P grew to {record.growth:.2g} times P(0), and "
+    mend = "CappedForgetting or SubspaceForgetting in the place of lambda, or lambda = 1"
+    if record is None or record.growth <= 1:
+        grown = ""
+        mend = (
+            "a larger R_theta, or a dither: P(0) is what directions without excitation still have"
+        )
+    if kick is not None and kick.ratio > KICKED:
+        reached = "leaves float64" if not np.isfinite(kick.adapting) else f"{kick.adapting:.3g}"
+        yield HealthWarning(
+            "windup",
+            _capital(f"{grown}the next disturbance, a tenth of what w was, takes z to {reached}, "
+                     f"and to {kick.frozen:.3g} with theta held."),
+            mend,
+            is_grave=kick.ratio > FAR,
+        )  # fmt: skip
+    elif kick is None and record is not None and (count := record.troubles.get("windup")):
+        yield HealthWarning(
+            "windup",
+            f"From step {count.first} on, in {count.steps} steps, P was up to {count.worst:.2g} "
+            "times P(0): the next disturbance meets a gain that no data support.",
+            mend,
+            is_grave=not {"bounded", "frozen", "reset", "to fallback"} & set(record.troubles),
+        )
+
+
+def _missed(health: LoopHealth, found: AnalysedRun) -> Iterator[HealthWarning]:
+    missed = health.missed_by
+    if missed is None or missed <= MISSED or health.outcome != "completed":
+        return
+    cure = what_places_them(found)
+    usual = "a dither or a richer command: neither k_w nor R_theta alone places them"
+    yield HealthWarning(
+        "missed poles",
+        f"A pole that the target asks for is missed by {missed:.2g}.",
+        cure or usual,
+    )
+
+
+def _costly(health: LoopHealth) -> Iterator[HealthWarning]:
+    if health.cost_ratio is not None and health.cost_ratio > COSTLY:
+        yield HealthWarning(
+            "costly",
+            f"For the noise of the run the final controller costs {health.cost_ratio:.3g} times "
+            "what LQG does.",
+            "more steps, a larger n_c, another R_theta",
+        )
+
+
+def warnings_of_controller(
+    health: LoopHealth, record: SupervisionRecord
+) -> tuple[HealthWarning, ...]:
+    """Every warning of a controller that is driven step by step, the grave ones first."""
+    found = [*_wound_up(health)]
+    if count := record.troubles.get("overflow"):
+        found.append(HealthWarning(
+            "overflow",
+            f"{count.steps} updates left float64, the last at step {count.last}; theta went back "
+            "to that of the last look without trouble.",
+            "lambda = 1 or CappedForgetting, a larger R_theta, the sign of H and d_zu",
+            is_grave=True,
+        ))  # fmt: skip
+    if (count := record.troubles.get("missed sample")) and (
+        count.steps > MISSED_SAMPLES * max(health.steps, 1)
+    ):
+        found.append(HealthWarning(
+            "missed samples",
+            f"{count.steps} of {health.steps} samples were missed; u was held there.",
+            "a slower sample time, or a fallback for missed samples",
+        ))  # fmt: skip
+    if count := record.troubles.get("saturated"):
+        found.append(HealthWarning(
+            "saturated",
+            f"The actuator did not apply u for up to {count.worst:.0f} steps on end.",
+            "smaller commands or a stronger actuator, a larger R_theta",
+        ))  # fmt: skip
+    if record.in_fallback or record.is_frozen:
+        words = "the fallback makes u" if record.in_fallback else "theta is held"
+        found.append(HealthWarning(
+            "stopped", f"By the policy of the supervision {words}.",
+            "mend what its record says, then Controller.resume()",
+        ))  # fmt: skip
+    if health.guard_count:
+        found.append(HealthWarning(
+            "rounding", f"{health.guard_count} updates were decided by rounding.",
+            "a larger R_theta",
+        ))  # fmt: skip
+    return tuple(sorted(found, key=lambda warning: not warning.is_grave))
 
 
 def _arithmetic(run: Run) -> Iterator[HealthWarning]:
@@ -173,7 +290,7 @@ def _margins(health: LoopHealth) -> Iterator[HealthWarning]:
             yield HealthWarning(
                 "small margins",
                 f"The margins{at} are small: {', '.join(words)}.",
-                "a larger R_theta or a weight R_u, a slower target, a larger n_c",
+                "a larger R_theta or a weight R_u, a larger n_c",
             )
 
 

@@ -14,10 +14,11 @@ class HealthWarning:
     code : str
         Its name, for programs: "diverged", "unstable", "slow", "small margins", "large transient",
         "large control", "worse than without control", "rounding", "no excitation", "unsettled",
-        "saturated", "wrong sign", "wrong d_zu", "unmodelled zero"; of
-        several inputs and outputs "zero in every channel", "zero in one channel", "zero on the
-        input side", "zero in another direction"; of `DataDriven` "nothing
-        learnt", "low order", "poor excitation", "unstable start".
+        "saturated", "windup", "missed poles", "costly", "wrong sign", "wrong d_zu",
+        "unmodelled zero"; of several inputs and outputs "zero in every channel",
+        "zero in one channel", "zero on the input side", "zero in another direction"; of
+        `DataDriven` "nothing learnt", "low order", "poor excitation", "unstable start"; of a
+        controller that is driven step by step "overflow", "missed samples", "stopped".
     sentence, next_step : str
         What was found, and what to try.
     is_grave : bool

@@ -8,6 +8,7 @@ from typing import Any
 
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.checks.hypotheses import Decision
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins
@@ -48,8 +49,29 @@ def check_sheet(check: ControllerCheck) -> Sheet:
 
 def _doubt(check: ControllerCheck) -> tuple[Text, ...]:
     """That the log is not of the plant told, before anything is said with that plant."""
-    found = check.plant_residual
-    return (Text(str(found), "bad"),) if found is not None and found.is_doubtful else ()
+    found, decision = check.plant_residual, check.decision
+    lines = []
+    if found is not None and found.is_doubtful:
+        lines.append(Text(str(found), "bad"))
+    if decision is not None:
+        words = decision if isinstance(decision, str) else str(decision)
+        if check.is_undecided:
+            words += " The standard problem is assumed; say --problem."
+        lines.append(Text(words, "bad" if check.is_undecided else "plain"))
+    return tuple(lines)
+
+
+def _decided(decision: Decision | str) -> dict[str, Any]:
+    if isinstance(decision, str):
+        return {"decided": None, "why": decision}
+    return {
+        "decided": decision.decided and decision.decided.problem,
+        "delay": decision.decided and decision.decided.delay,
+        "hypotheses": [
+            {"problem": h.problem, "delay": h.delay, "rms": h.rms} for h in decision.hypotheses
+        ],
+        "y_stays": decision.stays,
+    }
 
 
 def _log(check: ControllerCheck) -> Section:
@@ -57,6 +79,7 @@ def _log(check: ControllerCheck) -> Section:
     blocks: list[Block] = []
     record: dict[str, Any] = {
         "source": check.log.source, "steps": check.log.steps, "replay": None, "drift": None,
+        "problem": None if check.decision is None else _decided(check.decision),
         "plant_residual": residual and {
             name: getattr(residual, name)
             for name in ("rms", "change", "best", "relative", "is_doubtful")

@@ -46,6 +46,12 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
         if health.guard_count:
             guard = f"{health.guard_count} updates were decided by rounding"
         lines.append(Text(f"adaptation: {health.excitation}; {guard}"))
+    if health.cost_ratio is not None:
+        lines.append(
+            Text(f"cost: {health.cost_ratio:.4g} times that of LQG for the noise of the run")
+        )
+    if health.supervision is not None and health.supervision.troubles:
+        lines.append(Text(f"supervision: {health.supervision}"))
     if health.bounded:
         steps = f"{health.bounded} of {health.steps} steps"
         lines.append(Text(f"bounds: theta was moved to its bounds in {steps}"))
@@ -71,6 +77,13 @@ def health_record(health: LoopHealth) -> dict[str, Any]:
         "margins": {name: _margins(found) for name, found in health.margins.items()},
         "updates_decided_by_rounding": health.guard_count,
         "updates_moved_to_bounds": health.bounded,
+        "missed_by": health.missed_by,
+        "cost_over_lqg": health.cost_ratio,
+        "next_disturbance": health.next_disturbance and {
+            "adapting": health.next_disturbance.adapting,
+            "frozen": health.next_disturbance.frozen,
+        },
+        "supervision": None if health.supervision is None else str(health.supervision),
         "excitation": health.excitation and {
             "l_theta": health.excitation.l_theta,
             "outweighed": health.excitation.outweighed,

@@ -305,6 +305,16 @@ SAMPLES = {
     rcac.Instantaneous: lambda seed: rcac.Instantaneous(symmetric(seed)),
     rcac.Gradient: lambda seed: rcac.Gradient(abs(random(seed)[()])),
     rcac.ScheduledForgetting: scheduled,
+    rcac.ControlLimits: lambda seed: rcac.ControlLimits(low=-1.0 - seed, rise=0.5),
+    rcac.CappedForgetting: lambda seed: rcac.CappedForgetting(float(fraction(seed))),
+    rcac.Supervision: lambda seed: rcac.Supervision("bound", growth=2.0 + seed, jump=30),
+    results.TroubleCount: lambda seed: results.TroubleCount(3 + seed, 1, 0, 7, 2.0),
+    results.SupervisionEvent: lambda seed: results.SupervisionEvent(seed, "windup", 1e7),
+    results.SupervisionRecord: lambda seed: results.SupervisionRecord(
+        {"jump": results.TroubleCount(3 + seed, 1, 0, 7, 2.0)},
+        (results.SupervisionEvent(seed, "jump", 2.0),),
+        0.5,
+    ),
     rcac.SubspaceForgetting: lambda seed: rcac.SubspaceForgetting(float(fraction(seed))),
     rcac.VariableRateForgetting: lambda seed: rcac.VariableRateForgetting(1, seed + 2, 0.5),
     rcac.CovarianceReset: reset,
@@ -346,6 +356,9 @@ SAMPLES = {
     results.ExactAgreement: agreement,
     results.ConversionCertificate: lambda seed: results.ConversionCertificate(
         random(seed, 3) * 1j, 1e-15, 1e-14, seed % 3
+    ),
+    results.ContinuousSolution: lambda seed: rcac.solve_care(
+        [[1.0 + seed]], [[1.0]], [[1], [0]], [[0], [1]]
     ),
     results.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]

@@ -32,7 +32,7 @@ NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     sweeps.ProgressLine, identification.RecursiveARX, identification.RecursiveMarkov,
     identification.RecursiveMuMarkov, sweeps.StoreError, sweeps.StudyInterrupted,
-    rcac.TargetLearner,
+    rcac.Recorder, rcac.SupervisionWarning, rcac.TargetLearner,
 }  # fmt: skip
 
 FRESH = """

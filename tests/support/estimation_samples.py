@@ -84,6 +84,9 @@ ESTIMATION_SAMPLES = {
     estimation.UKF: lambda seed: estimation.UKF(
         symbolic(seed), Q=0.1, R=1.0, alpha=2.5, beta=seed / 7
     ),
+    results.SmoothedStates: lambda seed: estimation.smooth(
+        estimation.EKF(estimation.LinearModel(A=1, C=1), Q=1.0, R=1.0), np.arange(4.0 + seed)
+    ),
     results.StateEstimates: estimates,
     results.Consistency: lambda seed: estimates(seed).nis_consistency(),
     results.Observability: lambda seed: estimates(seed).observability,

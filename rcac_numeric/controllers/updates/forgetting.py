@@ -120,5 +120,33 @@ class SubspaceForgetting:
     lambda_: float = attrs.field(metadata=reads(forgetting_factor))
 
 
+@attrs.frozen(slots=False, field_transformer=with_checks)
+class CappedForgetting:
+    """Exponential forgetting that stops at P(0); for `UD`.
+
+    With P = U D U', after every update
+
+        d_j <- min(d_j / lambda, d_j(0)),
+
+    so that no variance exceeds what R_theta allowed at the beginning. Where the data excite theta
+    it is exponential forgetting by lambda; where they do not nothing winds up. Like every bound on
+    P it relies on R_theta: with 1e-10 the cap is 1e10. The cap is ours; `SubspaceForgetting` does
+    more, and costs twice as much.
+
+    Attributes
+    ----------
+    lambda_ : float
+        In (0, 1].
+
+    Examples
+    --------
+    >>> from rcac_numeric import UD, CappedForgetting
+    >>> UD(R_theta=0.01, lambda_=CappedForgetting(0.99))
+    UD(R_theta=0.01, lambda_=CappedForgetting(lambda_=0.99))
+    """
+
+    lambda_: float = attrs.field(metadata=reads(forgetting_factor))
+
+
 # A forgetting factor that is not constant, or does not act on all of P.
-Forgetting = ScheduledForgetting | VariableRateForgetting | SubspaceForgetting
+Forgetting = ScheduledForgetting | VariableRateForgetting | SubspaceForgetting | CappedForgetting

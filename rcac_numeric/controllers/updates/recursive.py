@@ -9,6 +9,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import instance_of, reads, with_checks
 from rcac_numeric.controllers.updates.forgetting import (
+    CappedForgetting,
     Forgetting,
     SubspaceForgetting,
     forgetting_factor,
@@ -47,8 +48,10 @@ class RecursiveLeastSquares(Update):
     )
 
     def __attrs_post_init__(self) -> None:
-        if isinstance(self.lambda_, SubspaceForgetting) and not isinstance(self, UD):
-            raise InputError("SubspaceForgetting works on the factors of P = U D U'; use UD.")
+        on_factors = isinstance(self.lambda_, SubspaceForgetting | CappedForgetting)
+        if on_factors and not isinstance(self, UD):
+            name = type(self.lambda_).__name__
+            raise InputError(f"{name} works on the factors of P = U D U'; use UD.")
         if self.process_noise is not None and self.lambda_ != 1.0:
             raise InputError("process_noise belongs to (2.46), that is to lambda_ = 1.")
 
@@ -75,9 +78,11 @@ class UD(RecursiveLeastSquares):
     R_theta : float or array, shape (l_theta, l_theta)
         Weight of theta - theta(0) in (2.41); P(0) is its inverse. A number stands for that
         multiple of the identity.
-    lambda_ : float, ScheduledForgetting, VariableRateForgetting or SubspaceForgetting
-        Forgetting factor, in (0, 1]. With a number P grows without bound while the data are poor;
-        with `SubspaceForgetting` it does not.
+    lambda_ : float, or a Forgetting
+        Forgetting factor, in (0, 1]; or ScheduledForgetting, VariableRateForgetting,
+        SubspaceForgetting, CappedForgetting. With a number below 1 P grows without bound while the
+        data are poor, and the next disturbance meets a gain that no data support; with
+        `CappedForgetting` and `SubspaceForgetting` it does not.
     process_noise : float or array, shape (l_theta, l_theta), optional
         Q of (2.46), added to P after every update; with lambda = 1.
     reset : CovarianceReset, optional

@@ -19,10 +19,12 @@ from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_c
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.limits import ControlLimits
 from rcac_numeric.controllers.normalization import FUNCTIONS, Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.settings_checks import Weight
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
+from rcac_numeric.controllers.supervision import POLICIES, Supervision
 from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.memoryless import Gradient
 from rcac_numeric.controllers.weights import SignalWeight
@@ -43,7 +45,12 @@ ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
 
 
 def compiled_controller(
-    controller: object, l_z: int, failures: Failures, instructions: str = ""
+    controller: object,
+    l_z: int,
+    failures: Failures,
+    instructions: str = "",
+    supervision: Supervision | None = None,
+    limits: ControlLimits | None = None,
 ) -> _kernel.Controller:
     """A compiled controller at step 0.
 
@@ -56,9 +63,18 @@ def compiled_controller(
         Keeps the exceptions of weights that are functions.
     instructions : str
         One of `_kernel.instruction_sets()` for UD; that of the process by default.
+    supervision : Supervision, optional
+        The mildest by default.
+    limits : ControlLimits, optional
+        That the controller keeps u to.
     """
     require_instruction_set()
     arguments = kernel_arguments(controller, l_z, failures)
+    if isinstance(controller, ControllerSettings):
+        l_e = controller.structure.l_y + controller.structure.l_r
+        arguments["supervision"] = _supervision(supervision, controller.structure.l_u, l_e)
+        if limits is not None:
+            arguments["limits"] = limits.bounds(controller.structure.l_u)
     return _kernel.controller(**arguments, instruction_set=instructions)
 
 
@@ -253,6 +269,19 @@ def _additions(settings: ControllerSettings) -> dict[str, Any]:
     if (fixed := settings.fixed) is not None:
         found["fixed"] = (fixed.past_u, fixed.past_y)
     return found
+
+
+def _supervision(given: Supervision | None, l_u: int, l_e: int) -> tuple[Any, ...] | None:
+    if given is None:
+        return None
+    require_kind(given, "supervision", (Supervision,))
+    given.require_widths(l_u, l_e)
+    fallback = given.fallback
+    past_u, past_y = (np.zeros(0),) * 2 if fallback is None else (fallback.past_u, fallback.past_y)
+    return (
+        POLICIES.index(given.policy), given.growth, given.limit, given.jump or 0.0, given.patience,
+        given.fade, past_u, past_y, given.missed == "fallback",
+    )  # fmt: skip
 
 
 def _dither(learning: DataDriven | None) -> tuple[int, float, float, int]:

@@ -21,6 +21,7 @@ from rcac_numeric.arrays.definite_matrices import (
 )
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.updates.forgetting import (
+    CappedForgetting,
     Forgetting,
     ScheduledForgetting,
     SubspaceForgetting,
@@ -123,7 +124,7 @@ def initial_forgetting_factor(lambda_: float | Forgetting) -> float:
     """Lambda before any rule has changed it."""
     if isinstance(lambda_, ScheduledForgetting):
         return lambda_.initial
-    if isinstance(lambda_, SubspaceForgetting):
+    if isinstance(lambda_, SubspaceForgetting | CappedForgetting):
         return lambda_.lambda_
     return 1.0 if isinstance(lambda_, VariableRateForgetting) else lambda_
 
@@ -142,8 +143,11 @@ def _recursive(update: RecursiveLeastSquares, l_theta: int) -> KernelUpdate:
     forgetting = (0, 0, 0.0, 1.0)
     if isinstance(rule, VariableRateForgetting):
         forgetting = (rule.short, rule.long, rule.gain, rule.smallest)
+    name = update.name
+    if isinstance(rule, SubspaceForgetting | CappedForgetting):
+        name = "ud, subspace" if isinstance(rule, SubspaceForgetting) else "ud, capped"
     return KernelUpdate(
-        "ud, subspace" if isinstance(rule, SubspaceForgetting) else update.name,
+        name,
         P_0=initial_covariance(update.R_theta, l_theta),
         forgetting_factor=initial_forgetting_factor(rule),
         forgetting=forgetting,

@@ -39,6 +39,7 @@ class DeviceLearner:
         self._waiting: list[Array] = []  # rows of u, z, y and r
         self._ends = np.cumsum([1, 1, structure.l_y])
         self._width = 2 + structure.l_y + structure.l_r
+        self._last = np.zeros(self._width)
         self._is_held = False  # by its user
         self.freeze(False)
 
@@ -66,7 +67,11 @@ class DeviceLearner:
 
     def after(self, u: Array, y: Array, z: Array, r: Array | None) -> None:
         """Step k is done; what was applied may still be said with the next."""
-        self._waiting.append(np.concatenate([u, z, y, *([] if r is None else [r])]))
+        row = np.concatenate([u, z, y, *([] if r is None else [r])])
+        missed = ~np.isfinite(row)  # what the kernel held, the model of the plant learns too
+        row[missed] = self._last[missed]
+        self._waiting.append(row)
+        self._last = row.copy()
 
     def _learn(self, count: int) -> None:
         if count > 0:
@@ -79,16 +84,18 @@ class DeviceLearner:
         self._learn(len(self._waiting) - 1)
         waits = bool(self._waiting)
         row = self._waiting[-1] if waits else np.zeros(self._width)
-        return np.concatenate([self._learner.save(), row, [float(waits), float(self._is_held)]])
+        flags = [float(waits), float(self._is_held)]
+        return np.concatenate([self._learner.save(), self._last, row, flags])
 
     def restore(self, values: Array) -> None:
         """Go back, or forward, to what `save` gave."""
-        size = self._width + 2
+        size = 2 * self._width + 2
         if len(values) < size or not np.isin(values[-2:], (0.0, 1.0)).all():
             raise ValueError("it holds no state of a learner")
         self._learner.restore(np.ascontiguousarray(values[:-size]))
         waits, held = values[-2:].tolist()
-        self._waiting = [values[-size:-2].copy()] if waits else []
+        self._last, row = values[-size:-2].reshape(2, -1).copy()
+        self._waiting = [row] if waits else []
         self.freeze(bool(held))
 
 

@@ -12,8 +12,6 @@ from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.controllers.updates.forgetting import (
     ScheduledForgetting,
-    SubspaceForgetting,
-    VariableRateForgetting,
 )
 from rcac_numeric.controllers.updates.memoryless import Gradient, Instantaneous
 from rcac_numeric.controllers.updates.recursive import UD, Covariance, RecursiveLeastSquares
@@ -75,8 +73,7 @@ class BallRecursion:
 
     def __init__(self, update: RecursiveLeastSquares, l_theta: int) -> None:
         rule, reset = update.lambda_, update.reset
-        known = type(rule) in (float, ScheduledForgetting)
-        if isinstance(rule, VariableRateForgetting | SubspaceForgetting) or not known:
+        if not isinstance(rule, float | ScheduledForgetting):
             raise InputError(
                 f"the reference does not know the forgetting {type(rule).__name__}; leave it out."
             )

@@ -1,15 +1,21 @@
-"""The discrete-time algebraic Riccati equation, solved by SciPy and checked by us."""
+"""The discrete-time algebraic Riccati equation, in square roots, and checked."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import CompensatorError, InputError, NoSolutionError
 from rcac_numeric.analysis.gramians import stein_solution
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.definite_matrices import square_root_columns
 from rcac_numeric.arrays.validation import matrix
+from rcac_numeric.arrays.values import Value
 from rcac_numeric.h2.riccati.obstacles import (
     REGULATOR,
     Role,
@@ -18,6 +24,7 @@ from rcac_numeric.h2.riccati.obstacles import (
     require_stabilisable,
 )
 from rcac_numeric.h2.riccati.solutions import StabilisingSolution, norm
+from rcac_numeric.h2.riccati.square_roots import kleinman, starting_gains, triangle
 
 # From which closeness of a closed-loop pole to the unit circle a zero on it is looked for (for a
 # zero of multiplicity d the pole is off by the 2d-th root of a rounding error), and the relative
@@ -60,11 +67,13 @@ def solve_dare(
 
     Notes
     -----
-    By `scipy.linalg.solve_discrete_are`, refined by Newton steps while they shrink the residual.
-    SciPy returns without a word a solution with a closed-loop pole on the unit circle for a zero
-    at 1, and a meaningless one where R_2 = 0 and the inputs outnumber the outputs: hence the
-    checks. Source: (A.6), (A.7). The form here needs no inverse of R_2, as (A.9) does. "Unique
-    positive-semidefinite solution", said after (A.12), is true of the stabilising one only.
+    From the gain of `scipy.linalg.solve_discrete_are`, or of the pencil in which no weight is
+    squared, by Kleinman's iteration in square roots (`square_roots`): a weight R_2 of 1e-14 R_1
+    costs no digit. Where the full weight is indefinite, by Newton steps on P. SciPy returns without
+    a word a solution with a closed-loop pole on the unit circle for a zero at 1, and a meaningless
+    one where R_2 = 0 and the inputs outnumber the outputs: hence the checks. Source: (A.6), (A.7).
+    The form here needs no inverse of R_2, as (A.9) does. "Unique positive-semidefinite solution",
+    said after (A.12), is true of the stabilising one only.
 
     Examples
     --------
@@ -103,6 +112,8 @@ def stabilising_solution(
         if factor is not None:
             require_rank(A, B, *factor, role)
         best = _best(A, B, weights)
+        if factor is not None:
+            best = _in_square_roots(A, B, weights, factor, best)
     if best is None or not best.margin > 0 or not best.residual < LARGEST_RESIDUAL:
         if factor is not None:  # look all around the circle for the reason
             around = np.exp(1j * np.linspace(0, np.pi, 64))
@@ -142,6 +153,30 @@ def _best(A: Array, B: Array, weights: tuple[Array, Array, Array]) -> Stabilisin
     return min(found, key=lambda s: (not s.margin > 0, s.residual), default=None)
 
 
+def _in_square_roots(
+    A: Array,
+    B: Array,
+    weights: tuple[Array, Array, Array],
+    factor: tuple[Array, Array],
+    best: StabilisingSolution | None,
+) -> StabilisingSolution | None:
+    """The solution that no weight was squared for; `best` where there is none."""
+    starts: Iterator[Array] = starting_gains(A, B, *factor)
+    if best is not None and best.margin > 0:
+        starts = chain([best.gain], starts)
+    for K in starts:
+        try:
+            gain, S = kleinman(A, B, *factor, K)
+            found = _with_gain(A, B, weights, S.T @ S, gain, S)
+            # The factor is a product of tens of orthogonal matrices; P can be better than S'S.
+            P = found.P + stein_solution(found.closed_loop.T, _left_over(found)[0])
+            refined = _with_gain(A, B, weights, P, gain, S)
+            return refined if refined.residual < found.residual else found
+        except (np.linalg.LinAlgError, ValueError):
+            continue
+    return best
+
+
 def _from_scipy(
     A: Array, B: Array, weights: tuple[Array, Array, Array], *, balanced: bool, shifted: bool
 ) -> Array:
@@ -177,15 +212,24 @@ def _refined(solution: StabilisingSolution) -> StabilisingSolution:
 def _evaluated(
     A: Array, B: Array, weights: tuple[Array, Array, Array], P: Array
 ) -> StabilisingSolution:
-    R_1, R_12, R_2 = weights
+    _, R_12, R_2 = weights
     innovation = R_2 + B.T @ P @ B
     gain: Array = -np.asarray(np.linalg.solve(innovation, R_12.T + B.T @ P @ A), np.float64)
+    return _with_gain(A, B, weights, P, gain)
+
+
+def _with_gain(
+    A: Array, B: Array, weights: tuple[Array, Array, Array], P: Array, gain: Array,
+    factor: Array | None = None,
+) -> StabilisingSolution:  # fmt: skip
+    R_1, R_12, R_2 = weights
+    innovation = R_2 + B.T @ P @ B
     if not (np.isfinite(P).all() and np.isfinite(gain).all()):
         raise np.linalg.LinAlgError("not finite")
     bare = StabilisingSolution(A, B, R_1, R_12, R_2, P, gain, innovation, np.inf)
     left, size = _left_over(bare)
     residual = norm(left) / size if size else 0.0
-    return StabilisingSolution(A, B, R_1, R_12, R_2, P, gain, innovation, residual)
+    return StabilisingSolution(A, B, R_1, R_12, R_2, P, gain, innovation, residual, factor)
 
 
 def _left_over(s: StabilisingSolution) -> tuple[Array, float]:
@@ -212,3 +256,118 @@ def _symmetric(weight: Array, name: str) -> Array:
     if np.abs(weight - weight.T).max(initial=0.0) > 1e-12 * np.abs(weight).max(initial=0.0):
         raise InputError(f"{name} is not symmetric; use ({name} + {name}') / 2.")
     return np.asarray((weight + weight.T) / 2)
+
+
+@dataclass(frozen=True, eq=False)
+class ContinuousSolution(Value):
+    """The stabilising solution of a continuous-time Riccati equation.
+
+    Attributes
+    ----------
+    A, B : arrays of shape (n, n), (n, m)
+    P : array, shape (n, n)
+    gain : array, shape (m, n)
+        K = -R_2^{-1} (R_12' + B'P), found without squares.
+    factor : array, shape (n, n)
+        S with P = S'S.
+    residual : float
+        Norm of what is left of the equation over the sum of the norms of its terms.
+    """
+
+    A: Array
+    B: Array
+    P: Array
+    gain: Array
+    factor: Array
+    residual: float
+
+    @property
+    def closed_loop(self) -> Array:
+        """A + BK, shape (n, n)."""
+        return np.asarray(self.A + self.B @ self.gain)
+
+    @cached_property
+    def poles(self) -> ComplexArray:
+        """The n eigenvalues of A + BK, in the open left half plane."""
+        return np.linalg.eigvals(self.closed_loop).astype(np.complex128)
+
+    @property
+    def margin(self) -> float:
+        """Distance of the closed-loop poles to the imaginary axis."""
+        return -float(self.poles.real.max(initial=-np.inf))
+
+    def __repr__(self) -> str:
+        return (
+            f"ContinuousSolution(n={len(self.A)}, residual={self.residual:.1e}, "
+            f"margin={self.margin:.3g})"
+        )
+
+
+def solve_care(A: ArrayLike, B: ArrayLike, E_1: ArrayLike, E_2: ArrayLike) -> ContinuousSolution:
+    """Solve A'P + PA + E_1'E_1 - (PB + E_1'E_2)(E_2'E_2)^{-1}(B'P + E_2'E_1) = 0, stabilising.
+
+    P is also that of the discrete-time equation of
+    ``(I - hA)^{-1} (I + hA), sqrt(2h) (I - hA)^{-1} B, sqrt(2h) E_1 (I - hA)^{-1},
+    E_2 + h E_1 (I - hA)^{-1} B`` for every h > 0 that leaves I - hA regular, and is found there, in
+    square roots. The Kalman-Bucy filter is the dual: A', C', D_1', D_2'.
+
+    Parameters
+    ----------
+    A, B : arrays of shape (n, n), (n, m)
+    E_1, E_2 : arrays of shape (p, n), (p, m)
+        The weights are their squares; E_2 has full column rank.
+
+    Raises
+    ------
+    NotControllableError, NoSolutionError, UnitCircleError
+        Where the discrete-time equation has no stabilising solution; its message is about that.
+    InputError
+        Where an argument has the wrong shape, or E_2 dependent columns.
+
+    Examples
+    --------
+    >>> from rcac_numeric import solve_care
+    >>> found = solve_care([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]],
+    ...     [[1.0, 0.0], [0.0, 0.0]], [[0.0], [1.0]])
+    >>> found.gain.round(12), found.residual < 1e-14  # the double integrator: -1, -sqrt(2)
+    (array([[-1.        , -1.41421356]]), True)
+    """
+    A = matrix(A, "A", (None, None))
+    n = len(A)
+    A, B = matrix(A, "A", (n, n)), matrix(B, "B", (n, None))
+    E_1 = matrix(E_1, "E_1", (None, n))
+    E_2 = matrix(E_2, "E_2", (len(E_1), B.shape[1]))
+    if np.linalg.matrix_rank(E_2 / np.maximum(np.linalg.norm(E_2, axis=0), 1e-300)) < B.shape[1]:
+        raise InputError(
+            "E_2 has dependent columns: in continuous time every direction of u needs a weight. "
+            "Weight it, or sample the plant and use solve_dare."
+        )
+    found = _by_sampling(A, B, E_1, E_2, 0.7 / (norm(A) or 1.0))
+    for _ in range(4):  # h between the fastest and the slowest pole of the loop that is looked for
+        sizes = np.abs(found.poles)
+        h = float(np.exp(-np.mean(np.log(np.maximum(sizes, 1e-8 * sizes.max())))))
+        try:
+            better = _by_sampling(A, B, E_1, E_2, h)
+        except CompensatorError:
+            break
+        if not better.residual < 0.5 * found.residual:
+            break
+        found = better
+    return found
+
+
+def _by_sampling(A: Array, B: Array, E_1: Array, E_2: Array, h: float) -> ContinuousSolution:
+    n, root = len(A), np.sqrt(2 * h)
+    inverse = np.linalg.inv(np.eye(n) - h * A)
+    moved = (
+        inverse @ (np.eye(n) + h * A), root * inverse @ B, root * E_1 @ inverse,
+        E_2 + h * E_1 @ inverse @ B,
+    )  # fmt: skip
+    squares = moved[2].T @ moved[2], moved[2].T @ moved[3], moved[3].T @ moved[3]
+    found = stabilising_solution(moved[0], moved[1], squares, moved[2:], REGULATOR)
+    S = triangle(E_1) if found.factor is None else found.factor
+    K = 2 / root * np.linalg.solve((np.eye(n) + found.closed_loop).T, found.gain.T).T
+    P, closed, seen = found.P, A + B @ K, E_1 + E_2 @ K
+    terms = closed.T @ P, P @ closed, seen.T @ seen
+    residual = norm(sum(terms[1:], terms[0])) / (sum(map(norm, terms)) or 1.0)
+    return ContinuousSolution(A, B, P, np.asarray(K), S, residual)

@@ -27,6 +27,8 @@ class StabilisingSolution(Value):
         R_2 + B'PB.
     residual : float
         Norm of what is left of the equation over the sum of the norms of its terms.
+    factor : array, shape (n, n), or None
+        S with P = S'S, where the solution was found in square roots.
     """
 
     A: Array
@@ -38,6 +40,7 @@ class StabilisingSolution(Value):
     gain: Array
     innovation: Array
     residual: float
+    factor: Array | None = None
 
     @property
     def closed_loop(self) -> Array:

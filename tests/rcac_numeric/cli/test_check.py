@@ -337,7 +337,7 @@ GIVEN = ("--names", "theta=gain", "--structure", "FIR", "--n-c", 1)
         ("log", ("--names", "theta=gain"), r"1 coefficient;.*--structure fir --n-c 1"),
         ("log", ("--structure", "IIR"), r"--structure iir needs its order n_c: give --n-c"),
         ("log", ("--structure", "irr"), r"Did you mean|is not one of 'iir'"),
-        ("servo", ("--plant", "1/(q - 2)"), r"command r.*--problem servo"),
+        ("servo", ("--plant", "1/(q - 2)"), r"servo.csv has no theta"),
         ("log", (*GIVEN, "--plant", "1/(s - 2)"), r"c2d of MATLAB"),
         ("log", (*GIVEN, "--plant", "2"), r"written in q"),
     ],

@@ -226,4 +226,7 @@ def test_coefficients_below_the_normal_range_are_no_defect(tmp_path):
     np.savez(log, u=np.zeros(9), y=np.zeros(9), theta=[5e-324] * 4)
     for plant in ("1/(q-0.5)", "(q-0.5)/(q*(q-0.9))", "1/(q-2)"):
         arguments = ["check", str(log), "--n-c", "2", "--plant", plant, "--target", "1/q"]
-        assert CliRunner().invoke(main.main, arguments).exit_code == 0
+        assert CliRunner().invoke(main.main, arguments).exit_code == exits.UNDECIDED
+        arguments += ["--problem", "standard"]
+        expected = exits.UNSTABLE if plant == "1/(q-2)" else exits.DONE
+        assert CliRunner().invoke(main.main, arguments).exit_code == expected

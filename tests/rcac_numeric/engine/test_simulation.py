@@ -18,6 +18,7 @@ from rcac_numeric import (
     Plant,
     Simulator,
     Step,
+    Supervision,
     TargetModel,
     exogenous,
     fir,
@@ -264,7 +265,7 @@ def test_the_controller_object_refuses_bad_signals_and_does_not_move():
     settings = ControllerSettings(
         structure=iir(1), target=TargetModel([0.0, 1.0]), update=UD(R_theta=1.0)
     )
-    controller = Controller(settings)
+    controller = Controller(settings, Supervision("off"))
     for y, z in ((np.nan, 0.0), (0.0, np.inf), ([1.0, 2.0], 0.0)):
         with pytest.raises(InputError):
             controller.step(y, z)

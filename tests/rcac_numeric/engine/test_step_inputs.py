@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
-from rcac_numeric import UD, Controller, ControllerSettings, TargetModel, iir
+from rcac_numeric import UD, Controller, ControllerSettings, Supervision, TargetModel, iir
 
 SETTINGS = ControllerSettings(
     structure=iir(n_c=2, l_y=2), target=TargetModel([0.0, 1.0]), update=UD(R_theta=1.0)
@@ -46,7 +46,7 @@ def test_every_kind_of_numbers_makes_the_same_step(kind):
     ids=lambda y: repr(y)[:30],
 )  # fmt: skip
 def test_what_is_no_measurement_is_refused_and_nothing_moves(y):
-    controller, untouched = Controller(SETTINGS), Controller(SETTINGS)
+    controller, untouched = (Controller(SETTINGS, Supervision("off")) for _ in range(2))
     for one in (controller, untouched):
         one.step([1.0, 2.0], 1.0)
     with pytest.raises(InputError):

@@ -93,7 +93,7 @@ def test_what_is_refused_moves_nothing():
     run, settings = run_of(settings_of()), settings_of()
     controller = Controller(settings)
     for k in range(STEPS):
-        for wrong in ((np.nan, 0.0), (0.0, [1, 2]), ("x", 0.0)):
+        for wrong in ((1j, 0.0), (0.0, [1, 2]), ("x", 0.0)):
             with pytest.raises(InputError):
                 controller.step(*wrong)
         with pytest.raises(InputError, match=r"u_applied|entries"):

@@ -1,0 +1,129 @@
+"""Controllers on a plant: a log that survives the process, limits in the step, a takeover."""
+
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory.errors import InputError
+from rcac_numeric import (
+    UD,
+    Controller,
+    ControllerSettings,
+    ControlLimits,
+    Recorder,
+    check_controller,
+    fir_target,
+    iir,
+    read_log,
+    standard_plant,
+)
+
+PLANT = standard_plant("1/(q - 0.9)")
+SETTINGS = ControllerSettings(structure=iir(n_c=2), target=fir_target(PLANT), update=UD(1.0))
+
+KILLED = """
+import os, signal, sys
+import numpy as np
+from rcac_numeric import *
+plant = standard_plant("1/(q - 0.9)")
+settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), update=UD(1.0))
+recorder, x = Recorder(Controller(settings), sys.argv[1]), 0.0
+rng = np.random.default_rng(0)
+for k in range(500):
+    (u,) = recorder.step(x, x)
+    x = 0.9 * x + u + rng.standard_normal()
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def driven(one, steps, seed=0):
+    rng, x, us = np.random.default_rng(seed), 0.0, []
+    for _ in range(steps):
+        u = float(one.step(x, x)[0])
+        us.append(u)
+        x = 0.9 * x + u + rng.standard_normal()
+    return np.array(us)
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL")
+def test_a_killed_process_leaves_a_log_that_can_be_checked(tmp_path):
+    path = tmp_path / "log.csv"
+    done = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    log = read_log(path)
+    assert log.steps == 499
+    found = check_controller(log, structure=SETTINGS.structure, plant=PLANT)
+    assert found.is_consistent and found.loop.is_stable
+    assert np.array_equal(log.u[:, 0], driven(Controller(SETTINGS), 499))
+
+
+def test_a_log_holds_what_was_applied_and_what_was_missed(tmp_path):
+    path = tmp_path / "log.csv"
+    with Recorder(Controller(SETTINGS), path) as recorder:
+        recorder.step(1.0, 1.0)
+        recorder.step(2.0, 2.0, u_applied=0.5)
+        recorder.step(float("nan"), float("nan"))
+    with pytest.raises(InputError, match="is closed"):
+        recorder._write("")
+    rows = np.genfromtxt(path, delimiter=",", names=True)
+    assert rows["u"][0] == 0.5 and rows["y"].tolist() == [1.0, 2.0, 2.0]
+    assert rows["missed"].tolist() == [0, 0, 1]
+    with pytest.raises(InputError, match="cannot be written"):
+        Recorder(Controller(SETTINGS), path)
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1), low=st.floats(-2, 0), high=st.floats(0, 2),
+    rise=st.floats(0.05, 2), fall=st.floats(0.05, 2),
+)  # fmt: skip
+def test_u_keeps_to_its_limits_and_the_regressor_knows(seed, low, high, rise, fall):
+    limits = ControlLimits(low=low, high=high, rise=rise, fall=fall)
+    controller = Controller(SETTINGS, limits=limits)
+    us = driven(controller, 60, seed)
+    assert (us >= low).all() and (us <= high).all()
+    steps = np.diff(us, prepend=0.0)
+    assert (steps <= rise + 1e-12).all() and (steps >= -fall - 1e-12).all()
+    # The same with a saturation outside that is told, one step late.
+    outside, x, applied = Controller(SETTINGS), 0.0, None
+    rng, other = np.random.default_rng(seed), []
+    for _ in range(60):
+        asked = float(outside.step(x, x, u_applied=applied)[0])
+        last = 0.0 if applied is None else applied
+        applied = min(max(min(max(asked, last - fall), last + rise), low), high)
+        other.append(applied)
+        x = 0.9 * x + applied + rng.standard_normal()
+    assert us == pytest.approx(np.array(other), rel=1e-9, abs=1e-9)
+
+
+def test_limits_are_saved_and_checked():
+    limits = ControlLimits(rise=0.1)
+    one, two = Controller(SETTINGS, limits=limits), Controller(SETTINGS, limits=limits)
+    driven(one, 30)
+    two.restore(one.state)
+    assert one.step(1.0, 1.0) == two.step(1.0, 1.0)
+    with pytest.raises(InputError, match="other settings"):
+        Controller(SETTINGS).restore(one.state)
+    for wrong, words in (
+        ({}, "low, high"),
+        ({"low": 1, "high": 0}, "exceeds"),
+        ({"fall": 0}, "positive"),
+    ):
+        with pytest.raises(InputError, match=words):
+            ControlLimits(**wrong)
+    with pytest.raises(InputError, match="l_u = 1"):
+        Controller(SETTINGS, limits=ControlLimits(low=[0.0, 1.0]))
+
+
+def test_a_takeover_has_no_bump():
+    controller = Controller(SETTINGS)
+    us = driven(controller, 50)
+    controller.take_over(us[-1] + 3.0, fade=0.5)
+    twin = Controller(SETTINGS)
+    driven(twin, 50)
+    asked, given_ = float(twin.step(1.0, 1.0)[0]), float(controller.step(1.0, 1.0)[0])
+    assert given_ == pytest.approx(us[-1] + 3.0) and abs(asked - given_) > 0.1
