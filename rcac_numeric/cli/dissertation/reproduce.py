@@ -14,9 +14,10 @@ from compensator_theory.libraries import require_library
 from rcac_numeric.cli.output import as_json_option, show
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.dissertation.load import load_example
+from rcac_numeric.dissertation.pages import headline
 from rcac_numeric.dissertation.reproduce import Reproduction, reduced, reproduce
 from rcac_numeric.dissertation.workers import case_workers
-from rcac_numeric.experiments.claims import VERDICTS
+from rcac_numeric.experiments.judging.claim import OURS, READING, TEXT, VERDICTS
 from rcac_numeric.reports.page.cases import Case
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 
@@ -25,7 +26,11 @@ LARGEST_JOBS = 256
 
 @click.command("reproduce")
 @click.option("--chapter", help="Only the examples of this chapter: 2, 4, A, ...")
-@click.option("--quick", is_flag=True, help="Repeat runs less often; verdicts may be coarser.")
+@click.option(
+    "--quick",
+    is_flag=True,
+    help="A quick look: repeat runs less often; no verdict is called changed for it.",
+)
 @click.option(
     "-o", "--output", "folder", type=click.Path(file_okay=False, path_type=Path), required=True,
     help="The folder for index.html and for what is done already.",
@@ -46,7 +51,7 @@ def reproduce_command(
     if not numbers:
         raise InputError(f"there is no example of chapter {chapter!r}; see `rcac list`.")
     require_library("matplotlib")
-    experiments = [load_example(number) for number in numbers]
+    experiments = [load_example(number).held_out() for number in numbers]
     if quick:
         experiments = [reduced(experiment) for experiment in experiments]
     count = min(jobs or os.cpu_count() or 1, len(experiments))
@@ -75,26 +80,32 @@ def _silence(name: str, done: int, of: int) -> None:
 
 def _sheet(found: Reproduction) -> Sheet:
     rows = tuple(cells(case.id, case.title, _verdicts(case), _end(case)) for case in found.cases)
-    count = Counter(claim.verdict for case in found.cases for claim in case.claims)
+    counts = headline(found.cases)
     record = {
         "page": str(found.page),
-        "verdicts": {verdict: count[verdict] for verdict in VERDICTS},
+        "verdicts": {
+            whose: {verdict: count[verdict] for verdict in VERDICTS}
+            for whose, count in counts.items()
+        },
         "examples": [
             {"id": case.id, "status": case.status, "verdicts": [c.verdict for c in case.claims]}
             for case in found.cases
         ],
     }
-    total = ", ".join(f"{count[verdict]} {verdict}" for verdict in VERDICTS if count[verdict])
     blocks = (
         Table(("example", "title", "claims", "outcome"), rows),
-        Fact("verdicts", total or "none"),
+        Fact("sentences of the text", _words(counts[TEXT])),
+        Fact("sentences that leave room", _words(counts[READING])),
         Fact("page", str(found.page)),
     )
     return Sheet("The dissertation's examples", sections=(Section("", blocks, record),))
 
 
 def _verdicts(case: Case) -> str:
-    count = Counter(claim.verdict for claim in case.claims)
+    return _words(Counter(row.verdict for row in case.claims if row.whose != OURS))
+
+
+def _words(count: Counter[str]) -> str:
     return ", ".join(f"{count[verdict]} {verdict}" for verdict in VERDICTS if count[verdict])
 
 

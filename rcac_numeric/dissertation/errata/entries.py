@@ -12,9 +12,12 @@ from rcac_numeric.arrays.values import Value
 
 KINDS = {
     "misprint": "a slip that a reader mends by looking twice",
-    "false": "a statement or formula that is not true as it stands",
-    "number": "a number that the text's own data do not give",
-    "missing": "data without which the example cannot be run",
+    "inconsistent": "two places of the text disagree",
+    "needs a hypothesis": "true where the text means it, and false without a condition that is "
+    "not written",
+    "unstated": "data without which the example cannot be run, or a number compared",
+    "depends": "true of some completions of what the text leaves open, and not of others",
+    "false": "not true as it stands, and no charitable reading was found by a second reader",
 }
 EVIDENCE = {
     "check": "by a check that runs",
@@ -110,6 +113,7 @@ class Erratum(Value):
     printed: str
     true: str
     evidence: ErratumEvidence = field()
+    charity: str = ""
     chapter: str = ""
 
     def __post_init__(self) -> None:

@@ -9,18 +9,21 @@ from typing import Any
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.estimation.studies import EstimationStudy
-from rcac_numeric.experiments.estimation_files.claims import (
-    CLAIM,
-    FIGURE,
-    estimation_claim,
-    estimation_figure,
-    require_run,
-)
+from rcac_numeric.experiments.estimation_files.claims import CLAIM, FIGURE, estimation_figure
 from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL, Trial
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Table
+from rcac_numeric.experiments.judging.reading import (
+    OpenItems,
+    check_of,
+    claims_of,
+    completed_runs,
+    completion_name,
+    opens,
+    require_run,
+)
 
 Raw = Mapping[str, Any]
 KEPT = 6  # numbers that are kept of each step
@@ -40,15 +43,28 @@ def _estimation_run(
     estimation, estimator : tables
         What differs from those.
     correction : str
-        What this run reads differently from the source: its claims that hold are reproduced with
-        that correction.
+        What this run reads differently from the source.
+    """
+    return name
+
+
+def _estimation_value(name: str, estimation: Any = None, estimator: Any = None) -> str:
+    """One of the values that a reader would try.
+
+    Parameters
+    ----------
+    name : str
+        What it is called.
+    estimation, estimator : tables
+        What it changes.
     """
     return name
 
 
 def _estimation_file(
     estimation: Any, runs: list[Any], estimator: Any = None, claims: Any = None,
-    figures: Any = None, title: str = "", id: str = "", source: str = "", notes: str = "",
+    figures: Any = None, open: Any = None, title: str = "", id: str = "", source: str = "",
+    notes: str = "",
 ) -> str:  # fmt: skip
     """An estimation example.
 
@@ -62,12 +78,15 @@ def _estimation_file(
         What the estimators of all runs begin with.
     claims, figures : tables
         What is said and drawn of it.
+    open : tables
+        What its source leaves open.
     title, id, source, notes : str
         As of any experiment.
     """
     return title
 
 
+VALUE = Table(_estimation_value, forms={"estimation": TRIAL, "estimator": ESTIMATOR})
 RUN = Table(_estimation_run, forms={"estimation": TRIAL, "estimator": ESTIMATOR})
 ESTIMATION_FILE = Table(
     _estimation_file,
@@ -76,6 +95,7 @@ ESTIMATION_FILE = Table(
         "estimator": ESTIMATOR,
         "runs": ListOf(RUN, 1, needed="an array of tables, [[runs]]"),
         "claims": ListOf(CLAIM, needed="an array of tables, [[claims]]"),
+        "open": opens(VALUE),
         "figures": ListOf(FIGURE, needed="an array of tables, [[figures]]"),
     },
 )
@@ -117,7 +137,21 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         }
         studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
     _require_budget(studies, budget)
-    corrections = {name: study.correction for name, study in studies.items()}
+    items = OpenItems.of(table.get("open", ()))
+    claims = [
+        claim
+        for part in read.get("claims", ())
+        for claim in claims_of(part, tuple(studies), items, check_of)
+    ]
+    completions = {}
+    for of_run, values in completed_runs(claims, items):
+        tables = raw[of_run]
+        for value in values:  # what a value names it replaces as a whole
+            tables = {
+                key: {**inner, **items.tables[value].get(key, {})} for key, inner in tables.items()
+            }
+        name = completion_name(of_run, values)
+        completions[name] = _study(name, tables, file, studies[of_run].correction)
     text = {key: read.get(key, "") for key in ("title", "id", "source", "notes")}
     return Experiment(
         id=text["id"] or Path(file).stem,
@@ -126,8 +160,10 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         notes=text["notes"].strip(),
         runs={},
         studies=studies,
-        claims=tuple(estimation_claim(part, corrections) for part in read.get("claims", ())),
-        figures=[estimation_figure(part, corrections) for part in read.get("figures", ())],
+        claims=claims,
+        open=items.items,
+        completions=completions,
+        figures=[estimation_figure(part, list(studies)) for part in read.get("figures", ())],
         description={"truth": _words(table["estimation"])},
     )
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from rcac_numeric.experiments.claims import VERDICTS, Claim
 from rcac_numeric.experiments.exact.system import ExactSystem
 from rcac_numeric.experiments.exact.tables import CHECK, SYSTEM, exact_check_of
 from rcac_numeric.experiments.experiment import Experiment
@@ -14,33 +13,8 @@ from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.experiments.format.values import Choice
-
-
-def _exact_claim(
-    text: str,
-    checks: list[Any],
-    claimed: str = "",
-    correction: str = "",
-    reason: str = "",
-    verdict: str = "",
-) -> Any:
-    """Something said of the example.
-
-    Parameters
-    ----------
-    text, claimed : str
-        What is said, and what is claimed.
-    checks : tables
-        What decides it: it holds where all of them do.
-    correction : str
-        What had to be read differently from the source.
-    reason : str
-        Where it does not hold: why, in a sentence.
-    verdict : str
-        The verdict of record.
-    """
-    return text
+from rcac_numeric.experiments.judging.claim import Claim
+from rcac_numeric.experiments.judging.reading import OpenItems, claim_table, claims_of
 
 
 def _exact_file(
@@ -60,9 +34,7 @@ def _exact_file(
     return title
 
 
-CLAIM: Table[Any] = Table(
-    _exact_claim, forms={"checks": ListOf(CHECK, 1), "verdict": Choice(VERDICTS)}
-)
+CLAIM: Table[Any] = claim_table(CHECK, runs=False)
 EXACT_FILE: Table[str] = Table(
     _exact_file,
     forms={"exact": SYSTEM, "claims": ListOf(CLAIM, 1, needed="an array of tables, [[claims]]")},
@@ -87,28 +59,25 @@ def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     >>> from rcac_numeric import load_example, verify
     >>> verification = verify(load_example("B.2"))
     >>> verification.results, [v.verdict for v in verification.verdicts]
-    ({}, ['reproduced', 'reproduced with a correction'])
+    ({}, ['reproduced', 'reproduced'])
     """
     read = EXACT_FILE.read(table, Place(file)).arguments
     system: ExactSystem = read["exact"].build()
     text = {key: read.get(key, "") for key in ("title", "id", "source", "notes")}
     words = {name: _words(value) for name, value in table["exact"].items()}
+
+    def made(part: Part[Any]) -> list[Claim]:
+        return claims_of(part, (), OpenItems((), {}), lambda one, _: exact_check_of(one, system))
+
     return Experiment(
         id=text["id"] or Path(file).stem,
         title=text["title"],
         source=text["source"],
         notes=text["notes"].strip(),
         runs={},
-        claims=tuple(_claim(part, system) for part in read["claims"]),
+        claims=tuple(claim for part in read["claims"] for claim in made(part)),
         description=words,
     )
-
-
-def _claim(part: Part[Any], system: ExactSystem) -> Claim:
-    arguments = dict(part.arguments)
-    checks = tuple(exact_check_of(check, system) for check in arguments.pop("checks"))
-    recorded = arguments.pop("verdict", "")
-    return Claim(checks=checks, recorded=recorded, **{"claimed": "", **arguments})
 
 
 def _words(value: object) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +12,27 @@ from rcac_numeric.experiments.estimation_files.reading import estimation_experim
 from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, require_drawable
-from rcac_numeric.experiments.files.claims import CLAIM, claims_of
+from rcac_numeric.experiments.files.claims import CLAIM, STANDARD_CLAIMS
 from rcac_numeric.experiments.files.documents import named, read_file, require_plain
-from rcac_numeric.experiments.files.runs import FORMS, OVERRIDE, RunTables, read_run, words_of
+from rcac_numeric.experiments.files.runs import (
+    FORMS,
+    OVERRIDE,
+    TABLES,
+    RunTables,
+    read_run,
+    words_of,
+)
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
+from rcac_numeric.experiments.judging.reading import (
+    OpenItems,
+    check_of,
+    claims_of,
+    completed_runs,
+    completion_name,
+    opens,
+)
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 
@@ -28,7 +44,7 @@ def _file(
     plant: Any, title: str = "", id: str = "", source: str = "", notes: str = "",
     signals: Any = None, target: Any = None, controller: Any = None, controllers: Any = None,
     saturation: Any = None, run: Any = None, runs: Any = None, claims: Any = None,
-    figures: Any = None,
+    figures: Any = None, open: Any = None,
 ) -> str:  # fmt: skip
     """An experiment.
 
@@ -60,10 +76,31 @@ def _file(
         What is said of it, and what decides whether it holds.
     figures : tables
         What is drawn of it; a sheet on the main run where they are left out.
+    open : tables
+        What its source leaves open, and what was chosen.
     """
     return title
 
 
+def _value(
+    name: str, plant: Any = None, signals: Any = None, target: Any = None, controller: Any = None,
+    controllers: Any = None, saturation: Any = None, run: Any = None,
+) -> str:  # fmt: skip
+    """One of the values that a reader would try.
+
+    Parameters
+    ----------
+    name : str
+        What it is called.
+    plant, signals, target, controller, saturation, run : tables
+        What it changes.
+    controllers : tables
+        In place of [[controllers]].
+    """
+    return name
+
+
+VALUE = Table(_value, forms=FORMS)
 FILE = Table(
     _file,
     forms={
@@ -71,6 +108,7 @@ FILE = Table(
         "runs": ListOf(OVERRIDE, needed="an array of tables, [[runs]]"),
         "claims": ListOf(CLAIM, needed="an array of tables, [[claims]]"),
         "figures": ListOf(FIGURE, needed="an array of tables, [[figures]]"),
+        "open": opens(VALUE),
     },
 )
 
@@ -142,9 +180,12 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
-    corrections = {run.name: run.correction for run in runs}
-    parts = read.arguments.get("claims", ())
-    claims = tuple(claim for part in parts for claim in claims_of(part, corrections))
+    items = OpenItems.of(table.get("open", ()))
+    claims = [
+        claim
+        for part in read.arguments.get("claims", ())
+        for claim in claims_of(part, names, items, check_of, STANDARD_CLAIMS)
+    ]
     figures = [part.build() for part in read.arguments.get("figures", ())]
     common = runs[0].plant.build()
     plants = [
@@ -154,6 +195,17 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     pairs = list(zip(runs, plants, strict=True))
     budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
     made = {run.name: _made(run, plant, len(pairs) > 1) for run, plant in pairs}
+    of_run = dict(zip(names, overrides, strict=True))
+    completions = {}
+    for base, values in completed_runs(claims, items):
+        changes = [items.tables[value] for value in values]
+        run = read_run(
+            table, _override_of(completion_name(base, values), of_run[base], changes), file
+        )
+        is_other = any("plant" in change for change in changes)
+        plant = run.plant.build() if is_other else made[base].plant
+        budget.require_operations(run.cost(plant, budget))
+        completions[run.name] = _made(run, plant, True)
     text = {key: read.arguments.get(key, "") for key in ("title", "id", "source", "notes")}
     return Experiment(
         id=text["id"] or Path(file).stem,
@@ -162,9 +214,21 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         notes=text["notes"].strip(),
         runs=made,
         claims=claims,
+        open=items.items,
+        completions=completions,
         figures=[require_drawable(figure, names) for figure in figures],
         description=_description(table),
     )
+
+
+def _override_of(name: str, override: Raw, changes: Sequence[Raw]) -> dict[str, Any]:
+    """What a completion overrides: what its run does, and then each value."""
+    joined = dict(override)
+    for change in changes:
+        for key, value in change.items():
+            old = joined.get(key, {})
+            joined[key] = TABLES[key].joined(old, value) if key in TABLES else value
+    return {**joined, "name": name}
 
 
 def _made(

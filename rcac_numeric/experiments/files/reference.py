@@ -8,7 +8,7 @@ from rcac_numeric.experiments.estimation_files.claims import CHECK as ESTIMATION
 from rcac_numeric.experiments.estimation_files.reading import RUN
 from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL
 from rcac_numeric.experiments.figure_requests import FIGURE
-from rcac_numeric.experiments.files.builder import FILE
+from rcac_numeric.experiments.files.builder import FILE, VALUE
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
 from rcac_numeric.experiments.files.controllers import CONTROLLER
 from rcac_numeric.experiments.files.plants import CHANGE, PLANT, PROBLEMS
@@ -25,6 +25,7 @@ from rcac_numeric.experiments.format.markdown import (
     with_tables,
 )
 from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.judging.reading import open_table
 
 
 def reference_tables() -> dict[str, str]:
@@ -51,6 +52,7 @@ def reference_tables() -> dict[str, str]:
         "runs": keys_table(OVERRIDE),
         "claims": keys_table(CLAIM),
         "claims.checks": keys_table(CHECK),
+        "open": keys_table(open_table(VALUE)),
         "figures": keys_table(FIGURE),
     }
     spread: dict[str, tuple[str, Kinds[Any]]] = {

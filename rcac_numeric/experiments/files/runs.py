@@ -130,8 +130,7 @@ def _override(
     controllers : tables
         In place of [[controllers]].
     correction : str
-        What this variant reads differently from the source, or adds to it: its claims that hold
-        are reproduced with that correction.
+        What this variant reads differently from the source, or adds to it.
     """
     return name
 

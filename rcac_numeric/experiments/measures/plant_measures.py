@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.engine.learning.target_learner import acting_input
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
@@ -52,6 +52,50 @@ def plant_spectral_radius(r: AnalysedRun, at: int = 0) -> float:
     return float(np.abs(np.linalg.eigvals(plant_at(r.run.plant, at).A)).max(initial=0.0))
 
 
+def growth_rate(r: AnalysedRun, period: float, at: int = 0) -> float:
+    """Largest real part, in rad/s, of a pole of the continuous plant that a hold has sampled.
+
+    Parameters
+    ----------
+    period : number
+        The sampling period h, in seconds: a pole p is at exp(p h).
+    at : int
+        A step.
+    """
+    return float(np.log(plant_spectral_radius(r, at)) / number(period, "period"))
+
+
+def delay_bound(r: AnalysedRun, period: float, at: int = 0) -> float:
+    """The delay, in seconds, that no controller's delay margin reaches: 2 over the growth rate.
+
+    Parameters
+    ----------
+    period : number
+        The sampling period, in seconds.
+    at : int
+        A step.
+    """
+    return 2 / growth_rate(r, period, at)
+
+
+def continuous_zero_distance(r: AnalysedRun, value: float, period: float, at: int = 0) -> float:
+    """Distance, in rad/s, from a number to a zero of the plant that Euler's rule has sampled.
+
+    Parameters
+    ----------
+    value : number
+        In rad/s.
+    period : number
+        The sampling period h, in seconds: a zero s is at 1 + h s.
+    at : int
+        A step.
+    """
+    zeros = plant_zeros(plant_at(r.run.plant, at))
+    return float(
+        np.abs((zeros - 1) / number(period, "period") - number(value, "value")).min(initial=np.inf)
+    )
+
+
 def identified_zero_error(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
     """Largest distance of a zero that windows of 70 samples show from that of the plant.
 
@@ -96,5 +140,8 @@ PLANT_MEASURES = (
     largest_plant_zero,
     plant_zero_distance,
     plant_spectral_radius,
+    growth_rate,
+    delay_bound,
+    continuous_zero_distance,
     identified_zero_error,
 )

@@ -18,8 +18,8 @@ from rcac_numeric.dissertation.pages import (
     gallery_page,
     told_of,
 )
-from rcac_numeric.experiments.claims import NOT_REPRODUCED, VERDICTS
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.judging import NOT_REPRODUCED, VERDICTS
 from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of
 from rcac_numeric.reports.page.html import sheet_html, words
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
