@@ -71,7 +71,10 @@ def check_erratum(erratum: Erratum) -> Checked:
     if evidence.example:
         return Checked(erratum, (_fact_of_claim(erratum),))
     if evidence.counterexample:
-        return Checked(erratum, _facts(_resolved(LEDGER, evidence.counterexample, erratum)))
+        names = (evidence.counterexample, *evidence.others)
+        return Checked(
+            erratum, tuple(f for name in names for f in _facts(_resolved(LEDGER, name, erratum)))
+        )
     if not evidence.check:
         raise InputError(f"the evidence of {erratum.name!r} cannot be run: {evidence.words}")
     return Checked(erratum, _facts(_resolved(EVIDENCE, evidence.check, erratum)))
