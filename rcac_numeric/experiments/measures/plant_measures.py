@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from compensator_theory.errors import InputError
@@ -12,6 +14,7 @@ from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.identification.windows import IdentifiedWindow, identify_windows
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.gallery.zeros import plant_zeros
+from rcac_numeric.plants.problems import standard_plant
 
 WINDOW = 70  # samples, section 3.6
 
@@ -96,6 +99,40 @@ def continuous_zero_distance(r: AnalysedRun, value: float, period: float, at: in
     )
 
 
+def printed_plant_distance(r: AnalysedRun, printed: str) -> float:
+    r"""How far the first plant, up to its sign, is from a transfer function as it is printed.
+
+    The largest difference of the two frequency responses at eleven frequencies, relative to the
+    printed one; the sign is that of the problem, standard or servo.
+
+    Parameters
+    ----------
+    printed : str
+        A fraction of LaTeX, ``\frac{...}{...}`` with ``\mathbf{q}``.
+    """
+    plant, other = plant_at(r.run.plant, 0), standard_plant(_from_latex(printed))
+    z = np.exp(1j * np.linspace(0.1, 3.0, 11))
+    here, there = (
+        np.array([(p.E_1 @ np.linalg.solve(x * np.eye(p.n) - p.A, p.B) + p.E_2)[0, 0] for x in z])
+        for p in (plant, other)
+    )
+    apart = min(np.abs(here - there).max(), np.abs(here + there).max())
+    return float(apart / np.abs(there).max())
+
+
+def _from_latex(printed: str) -> str:
+    """A fraction of LaTeX in the notation of files."""
+    text = re.sub(r"\\mathbf\{([a-z])\}", "q", printed).replace(" ", "").replace("^", "**")
+    found = re.fullmatch(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", text)
+    if found is None:
+        raise InputError(f"printed = {printed!r} is no fraction of polynomials in q.")
+    top, bottom = (
+        re.sub(r"(?<=[\d)])(?=[q(])(?<!\*\*)", "*", part).replace("**2*(", "**2*(")
+        for part in found.groups()
+    )
+    return f"({top})/({bottom})"
+
+
 def identified_zero_error(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
     """Largest distance of a zero that windows of 70 samples show from that of the plant.
 
@@ -143,5 +180,6 @@ PLANT_MEASURES = (
     growth_rate,
     delay_bound,
     continuous_zero_distance,
+    printed_plant_distance,
     identified_zero_error,
 )
