@@ -167,7 +167,7 @@ class RunResult(Value):
     @cached_property
     def _silence(self) -> str:
         adapts = [
-            isinstance(one, ControllerSettings)
+            isinstance(one, ControllerSettings) and (0, None) not in one.freeze
             for one in controllers_of(self.specification.settings)
         ]
         moves = any(_moves(repetition.run) for repetition in self.repetitions)
