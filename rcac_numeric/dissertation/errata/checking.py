@@ -13,7 +13,8 @@ import numpy as np
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.dissertation.errata.entries import Erratum
-from rcac_numeric.dissertation.load import load_example
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
+from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.judging.claim import DEPENDS, MISPRINT, REPRODUCED, UNDETERMINED
 from rcac_numeric.experiments.verdicts import verify
 
@@ -107,7 +108,8 @@ def _facts(check: Callable[[], Iterable[tuple[str, Any]]]) -> tuple[Fact, ...]:
 
 def _fact_of_claim(erratum: Erratum) -> Fact:
     """The claim that shows it has the verdict of record, and one that goes with the kind."""
-    experiment = load_example(erratum.evidence.example)
+    number = erratum.evidence.example
+    experiment = build(example_table(number), number)
     claims = [c for c in experiment.claims if c.text.startswith(erratum.evidence.claim)]
     if not claims:
         raise InputError(f"example {experiment.id} has no such claim; correct {erratum.name!r}.")

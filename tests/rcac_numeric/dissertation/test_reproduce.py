@@ -21,6 +21,7 @@ from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation.archive import write_archive
 from rcac_numeric.dissertation.reproduce import FEW, KeptCases, digest_of, made, reduced
 from rcac_numeric.dissertation.workers import case_workers
+from rcac_numeric.experiments.judging.interval import Check
 
 NUMBERS = ("7.1", "7.6", "B.1", "B.2", "B.3")
 
@@ -118,8 +119,8 @@ def test_the_digest_is_the_same_in_every_process():
 def test_one_that_cannot_be_verified_costs_no_other(experiments, tmp_path):
     bad = load_example("B.1")
     [claim, *_] = bad.claims
-    check = replace(claim.checks[0], system=replace(claim.checks[0].system, b=None))
-    bad = replace(bad, id="bad", claims=[replace(claim, checks=(check,))])
+    unknown = Check("rsm", "main", at_most=1)
+    bad = replace(bad, id="bad", claims=[replace(claim, checks=(unknown,))])
     found = reproduce([bad, experiments[1]], tmp_path)
     assert [case.status for case in found.cases] == [2, 0] and found.exit_status == 2
     assert "could not be verified" in found.page.read_text()

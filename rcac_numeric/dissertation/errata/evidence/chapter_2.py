@@ -8,7 +8,7 @@ import numpy as np
 from sympy import Symbol, symbols
 
 import compensator_theory as exact
-from rcac_numeric.dissertation.examples import read_example
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
 from rcac_numeric.plants.problems import servo_plant, standard_plant
 from rcac_numeric.targets.pole_placement import pole_placement_target
 
@@ -70,7 +70,7 @@ def direct_markov_parameter() -> Facts:
 
 def pid_labels() -> Facts:
     """The example that applies the PID controller, and the equations that it names."""
-    source = str(read_example("2.5")[0]["source"])
+    source = str(example_table("2.5")["source"])
     yield "Example 2.5 applies (2.58) to (2.62), before its plant (2.63)", "(2.58)-(2.63)" in source
-    quasi_fir = str(read_example("6.4")[0]["controller"].get("structure", ""))
+    quasi_fir = str(example_table("6.4")["controller"].get("structure", ""))
     yield "the integrator of Chapter 6 is of another structure than pid", "pid" not in quasi_fir

@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
-from rcac_numeric.dissertation.examples import read_example
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.problems import servo_plant, standard_plant
@@ -84,7 +84,7 @@ def _plant(blocks: list[tuple[list[float], list[float]]], gain: float) -> Plant:
 def labels() -> Facts:
     """What the examples of those numbers are about, and the figures that are theirs."""
     title, source = (
-        {n: str(read_example(n)[0][key]) for n in ("4.2", "4.6", "A.2")}
+        {n: str(example_table(n)[key]) for n in ("4.2", "4.6", "A.2")}
         for key in ("title", "source")
     )
     yield "an internal model of a disturbance is that of 4.2", "Biased" in title["4.2"]

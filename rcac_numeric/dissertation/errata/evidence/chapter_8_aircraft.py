@@ -8,7 +8,7 @@ import numpy as np
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.dissertation.errata.evidence.chapter_3 import A_0, A_1, B_0, B_1
-from rcac_numeric.dissertation.examples import read_example
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
 
 Facts = Iterator[tuple[str, bool]]
 H = 0.001  # seconds
@@ -108,7 +108,7 @@ def gain_of_the_observer() -> Facts:
 
 def observer_of_8_7() -> Facts:
     """Which of the two examples has an observer, and whose figures 8.15 and 8.16 are."""
-    full, output = (read_example(n)[0] for n in ("8.6", "8.7"))
+    full, output = (example_table(n) for n in ("8.6", "8.7"))
     yield "Figures 8.15 and 8.16 are of Example 8.7", "8.15 and 8.16" in str(output["source"])
     feedback = "output feedback" in str(output["title"])
     yield (
