@@ -11,7 +11,7 @@ import sys
 
 import numpy as np
 
-from compensator_theory import IllConditionedError
+from compensator_theory.errors import IllConditionedError
 from rcac_numeric import (
     UD,
     ControllerSettings,

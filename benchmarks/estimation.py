@@ -21,7 +21,7 @@ import warnings
 import numpy as np
 import sympy
 
-from rcac_numeric import (
+from rcac_numeric.estimation import (
     EKF,
     RCMR,
     UKF,

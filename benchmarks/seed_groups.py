@@ -1,17 +1,18 @@
 """How often verdicts of record flip on fresh groups of seeds, by example.
 
 ``python benchmarks/seed_groups.py --groups 20 5.1 6.1`` judges the claims of the text on groups 1
-to 20 of held-out seeds (the verdicts of record are those of group 0) and prints, for each claim that
-a draw can decide, in how many groups another verdict came out.
+to 20 of held-out seeds (the verdicts of record are those of group 0) and prints, for each claim
+that a draw can decide, in how many groups another verdict came out.
 """
 
 import argparse
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.experiments.judging.claim import OURS
 

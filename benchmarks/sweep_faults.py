@@ -24,7 +24,7 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 
-from rcac_numeric import Axis, Kept, StoreError, Study, check_store, read_table, run_study
+from rcac_numeric.sweeps import Axis, Kept, StoreError, Study, check_store, read_table, run_study
 from rcac_numeric.sweeps.running import sweep
 
 BASE = {

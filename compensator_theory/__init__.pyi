@@ -1,83 +1,47 @@
 __version__: str
+from . import errors as errors
+from . import results as results
 from . import strategies as strategies
 from .bezout.bezout_matrices import bezout_matrix as bezout_matrix
 from .bezout.bezout_matrices import cauchy_index as cauchy_index
-from .bezout.common_factors import BezoutIdentity as BezoutIdentity
 from .bezout.common_factors import bezout_identity as bezout_identity
-from .bezout.null_spaces import NullSpaceGCD as NullSpaceGCD
 from .bezout.null_spaces import gcd_from_null_space as gcd_from_null_space
 from .bezout.resultants import number_of_common_roots as number_of_common_roots
 from .bezout.resultants import resultant as resultant
-from .bezout.subresultants import Subresultants as Subresultants
 from .bezout.subresultants import subresultants as subresultants
 from .bezout.sylvester import sylvester_m as sylvester_m
 from .bezout.sylvester import sylvester_m1 as sylvester_m1
 from .bezout.sylvester import sylvester_m2 as sylvester_m2
-from .canonical_forms.frobenius import FrobeniusForm as FrobeniusForm
 from .canonical_forms.frobenius import frobenius_form as frobenius_form
-from .canonical_forms.jordan import JordanForm as JordanForm
 from .canonical_forms.jordan import jordan_form as jordan_form
-from .canonical_forms.kronecker import KroneckerForm as KroneckerForm
 from .canonical_forms.kronecker import kronecker_form as kronecker_form
-from .canonical_forms.minimal_bases import MinimalBasis as MinimalBasis
 from .canonical_forms.minimal_bases import minimal_basis as minimal_basis
-from .canonical_forms.popov import PopovForm as PopovForm
 from .canonical_forms.popov import popov_form as popov_form
-from .canonical_forms.row_forms import RowForm as RowForm
 from .canonical_forms.row_forms import hermite_form as hermite_form
 from .canonical_forms.row_forms import row_reduced_form as row_reduced_form
-from .canonical_forms.smith import SmithForm as SmithForm
 from .canonical_forms.smith import smith_form as smith_form
-from .canonical_forms.smith_mcmillan import SmithMcMillanForm as SmithMcMillanForm
 from .canonical_forms.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
-from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDiophantineSolution
 from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
-from .diophantine.polynomial_equations import DiophantineSolution as DiophantineSolution
 from .diophantine.polynomial_equations import solve_diophantine as solve_diophantine
-from .errors import BudgetError as BudgetError
 from .errors import CompensatorError as CompensatorError
-from .errors import DivergedError as DivergedError
-from .errors import FunctionFailedError as FunctionFailedError
-from .errors import IllConditionedError as IllConditionedError
-from .errors import ImproperError as ImproperError
 from .errors import InputError as InputError
-from .errors import NoSolutionError as NoSolutionError
-from .errors import NotControllableError as NotControllableError
-from .errors import NotCoprimeError as NotCoprimeError
-from .errors import NotObservableError as NotObservableError
-from .errors import NotReachableTargetError as NotReachableTargetError
-from .errors import PrecisionError as PrecisionError
-from .errors import RoundingWarning as RoundingWarning
-from .errors import UnitCircleError as UnitCircleError
 from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
-from .exceptional_sets.cases import ExceptionalCase as ExceptionalCase
-from .exceptional_sets.cases import ExceptionalCases as ExceptionalCases
-from .frequency.norms import HInfinityNorm as HInfinityNorm
+from .frequency.delays import stability_delays as stability_delays
+from .frequency.margins import stability_margins as stability_margins
 from .frequency.norms import h_infinity_norm as h_infinity_norm
-from .frequency.passivity import RealnessDecision as RealnessDecision
 from .frequency.passivity import decide_bounded_real as decide_bounded_real
 from .frequency.passivity import decide_positive_real as decide_positive_real
-from .geometry.decoupling import Decoupling as Decoupling
+from .frequency.root_locus import root_locus as root_locus
 from .geometry.decoupling import decouple as decouple
-from .geometry.disturbance_decoupling import DisturbanceDecoupling as DisturbanceDecoupling
 from .geometry.disturbance_decoupling import decouple_disturbance as decouple_disturbance
-from .geometry.fixed_modes import FixedModes as FixedModes
 from .geometry.fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes
-from .geometry.interactors import Interactor as Interactor
 from .geometry.interactors import interactor as interactor
-from .geometry.invariant_subspaces import (
-    ControlledInvariantSubspaces as ControlledInvariantSubspaces,
-)
 from .geometry.invariant_subspaces import (
     controlled_invariant_subspaces as controlled_invariant_subspaces,
 )
-from .interpolation.laurent import LaurentExpansion as LaurentExpansion
 from .interpolation.laurent import laurent_expansion as laurent_expansion
-from .interpolation.nevanlinna_pick import PickInterpolation as PickInterpolation
 from .interpolation.nevanlinna_pick import nevanlinna_pick as nevanlinna_pick
-from .interpolation.pade import PadeApproximant as PadeApproximant
 from .interpolation.pade import pade_approximant as pade_approximant
-from .interpolation.partial_realisations import PartialRealisation as PartialRealisation
 from .interpolation.partial_realisations import partial_realisation as partial_realisation
 from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polynomial
 from .loops.closed_loop_maps import closed_loop_transfer_matrix as closed_loop_transfer_matrix
@@ -97,42 +61,29 @@ from .loops.reachable_targets import (
 )
 from .loops.sensitivity import compensator_from_sensitivity as compensator_from_sensitivity
 from .loops.sensitivity import sensitivity_function as sensitivity_function
-from .loops.zero_directions import ZeroDirectionTarget as ZeroDirectionTarget
 from .loops.zero_directions import direction_residual as direction_residual
 from .loops.zero_directions import zero_direction_target as zero_direction_target
-from .lqg.controllers import LQGController as LQGController
 from .lqg.controllers import lqg_controller as lqg_controller
-from .lqg.high_authority_limits import ButterworthPattern as ButterworthPattern
-from .lqg.high_authority_limits import HighAuthorityLimit as HighAuthorityLimit
-from .lqg.high_authority_limits import HighAuthorityLimits as HighAuthorityLimits
 from .lqg.high_authority_limits import high_authority_limits as high_authority_limits
-from .lqg.locus import RegulatorLocus as RegulatorLocus
 from .lqg.locus import regulator_locus as regulator_locus
-from .lqg.poles import LQGPoles as LQGPoles
 from .lqg.poles import lqg_poles as lqg_poles
 from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
+from .lqg.riccati_formulas import riccati_formula as riccati_formula
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
 from .matrices.certificates import Certificate as Certificate
-from .matrix_equations.gramians import Gramians as Gramians
 from .matrix_equations.gramians import gramians as gramians
-from .matrix_equations.regulator_equations import RegulatorSolution as RegulatorSolution
 from .matrix_equations.regulator_equations import (
     solve_regulator_equations as solve_regulator_equations,
 )
-from .matrix_equations.solutions import MatrixSolution as MatrixSolution
 from .matrix_equations.sylvester_equations import solve_lyapunov as solve_lyapunov
 from .matrix_equations.sylvester_equations import solve_stein as solve_stein
 from .matrix_equations.sylvester_equations import solve_sylvester as solve_sylvester
 from .observers.counting import count_observer_forms as count_observer_forms
-from .observers.decisions import ObserverDecision as ObserverDecision
-from .observers.design import ObserverBasedCompensator as ObserverBasedCompensator
 from .observers.design import observer_based_compensator as observer_based_compensator
 from .observers.enumeration import observer_forms as observer_forms
-from .observers.form import ObserverForm as ObserverForm
-from .observers.form_lists import ObserverForms as ObserverForms
 from .observers.gains import observer_gain as observer_gain
 from .observers.gains import regulator_gain as regulator_gain
 from .observers.optimality import is_lqg_suboptimal as is_lqg_suboptimal
@@ -143,16 +94,12 @@ from .observers.questions import (
 from .observers.realisation_question import (
     realisation_is_observer_based as realisation_is_observer_based,
 )
-from .observers.youla import YoulaForm as YoulaForm
 from .observers.youla import youla_forms as youla_forms
 from .placement.least_order import place_poles_at_least_order as place_poles_at_least_order
-from .placement.matrix_placement import MatrixPlacement as MatrixPlacement
 from .placement.matrix_placement import place_matrix_poles as place_matrix_poles
 from .placement.pole_placement import place_poles as place_poles
-from .placement.propositions import PropositionCheck as PropositionCheck
 from .placement.propositions import check_proposition_3 as check_proposition_3
 from .placement.propositions import check_proposition_4 as check_proposition_4
-from .placement.solutions import PolePlacement as PolePlacement
 from .polynomial_matrices.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
 from .polynomial_matrices.polynomial_matrices import polynomial_matrix as polynomial_matrix
 from .polynomials.ball_precision import ball_precision as ball_precision
@@ -164,9 +111,7 @@ from .polynomials.from_roots import read_roots as read_roots
 from .polynomials.numbers import exact_number as exact_number
 from .polynomials.poly import monic as monic
 from .polynomials.reading import polynomial as polynomial
-from .roots.certified import Root as Root
 from .roots.certified import certified_roots as certified_roots
-from .roots.counts import RootCount as RootCount
 from .roots.counts import count_roots as count_roots
 from .roots.counts import number_of_real_roots as number_of_real_roots
 from .roots.enclosures import Enclosure as Enclosure
@@ -175,9 +120,7 @@ from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_p
 from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_roots as locate_roots
 from .roots.schur_cohn import reflection_coefficients as reflection_coefficients
-from .roots.spectral_factors import SpectralFactor as SpectralFactor
 from .roots.spectral_factors import spectral_factor as spectral_factor
-from .roots.stability import StabilityDecision as StabilityDecision
 from .roots.stability import decide_stability as decide_stability
 from .roots.stability import hurwitz_determinants as hurwitz_determinants
 from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
@@ -185,54 +128,31 @@ from .roots.unit_circle_enclosures import (
     enclose_split_at_unit_circle as enclose_split_at_unit_circle,
 )
 from .stabilisation.conditions import stability_conditions as stability_conditions
-from .stabilisation.interval_polynomials import IntervalStability as IntervalStability
 from .stabilisation.interval_polynomials import (
     decide_interval_stability as decide_interval_stability,
-)
-from .stabilisation.simultaneous import (
-    SimultaneousStabilisability as SimultaneousStabilisability,
 )
 from .stabilisation.simultaneous import (
     decide_simultaneous_stabilisability as decide_simultaneous_stabilisability,
 )
 from .stabilisation.stabilising_gains import stabilising_gains as stabilising_gains
-from .stabilisation.stability_intervals import StabilityCell as StabilityCell
-from .stabilisation.stability_intervals import StabilityIntervals as StabilityIntervals
 from .stabilisation.stability_intervals import stability_intervals as stability_intervals
-from .stabilisation.stability_regions import StabilityRegion as StabilityRegion
-from .stabilisation.stability_regions import StabilitySlab as StabilitySlab
 from .stabilisation.stability_regions import stability_region as stability_region
-from .stabilisation.stable_compensators import StableCompensator as StableCompensator
 from .stabilisation.stable_compensators import stable_compensator as stable_compensator
-from .stabilisation.strong_stabilisability import StrongStabilisability as StrongStabilisability
-from .stabilisation.strong_stabilisability import UnstableRealZero as UnstableRealZero
 from .stabilisation.strong_stabilisability import (
     decide_strong_stabilisability as decide_strong_stabilisability,
 )
-from .state_feedback.brunovsky import BrunovskyForm as BrunovskyForm
 from .state_feedback.brunovsky import brunovsky_form as brunovsky_form
-from .state_feedback.eigenstructure import Eigenstructure as Eigenstructure
 from .state_feedback.eigenstructure import assign_eigenstructure as assign_eigenstructure
 from .state_feedback.eigenstructure import reachable_eigenvectors as reachable_eigenvectors
-from .state_feedback.gain_families import StateFeedbackFamily as StateFeedbackFamily
 from .state_feedback.gain_families import state_feedback_family as state_feedback_family
-from .state_feedback.observer_gain_families import ObserverGainFamily as ObserverGainFamily
 from .state_feedback.observer_gain_families import observer_gain_family as observer_gain_family
-from .structure.coprime_fractions import CoprimeFractions as CoprimeFractions
 from .structure.coprime_fractions import coprime_fractions as coprime_fractions
-from .structure.expansions import PartialFraction as PartialFraction
-from .structure.expansions import PartialFractions as PartialFractions
 from .structure.expansions import markov_parameters as markov_parameters
 from .structure.expansions import partial_fractions as partial_fractions
 from .structure.hankel_matrices import hankel_matrix as hankel_matrix
 from .structure.hankel_matrices import mcmillan_degree as mcmillan_degree
-from .structure.kalman import KalmanDecomposition as KalmanDecomposition
 from .structure.kalman import kalman_decomposition as kalman_decomposition
-from .structure.minimal_realisations import MinimalRealisation as MinimalRealisation
 from .structure.minimal_realisations import minimal_realisation as minimal_realisation
-from .structure.zero_directions import ZeroDirection as ZeroDirection
-from .structure.zero_directions import Zeros as Zeros
-from .structure.zero_order_hold import SampledPlant as SampledPlant
 from .structure.zero_order_hold import sampling_zero_polynomial as sampling_zero_polynomial
 from .structure.zero_order_hold import zero_order_hold as zero_order_hold
 from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros
@@ -253,12 +173,7 @@ from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
 from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
 from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix
-from .youla_kucera.doubly_coprime import DoublyCoprimeFractions as DoublyCoprimeFractions
 from .youla_kucera.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
-from .youla_kucera.stabilising_compensators import AffineMap as AffineMap
-from .youla_kucera.stabilising_compensators import (
-    StabilisingCompensators as StabilisingCompensators,
-)
 from .youla_kucera.stabilising_compensators import (
     stabilising_compensators as stabilising_compensators,
 )

@@ -6,7 +6,7 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from docs.reference_pages import PACKAGES, public_names
+from docs.reference_pages import PACKAGES, public_names, public_path
 
 HOMES = {package: public_names(package) for package in PACKAGES}
 INVENTORIES = Path(__file__).resolve().parent / "inventories"
@@ -68,10 +68,11 @@ def type_links() -> dict[str, str]:
     links = dict(OF_OTHERS)
     for package, homes in HOMES.items():
         for name in homes:
-            links[f"{package}.{name}"] = f":obj:`{name} <{package}.{name}>`"
+            path = public_path(package, name)
+            links[path] = f":obj:`{name} <{path}>`"
             others = [p for p in HOMES if p != package and name in HOMES[p]]
             if name[0].isupper() and not others:
-                links[name] = f"{package}.{name}"
+                links[name] = path
     return links
 
 
@@ -89,10 +90,11 @@ def public_target(target: str, module: str | None) -> str | None:
     for package, homes in HOMES.items():
         for name, home in homes.items():
             if f"{target}.".startswith(f"{home}.{name}."):
-                return f"{package}.{name}" + target.removeprefix(f"{home}.{name}")
+                return public_path(package, name) + target.removeprefix(f"{home}.{name}")
     package = (module or "").split(".")[0]
-    if target.partition(".")[0] in HOMES.get(package, {}):
-        return f"{package}.{target}"
+    name, dot, rest = target.partition(".")
+    if name in HOMES.get(package, {}):
+        return public_path(package, name) + dot + rest
     return None
 
 
@@ -128,7 +130,8 @@ def _holder(target: str) -> str | None:
             found = getattr(found, attribute) if attribute else found
         except (ImportError, AttributeError, ValueError):
             continue
-        if name in getattr(found, "__dataclass_fields__", ()) or hasattr(found, name):
+        fields = getattr(found, "__dataclass_fields__", getattr(found, "__annotations__", ()))
+        if name in fields or hasattr(found, name):
             return public_target(path, None) or path
     return None
 

@@ -7,7 +7,7 @@ import tokenize
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from docs.reference_pages import PACKAGES, ROOT, public_names
+from docs.reference_pages import PACKAGES, ROOT, public_names, public_path
 from proofs.ledger.ledger import ledger
 from rcac_numeric.dissertation.errata.reading import find_errata
 
@@ -55,7 +55,9 @@ def equations() -> dict[str, Places]:
         return found.setdefault(number, Places())
 
     for package in PACKAGES:
-        public = {(home, name): f"{package}.{name}" for name, home in public_names(package).items()}
+        public = {
+            (home, name): public_path(package, name) for name, home in public_names(package).items()
+        }
         for path in sorted((ROOT / package).rglob("*.py")):
             module = ".".join(path.relative_to(ROOT).with_suffix("").parts)
             module = module.removesuffix(".__init__")
@@ -115,8 +117,7 @@ def _plain(text: str) -> str:
 
 
 def _home(name: str) -> str:
-    package, _, short = name.partition(".")
-    return public_names(package)[short]
+    return public_names(name.partition(".")[0])[name.rpartition(".")[2]]
 
 
 def texts(source: str) -> Iterator[tuple[str | None, str]]:

@@ -21,8 +21,10 @@ PACKAGES = {
 }
 INDEX = """# Reference
 
-Every public name is imported from its package, `from rcac_numeric import simulate`, and has a page
-under that name. The groups are by task. Whoever has the dissertation beside them begins with
+Every public name has a page under the name by which it is imported: from its package,
+`from rcac_numeric import simulate`, or from one of the package's namespaces,
+`from rcac_numeric.sweeps import Study`; the classes of what functions return are all in `results`.
+The groups are by task. Whoever has the dissertation beside them begins with
 [its equations](equations.md); whoever changes the code, with [the folders](folders.md).
 
 {tables}
@@ -89,11 +91,57 @@ def groups(package: str) -> Iterator[Group]:
 
 @cache
 def public_names(package: str) -> dict[str, str]:
-    """The module in which each public name of a package lives."""
-    stub = ast.parse((ROOT / package / "__init__.pyi").read_text())
+    """The module in which each public name of a package lives, those of its namespaces included."""
+    homes = {}
+    for space in namespaces(package):
+        homes |= _names(space)
+    spaces = {space.rpartition(".")[2] for space in namespaces(package)}
+    return {name: home for name, home in homes.items() if name not in spaces}
+
+
+@cache
+def namespaces(package: str) -> list[str]:
+    """The modules from which the public names of a package are imported, the package first.
+
+    Examples
+    --------
+    >>> from docs.reference_pages import namespaces
+    >>> namespaces("compensator_theory")
+    ['compensator_theory', 'compensator_theory.errors', 'compensator_theory.results']
+    """
+    top = _stubbed(ROOT / package / "__init__.pyi", package)
+    modules = [name for name, home in top.items() if home == package]
+    return [package, *sorted(f"{package}.{name}" for name in modules if name != "strategies")]
+
+
+@cache
+def public_path(package: str, name: str) -> str:
+    """The dotted name by which a public name is imported.
+
+    Examples
+    --------
+    >>> from docs.reference_pages import public_path
+    >>> public_path("rcac_numeric", "simulate"), public_path("rcac_numeric", "H2Cost")
+    ('rcac_numeric.simulate', 'rcac_numeric.results.H2Cost')
+    """
+    return next(f"{space}.{name}" for space in namespaces(package) if name in _names(space))
+
+
+def _names(space: str) -> dict[str, str]:
+    path = ROOT.joinpath(*space.split("."))
+    if path.is_dir():
+        return _stubbed(path / "__init__.pyi", space)
+    stub = path.with_suffix(".pyi")
+    if stub.exists():
+        return _stubbed(stub, space.rpartition(".")[0])
+    body = ast.parse(path.with_suffix(".py").read_text()).body
+    return {node.name: space for node in body if isinstance(node, ast.ClassDef)}
+
+
+def _stubbed(stub: Path, package: str) -> dict[str, str]:
     return {
         alias.name: f"{package}.{node.module}" if node.module else package
-        for node in stub.body
+        for node in ast.parse(stub.read_text()).body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
@@ -103,7 +151,7 @@ def page_of(package: str, name: str) -> str:
     """The page of a public name; lqg and LQG differ on every file system."""
     twins = [n for n in public_names(package) if n.lower() == name.lower()]
     suffix = "-class" if len(twins) > 1 and name[0].isupper() else ""
-    return f"api/{package}.{name}{suffix}"
+    return f"api/{public_path(package, name)}{suffix}"
 
 
 def changed(path: Path, text: str) -> None:
@@ -141,14 +189,15 @@ def _name_page(group: Group, name: str, home: str) -> str:
         directive = f".. automodule:: {group.package}.{name}\n   :members:"
         home = f"{group.package}.{name}"
     elif name[0].isupper():
-        directive = f".. currentmodule:: {group.package}\n\n.. autoclass:: {name}\n"
+        module = public_path(group.package, name).rpartition(".")[0]
+        directive = f".. currentmodule:: {module}\n\n.. autoclass:: {name}\n"
         directive += "   :members:\n   :inherited-members:"
     else:
         directive = f".. currentmodule:: {group.package}\n\n.. autofunction:: {name}"
     is_folder = ROOT.joinpath(*home.split(".")).is_dir()
     folder = home if is_folder else home.rpartition(".")[0]
     return (
-        f"{ORPHAN}# {group.package}.{name}\n\n[Reference](../index.md) / "
+        f"{ORPHAN}# {public_path(group.package, name)}\n\n[Reference](../index.md) / "
         f"[{group.title}](../{group.page}.md)\n\n```{{eval-rst}}\n{directive}\n```\n\n"
         f"Written in `{home}`; [its folder](../{folder}.md).\n"
     )
@@ -212,7 +261,8 @@ def _documented(module: str) -> Iterator[str]:
 def _modules(folder: str) -> Iterator[str]:
     directory = ROOT.joinpath(*folder.split("."))
     init = directory / "__init__.py"
-    if folder not in PACKAGES and len(init.read_text().splitlines()) > 3:
+    is_namespace = "lazy_loader" in init.read_text()  # its names are those of its files
+    if not is_namespace and len(init.read_text().splitlines()) > 3:
         yield folder
         if "__all__" in init.read_text():  # it gathers what its files make, as the strategies do
             return

@@ -162,7 +162,7 @@ class FractionFree:
             {} for _ in range(int(poly.degrees()[0]) + 1)
         ]
         for (power, *others), c in poly.to_dict().items():
-            found[power][0, *others] = c
+            found[int(power)][0, *others] = c
         return [self.context.from_dict(terms) for terms in found]
 
     def _content(self, polys: Sequence[_Mpoly]) -> _Mpoly:
@@ -186,5 +186,6 @@ class FractionFree:
         ring = self.ring.domain.field.ring
         convert = ring.domain
         return ring.from_dict({
-            powers[1:]: convert(int(c.p), int(c.q)) for powers, c in poly.to_dict().items()
+            tuple(map(int, powers[1:])): convert(int(c.p), int(c.q))
+            for powers, c in poly.to_dict().items()
         })  # fmt: skip

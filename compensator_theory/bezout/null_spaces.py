@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
-from sympy import ImmutableMatrix, Poly, Symbol
+import sympy
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
+from compensator_theory.bezout.subresultants import subresultants
 from compensator_theory.bezout.sylvester import sylvester_m1
 from compensator_theory.errors import InputError
-from compensator_theory.latex import displayed, latex
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -31,6 +33,9 @@ class NullSpaceGCD(ExactValue):
         :math:`(\bar a, \bar b)`.
     nullity : int
         Dimension of the null space of the whole matrix, the degree of g.
+    exceptional : tuple of sympy.Expr
+        In the symbols: where one of them is zero, the degree of g may be larger. Empty without
+        symbols.
     certificate : Certificate
         Both products, multiplied out.
     """
@@ -38,6 +43,7 @@ class NullSpaceGCD(ExactValue):
     gcd: Poly
     cofactors: tuple[Poly, Poly]
     nullity: int
+    exceptional: tuple[Expr, ...]
     certificate: Certificate
 
     def __str__(self) -> str:
@@ -50,6 +56,7 @@ class NullSpaceGCD(ExactValue):
             rf"\gcd(a, b) = g = {latex(self.gcd)}",
             rf"a = g \cdot \left({latex(a)}\right)",
             rf"b = g \cdot \left({latex(b)}\right)",
+            unless(self.exceptional),
         )
 
 
@@ -91,10 +98,11 @@ def gcd_from_null_space(
         raise InputError("a and b are both constant; their Sylvester matrix would be empty")
     s = first.gen
     nullity = k + l - rank(sylvester_m1(first, second))
+    exceptional = _where_it_grows(first, second, nullity)
     if nullity == 0:
         one = from_coefficients([1], s)
         return NullSpaceGCD(
-            one, (first, second), 0, _certificate(first, second, one, (first, second))
+            one, (first, second), 0, exceptional, _certificate(first, second, one, (first, second))
         )
     rows = k + l - nullity + 1
     columns = [(first, l - nullity + 1), (second, k - nullity + 1)]
@@ -111,7 +119,20 @@ def gcd_from_null_space(
     quotient = canonical(first.set_domain(field).quo(a_bar.set_domain(field)))
     g, leading = monic(quotient), quotient.LC()
     cofactors = (scaled(a_bar, leading), scaled(b_bar, leading))
-    return NullSpaceGCD(g, cofactors, nullity, _certificate(first, second, g, cofactors))
+    certificate = _certificate(first, second, g, cofactors)
+    return NullSpaceGCD(g, cofactors, nullity, exceptional, certificate)
+
+
+def _where_it_grows(first: Poly, second: Poly, nullity: int) -> tuple[Expr, ...]:
+    """Return the factors of the principal subresultant coefficient of the gcd's degree."""
+    if not (first.free_symbols_in_domain | second.free_symbols_in_domain):
+        return ()
+    upper, lower = (first, second) if first.degree() >= second.degree() else (second, first)
+    minor = sympy.fraction(
+        sympy.cancel(subresultants(upper, lower).principal_coefficients[nullity])
+    )
+    found = [f for side in minor for f, _ in sympy.factor_list(side)[1] if not f.is_nonzero]
+    return tuple(sorted(dict.fromkeys(found), key=lambda f: (sympy.count_ops(f), str(f))))
 
 
 def _certificate(a: Poly, b: Poly, g: Poly, cofactors: tuple[Poly, Poly]) -> Certificate:

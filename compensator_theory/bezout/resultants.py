@@ -15,6 +15,7 @@ from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import kept_in_flint, to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.budget import ask
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import PolynomialLike
 
@@ -36,7 +37,7 @@ def number_of_common_roots(
     Returns
     -------
     int or None
-        None if it depends on the values of symbols.
+        None if it depends on the values of symbols; :func:`exceptional_cases` tells on which.
 
     Raises
     ------
@@ -110,6 +111,30 @@ def resultant(
     return rational(p.coeffs()[-1] ** lacking * p.resultant(q))
 
 
+@generic_answer_of(resultant)
+def _generic_resultant(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Expr, list[Expr]]:
+    """It is a polynomial in the coefficients, and so holds while the degrees do."""
+    p, _ = with_formal_degrees(a, b, variable)[0]
+    return resultant(a, b, variable=variable), [p.LC()]
+
+
+@generic_answer_of(number_of_common_roots)
+def _generic_number(
+    a: PolynomialLike, b: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[int, list[Expr]]:
+    """Count by the first principal subresultant coefficient that is not zero."""
+    (first, _), (second, _) = pairs = with_formal_degrees(a, b, variable)
+    _require_leading(*pairs[0])
+    if second.is_zero:
+        return int(first.degree()), [first.LC()]
+    upper, lower = (first, second) if first.degree() >= second.degree() else (second, first)
+    principal = subresultants(upper, lower).principal_coefficients
+    count = next(k for k, coefficient in enumerate(principal) if coefficient != 0)
+    return count, [principal[count], first.LC()]
+
+
 def _kept(
     a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None
 ) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
@@ -124,8 +149,39 @@ def _kept(
 def _determinant(first: tuple[Poly, int], second: tuple[Poly, int]) -> Expr:
     if first[1] == second[1] == 0:
         return sympy.Integer(1)
+    if all(int(p.degree()) == degree for p, degree in (first, second) if not p.is_zero):
+        found = _by_flint(first[0], second[0])
+        if found is not None:
+            return found
     both = (formal_coefficients(*pair) for pair in (first, second))
     return determinant(matrix_of_coefficients(*both))
+
+
+def _by_flint(a: Poly, b: Poly) -> Expr | None:
+    """Return the resultant of polynomials whose coefficients are polynomials in symbols over QQ."""
+    if a.is_zero or b.is_zero:
+        return None
+    a, b = a.unify(b)
+    domain = a.domain
+    if not (domain.is_PolynomialRing and domain.domain.is_QQ):
+        return None
+    names = [f"x{i}" for i in range(1 + len(domain.symbols))]
+    context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
+
+    def converted(poly: Poly) -> flint.fmpq_mpoly:
+        return context.from_dict({
+            (power, *map(int, others)): flint.fmpq(int(c.numerator), int(c.denominator))
+            for (power,), coefficient in poly.rep.to_dict().items()
+            for others, c in coefficient.items()
+        })  # fmt: skip
+
+    found = converted(a).resultant(converted(b), "x0")
+    ring = domain.ring
+    terms = {
+        tuple(map(int, powers[1:])): ring.domain(int(c.p), int(c.q))
+        for powers, c in found.to_dict().items()
+    }
+    return domain.to_sympy(ring.from_dict(terms))
 
 
 def _require_leading(poly: Poly, degree: int) -> None:

@@ -24,6 +24,7 @@ from compensator_theory.exceptional_sets.equations import (
     solutions,
 )
 from compensator_theory.polynomials.budget import integer, shown
+from compensator_theory.polynomials.generic_answers import generic_answer
 from compensator_theory.polynomials.variables import is_operator
 
 
@@ -40,7 +41,10 @@ def exceptional_cases(
     function : callable
         A construction whose answer has the attribute `exceptional`: :func:`place_poles`,
         :func:`solve_diophantine`, :func:`smith_form` and the like, or a function of your own that
-        returns such an answer or a tuple of them.
+        returns such an answer or a tuple of them. Or one of those that answer by a plain value:
+        :func:`mcmillan_degree`, :func:`is_controllable`, :func:`uncontrollable_polynomial`,
+        :func:`number_of_common_roots`, :func:`resultant`, :func:`regulator_gain` and
+        :func:`observer_gain`.
     *arguments, **options
         What it takes. Symbols are substituted in texts, polynomials, matrices, systems and lists.
     cases : int, optional
@@ -117,8 +121,13 @@ class _Analysis(Generic[Answer]):
             options = {
                 name: _option(name, value, conditions) for name, value in self.options.items()
             }
-            answer = self._call(arguments, options)
-            divisors = _exceptional(answer, must_have=is_first)
+            companion = generic_answer(self.function)
+            if companion is not None:
+                answer, own = self._call(companion, arguments, options)
+                divisors = tuple(own)
+            else:
+                answer = self._call(self.function, arguments, options)
+                divisors = _exceptional(answer, must_have=is_first)
             self._require_arguments(divisors, conditions)
         except CompensatorError as error:
             if isinstance(error, FunctionFailedError) or (
@@ -141,9 +150,11 @@ class _Analysis(Generic[Answer]):
                 "these symbols as an argument, so that values can be put in"
             )
 
-    def _call(self, arguments: tuple[Any, ...], options: dict[str, Any]) -> Answer:
+    def _call(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], options: dict[str, Any]
+    ) -> Any:
         try:
-            return self.function(*arguments, **options)
+            return function(*arguments, **options)
         except CompensatorError:
             raise
         except Exception as error:

@@ -127,7 +127,12 @@ def well_posed_loop(G: TransferFunction, G_c: TransferFunction, feedback: int) -
 
 
 def read_loop(
-    plant: LoopPart, compensator: LoopPart, feedback: int, *, name: str = "compensator"
+    plant: LoopPart,
+    compensator: LoopPart,
+    feedback: int,
+    *,
+    name: str = "compensator",
+    variable: str | Symbol | None = None,
 ) -> tuple[TransferFunction, TransferFunction]:
     """Read a plant and what stands beside it; a constant has the variable of the plant.
 
@@ -137,6 +142,8 @@ def read_loop(
     feedback : {+1, -1}
     name : str
         What the second one is called in messages.
+    variable : str or Symbol, optional
+        Of the plant.
 
     Raises
     ------
@@ -150,7 +157,10 @@ def read_loop(
     (1)/(s) (k)/(1)
     """
     require_sign(feedback)
-    G = plant.transfer_function() if isinstance(plant, Realisation) else transfer_function(plant)
+    if isinstance(plant, Realisation):
+        G = plant.transfer_function()
+    else:
+        G = transfer_function(plant, variable)
     if isinstance(compensator, Realisation):
         G_c = compensator.transfer_function()
     else:

@@ -2,26 +2,31 @@
 
 import flint
 import sympy
-from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
+from sympy import ImmutableMatrix, Matrix
 
-from compensator_theory.errors import InputError, NotControllableError
+from compensator_theory.errors import InputError
 from compensator_theory.latex import table
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.flint_matrices import is_rational_matrix
-from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.roots.enclosures import Enclosure, ball_of_number, enclosure_of_ball
 from compensator_theory.systems.standard_problems import StandardProblem
-from compensator_theory.systems.state_space import transfer_matrix_of_realisation
 
 EnclosedMatrix = tuple[tuple[Enclosure, ...], ...]
 RegulatorData = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
+Weights = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
+"""(A, B, Q, R, N)."""
 
 
 def regulator_data(
-    A: MatrixLike, B: MatrixLike, E_1: MatrixLike, E_2: MatrixLike | None
+    A: MatrixLike,
+    B: MatrixLike,
+    E_1: MatrixLike,
+    E_2: MatrixLike | None,
+    *,
+    symbols: bool = False,
 ) -> RegulatorData:
-    r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, whose entries are rational.
+    r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, with rational entries or symbols.
 
     Raises
     ------
@@ -44,9 +49,73 @@ def regulator_data(
                 f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
                 "the other matrices show, and not empty"
             )
-        if not is_rational_matrix(matrix):
-            raise InputError(f"{name} has entries that are not rational numbers; substitute them")
+        if not symbols:
+            _require_rational(matrix, name)
     return a, b, e_1, e_2
+
+
+def read_weights(
+    A: MatrixLike,
+    B: MatrixLike,
+    E_1: MatrixLike | None,
+    E_2: MatrixLike | None,
+    Q: MatrixLike | None,
+    R: MatrixLike | None,
+    N: MatrixLike | None,
+    *,
+    symbols: bool = False,
+) -> Weights:
+    """Read the data of a regulator as (A, B, Q, R, N), from a signal z or from weights.
+
+    Raises
+    ------
+    InputError
+        If both or none are given, a shape does not fit, a weight is not symmetric, or an entry has
+        symbols where none are taken.
+
+    Examples
+    --------
+    >>> from compensator_theory.lqg.regulator_data import read_weights
+    >>> read_weights([[2]], [[1]], [[3]], [[1]], None, None, None)[2:]
+    (Matrix([[9]]), Matrix([[1]]), Matrix([[3]]))
+    """
+    if (E_1 is None) == (Q is None) or (E_1 is not None and not (R is None is N)):
+        raise InputError(
+            "give the weights either as E_1 and E_2, with z = E_1 x + E_2 u, or as Q, R and N"
+        )
+    if E_1 is not None:
+        a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2, symbols=symbols)
+        return a, b, e_1.T * e_1, e_2.T * e_2, e_1.T * e_2
+    if E_2 is not None:
+        raise InputError("E_2 goes with E_1; with Q give R and N")
+    assert Q is not None
+    a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
+    n, m = int(a.rows), int(b.cols)
+    read = [a, b, exact_matrix(Q, "Q")]
+    read.append(ImmutableMatrix.zeros(m, m) if R is None else exact_matrix(R, "R"))
+    read.append(ImmutableMatrix.zeros(n, m) if N is None else exact_matrix(N, "N"))
+    shapes = ((n, n), (n, m), (n, n), (m, m), (n, m))
+    for name, shape, matrix in zip("ABQRN", shapes, read, strict=True):
+        if matrix.shape != shape or 0 in shape:
+            raise InputError(
+                f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
+                "the other matrices show, and not empty"
+            )
+        if not symbols:
+            _require_rational(matrix, name)
+        if name in "QR" and matrix != matrix.T:
+            raise InputError(
+                f"{name} = {matrix.tolist()} is not symmetric; give ({name} + {name}')/2"
+            )
+    return tuple(read)
+
+
+def _require_rational(matrix: ImmutableMatrix, name: str) -> None:
+    if not is_rational_matrix(matrix):
+        raise InputError(
+            f"{name} has entries that are not rational numbers; substitute rational numbers for "
+            "the symbols (riccati_formula takes them for orders 1 and 2)"
+        )
 
 
 def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData]:
@@ -70,40 +139,6 @@ def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData
         (plant.A, plant.B, plant.E_1, plant.E_2),
         (plant.A.T, plant.C.T, plant.D_1.T, plant.D_2.T),
     )
-
-
-def state_numerators(
-    A: ImmutableMatrix, B: ImmutableMatrix, variable: Symbol
-) -> tuple[Poly, ImmutableMatrix]:
-    r"""Return det(sI - A), and W with adj(sI - A) B = W' (s^(n-1), ..., 1)' for one input.
-
-    The gain K that moves the first to another polynomial solves W K' = their difference.
-
-    Raises
-    ------
-    NotControllableError
-        If W is singular, so that the closed-loop polynomial does not determine the gain.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from sympy.abc import q
-    >>> from compensator_theory.lqg.regulator_data import state_numerators
-    >>> A, B = ImmutableMatrix([[0, 1], [-2, -3]]), ImmutableMatrix([[0], [1]])
-    >>> print(*state_numerators(A, B, q))
-    Poly(q**2 + 3*q + 2, q, domain='QQ') Matrix([[0, 1], [1, 0]])
-    """
-    n = A.rows
-    states = transfer_matrix_of_realisation(A, B, sympy.eye(n), sympy.zeros(n, 1), variable)
-    W = ImmutableMatrix(
-        n, n, lambda i, j: states[j, 0].numerator.coeff_monomial(variable ** (n - 1 - i))
-    )
-    if rank(W) < n:
-        raise NotControllableError(
-            f"(A, B) has {n - rank(W)} uncontrollable mode(s), so the closed-loop polynomial does "
-            "not determine the gain; remove them from the realisation first"
-        )
-    return states.denominator, W
 
 
 def ball_matrix(matrix: Matrix) -> flint.arb_mat:
@@ -132,27 +167,15 @@ def enclosed_rows(matrix: flint.arb_mat) -> EnclosedMatrix:
     return tuple(tuple(enclosure_of_ball(entry) for entry in row) for row in matrix.tolist())
 
 
-def exact_rows(matrix: Matrix) -> EnclosedMatrix:
-    """Return a rational matrix as enclosures of radius 0.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.lqg.regulator_data import exact_rows
-    >>> exact_rows(Matrix([["1/2"]]))
-    ((1/2,),)
-    """
-    return tuple(tuple(Enclosure(entry, Rational(0)) for entry in row) for row in matrix.tolist())
-
-
 def approximately(matrix: EnclosedMatrix) -> str:
     r"""Write the centres of an enclosed matrix in LaTeX, to eight digits.
 
     Examples
     --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.lqg.regulator_data import approximately, exact_rows
-    >>> print(approximately(exact_rows(Matrix([["1/3"]]))))
+    >>> from sympy import Rational
+    >>> from compensator_theory.lqg.regulator_data import approximately
+    >>> from compensator_theory.roots.enclosures import Enclosure
+    >>> print(approximately(((Enclosure(Rational(1, 3), Rational(0)),),)))
     \left[\begin{matrix}0.33333333\end{matrix}\right]
     """
     return table([[sympy.N(entry.centre, 8) for entry in row] for row in matrix])

@@ -4,7 +4,7 @@ import flint
 import sympy
 from sympy import Matrix, Poly, Symbol
 
-from compensator_theory.lqg.regulator_data import regulator_data
+from compensator_theory.lqg.regulator_data import Weights, read_weights
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.matrices.flint_matrices import rational, to_flint
 from compensator_theory.polynomials.poly import canonical
@@ -61,15 +61,30 @@ def regulator_spectrum(
     >>> regulator_spectrum([[0]], [[1]], [[2], [0]], [[0], [1]], time="continuous").as_expr()
     4 - s**2
     """
-    a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2)
     symbol = variable_in(time, variable, "the spectrum of an LQG regulator")
+    return spectrum_of_weights(read_weights(A, B, E_1, E_2, None, None, None), time, symbol)
+
+
+def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
+    """Return the same polynomial for weights that are read.
+
+    Examples
+    --------
+    >>> from sympy.abc import s
+    >>> from compensator_theory.lqg.regulator_data import read_weights
+    >>> from compensator_theory.lqg.regulator_spectra import spectrum_of_weights
+    >>> weights = read_weights([[0]], [[1]], None, None, [[4]], [[1]], None)
+    >>> spectrum_of_weights(weights, "continuous", s).as_expr()
+    4 - s**2
+    """
+    a, b, q, r, cross = weights
     n, l_u = b.shape
     zero, eye = sympy.zeros, sympy.eye
     discrete = time == "discrete"
     constant = sympy.BlockMatrix(
         [[a, zero(n, n), b],
-         [-e_1.T * e_1, eye(n) if discrete else -a.T, -e_1.T * e_2],
-         [e_2.T * e_1, zero(l_u, n) if discrete else b.T, e_2.T * e_2]]
+         [-q, eye(n) if discrete else -a.T, -cross],
+         [cross.T, zero(l_u, n) if discrete else b.T, r]]
     ).as_explicit()  # fmt: skip
     slope = sympy.BlockMatrix(
         [[-eye(n), zero(n, n), zero(n, l_u)],

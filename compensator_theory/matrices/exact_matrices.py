@@ -1,13 +1,16 @@
 """Matrices of any kind to exact SymPy matrices."""
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from typing import Any, Protocol, TypeAlias
 
 import sympy
-from sympy import Expr, ImmutableMatrix, MatrixBase
+from sympy import QQ, ZZ, Expr, ImmutableMatrix, MatrixBase
+from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
-from compensator_theory.polynomials.budget import ask, listed, shown
+from compensator_theory.matrices.flint_matrices import kept_rational
+from compensator_theory.polynomials.budget import ask, ask_for_number, listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.variables import require_one_symbol_a_name
 
@@ -41,12 +44,46 @@ def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     >>> exact_matrix([[0.1, "a"]], "A")
     Matrix([[1/10, a]])
     """
+    if (read := _read_at_once(value, name)) is not None:
+        return read
     rows, shape = _rows_of(value, name)
     ask("entries", shape[0] * shape[1], f"the matrix {name}")
     entries = [[_rational_or_symbolic(entry, name) for entry in row] for row in rows]
     flat = [entry for row in entries for entry in row]
     require_one_symbol_a_name(set().union(*(entry.free_symbols for entry in flat)))
     return ImmutableMatrix(*shape, flat)
+
+
+def _read_at_once(value: Any, name: str) -> ImmutableMatrix | None:
+    """Read integers and fractions without a look at each as an expression; None for the rest."""
+    if type(value) is ImmutableMatrix:
+        kept = kept_rational(value)
+        if kept is None:
+            return None
+        ask("entries", int(value.rows) * int(value.cols), f"the matrix {name}")
+        entries = [c for row in kept.to_dod().values() for c in row.values()]
+        ask_for_number(
+            max((abs(int(c.numerator)) for c in entries), default=0),
+            max((int(c.denominator) for c in entries), default=1),
+        )
+        return value
+    if type(value) not in (list, tuple) or not all(type(row) in (list, tuple) for row in value):
+        return None
+    if len({len(row) for row in value}) != 1 or not value[0]:
+        return None
+    kinds = {type(entry) for row in value for entry in row}
+    if not kinds <= {int, Fraction}:
+        return None
+    ask("entries", len(value) * len(value[0]), f"the matrix {name}")
+    largest = max(max(abs(e.numerator), e.denominator) for row in value for e in row)
+    ask_for_number(largest, 1)
+    domain = ZZ if kinds == {int} else QQ
+    rows = [
+        [domain(e) if domain is ZZ else domain(e.numerator, e.denominator) for e in row]
+        for row in value
+    ]
+    rep = DomainMatrix(rows, (len(rows), len(rows[0])), domain)
+    return ImmutableMatrix._fromrep(rep.to_sparse())
 
 
 def _rows_of(value: Any, name: str) -> tuple[list[list[Any]], tuple[int, int]]:
@@ -72,7 +109,7 @@ def _rational_or_symbolic(value: NumberLike, name: str) -> Expr:
     entry = sympy.sympify(exact_number(value))
     if entry.is_number and not entry.is_rational:
         raise InputError(
-            f"{name} contains the irrational number {entry}; write a symbol in its place, or a "
-            "rational number close to it"
+            f"{name} contains the irrational number {entry}; write a rational number close to it, "
+            "or, where the function takes symbols, a symbol in its place"
         )
     return entry

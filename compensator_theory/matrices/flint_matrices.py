@@ -18,7 +18,7 @@ def is_rational_matrix(matrix: Matrix) -> bool:
     >>> is_rational_matrix(Matrix([[1, 2]])), is_rational_matrix(Matrix([["a"]]))
     (True, False)
     """
-    if _kept_rational(matrix) is not None:
+    if kept_rational(matrix) is not None:
         return True
     # SymPy's conversion would write down what it refuses, and look for the values of its roots
     return all(entry.is_Rational for entry in matrix.todok().values())
@@ -47,7 +47,7 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     >>> to_flint(Matrix([[1, 2], [3, 4]])).det()
     -2
     """
-    kept = _kept_rational(matrix)
+    kept = kept_rational(matrix)
     if kept is None:
         kept = matrix.to_DM(domain=QQ)
     by_row = kept.to_dod()  # Sylvester matrices are half zeros
@@ -59,8 +59,16 @@ def to_flint(matrix: Matrix) -> flint.fmpq_mat:
     return result
 
 
-def _kept_rational(matrix: Matrix) -> DomainMatrix | None:
-    """Return SymPy's own form of rational numbers; to convert them takes longer than this."""
+def kept_rational(matrix: Matrix) -> DomainMatrix | None:
+    """Return SymPy's own form of rational numbers, None for others; a conversion takes longer.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.flint_matrices import kept_rational
+    >>> kept_rational(Matrix([["a"]])) is None
+    True
+    """
     kept = getattr(matrix, "_rep", None)
     if isinstance(kept, DomainMatrix) and (kept.domain.is_ZZ or kept.domain.is_QQ):
         return kept

@@ -18,7 +18,7 @@ from compensator_theory.polynomials.variables import time_of
 from compensator_theory.printing import text
 from compensator_theory.roots.stability import decide_stability
 from compensator_theory.stabilisation.conditions import stability_conditions
-from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, timed_realisation
 
 IDENTITY = "both Lyapunov equations of the Gramians"
 
@@ -110,7 +110,7 @@ def gramians(plant: RealisationLike, variable: str | Symbol | None = None) -> Gr
     >>> gramians("1/(z - 1/2)").norm_squared
     4/3
     """
-    source = realisation(plant, variable)
+    source = timed_realisation(plant, variable, "a Gramian")
     time = time_of(source.variable, "a Gramian")
     discrete = time == "discrete"
     A, B, C, D = source.A, source.B, source.C, source.D

@@ -1,7 +1,8 @@
 """Regulator and observer gains that place the eigenvalues of A + BK and A - FC exactly."""
 
+import flint
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import (
     InputError,
@@ -10,10 +11,13 @@ from compensator_theory.errors import (
     NotObservableError,
 )
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
-from compensator_theory.matrices.linear_algebra import solve
+from compensator_theory.matrices.flint_matrices import from_flint, is_rational_matrix, to_flint
+from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
+from compensator_theory.matrices.linear_algebra import determinant, solve
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_or_roots
-from compensator_theory.polynomials.poly import monic
+from compensator_theory.polynomials.generic_answers import generic_answer_of
+from compensator_theory.polynomials.poly import is_rational, monic
 from compensator_theory.polynomials.variables import as_symbol
 from compensator_theory.systems.controllability import (
     controllability_matrix,
@@ -70,19 +74,54 @@ def regulator_gain(
             "Choose a direction v and place the poles of (A, Bv)"
         )
     goal = wanted_spectrum(poles, a.rows, symbol)
-    kalman = controllability_matrix(a, b)
     try:
-        row = solve(kalman.T, sympy.eye(a.rows)[:, a.rows - 1]).T
+        if is_rational(goal) and is_rational_matrix(a) and is_rational_matrix(b):
+            return _rational_gain(to_flint(a), to_flint(b), to_flint_polynomial(goal))
+        return _symbolic_gain(a, b, goal)
     except NoSolutionError as error:
         fixed = format_polynomial(uncontrollable_polynomial(a, b, symbol))
         raise NotControllableError(
             f"(A, B) is not controllable: every A + BK keeps the roots of {fixed}. Remove these "
             "modes from the plant, or change B"
         ) from error
+
+
+def _rational_gain(a: flint.fmpq_mat, b: flint.fmpq_mat, goal: flint.fmpq_poly) -> ImmutableMatrix:
+    """Compute in integers: A = A_i/d, b = b_i/e, and r A_i^k b_i = 0 but for the last k."""
+    n = int(a.nrows())
+    (A, d), (column, e) = a.numer_denom(), b.numer_denom()
+    columns = [column]
+    for _ in range(n - 1):
+        columns.append(A * columns[-1])
+    kalman = flint.fmpz_mat([[int(x[i, 0]) for i in range(n)] for x in columns])
+    last = flint.fmpz_mat([[int(k == n - 1)] for k in range(n)])
+    try:
+        row, q = kalman.solve(last).transpose().numer_denom()
+    except ZeroDivisionError as error:
+        raise NoSolutionError("the controllability matrix is singular") from error
+    numerators, below = goal.numer(), goal.denom()
+    value, power = row * numerators[n], d
+    for k in range(n - 1, -1, -1):  # Horner's scheme, made homogeneous by d
+        value, power = value * A + row * (numerators[k] * power), power * d
+    scale = flint.fmpq(-e, q * d * below)
+    return from_flint(flint.fmpq_mat(value) * scale)
+
+
+def _symbolic_gain(a: ImmutableMatrix, b: ImmutableMatrix, goal: Poly) -> ImmutableMatrix:
+    kalman = controllability_matrix(a, b)
+    row = solve(kalman.T, sympy.eye(a.rows)[:, a.rows - 1]).T
     value = sympy.zeros(1, a.rows)
     for coefficient in goal.all_coeffs():  # Horner, one row
         value = (value * a + row * coefficient).applyfunc(sympy.cancel)
     return ImmutableMatrix(-value)
+
+
+@generic_answer_of(regulator_gain)
+def _generic_regulator_gain(
+    A: MatrixLike, B: MatrixLike, poles: SpectrumLike, variable: str | Symbol = "s"
+) -> tuple[ImmutableMatrix, list[Expr]]:
+    K = regulator_gain(A, B, poles, variable)
+    return K, [determinant(controllability_matrix(A, B))]
 
 
 def observer_gain(
@@ -140,6 +179,15 @@ def observer_gain(
             f"(A, C) is not observable: every A - FC keeps the roots of "
             f"{format_polynomial(fixed)}. Remove these modes from the plant, or measure more"
         ) from error
+
+
+@generic_answer_of(observer_gain)
+def _generic_observer_gain(
+    A: MatrixLike, C: MatrixLike, poles: SpectrumLike, variable: str | Symbol = "s"
+) -> tuple[ImmutableMatrix, list[Expr]]:
+    F = observer_gain(A, C, poles, variable)
+    transposed = (exact_matrix(M, name).T for M, name in ((A, "A"), (C, "C")))
+    return F, [determinant(controllability_matrix(*transposed))]
 
 
 def wanted_spectrum(poles: SpectrumLike, size: int, variable: Symbol) -> Poly:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 
+from sympy import Symbol
+
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.placement.pole_placement import place_poles
 from compensator_theory.placement.solutions import PolePlacement
@@ -17,6 +19,7 @@ def place_poles_at_least_order(
     *,
     feedback: int,
     properness: str | None = None,
+    variable: str | Symbol | None = None,
 ) -> PolePlacement:
     r"""Find the compensator of least order that places the first poles of a list.
 
@@ -29,7 +32,7 @@ def place_poles_at_least_order(
     poles : sequence
         :math:`\lambda_1, \lambda_2, \ldots` in the order in which they are wanted. A loop with a
         compensator of order n_c has n + n_c of them; the rest of the list is not used.
-    feedback, properness
+    feedback, properness, variable
         As for :func:`place_poles`.
 
     Returns
@@ -59,7 +62,7 @@ def place_poles_at_least_order(
     (2)/(1)
     """
     poles = read_roots(poles)
-    G = transfer_function(plant)
+    G = transfer_function(plant, variable)
     require_proper(G, "plant")
     if len(poles) < G.order:
         raise InputError(

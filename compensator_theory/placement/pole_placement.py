@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import cast
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Poly
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.bezout.coprime_equations import solve_coprime_equation
 from compensator_theory.bezout.sylvester import sylvester_m
@@ -45,6 +45,7 @@ def place_poles(
     polynomial: PolynomialLike | None = None,
     numerator_degree: int | None = None,
     properness: str | None = None,
+    variable: str | Symbol | None = None,
 ) -> PolePlacement:
     r"""Solve the pole placement equation exactly, for one compensator or for all of them.
 
@@ -71,6 +72,8 @@ def place_poles(
         Ask for :math:`\deg N_c < n_c`, which lowers the default of `numerator_degree` to
         min(n - 1, n_c - 1), or for :math:`\deg N_c = n_c`, which makes it n_c and, in a family,
         chooses the member whose leading coefficient is 1.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -108,7 +111,7 @@ def place_poles(
     D D_c + N N_c = s**4 + 17*s**3 + 104*s**2 + 268*s + 240
     """
     require_sign(feedback)
-    G = transfer_function(plant)
+    G = transfer_function(plant, variable)
     require_proper(G, "plant")
     goal, roots = _goal(target, polynomial, G)
     n = G.order

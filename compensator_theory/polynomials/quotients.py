@@ -103,17 +103,18 @@ class Quotient:
     def _poly(self, side: flint.fmpq_mpoly, variable: Symbol) -> Poly:
         terms = side.to_dict().items() if self.generators else [((0,), _constant(side))]
         return Poly(
-            {power: sympy.QQ(int(c.p), int(c.q)) for power, c in terms if c}, variable,
+            {(int(power),): sympy.QQ(int(c.p), int(c.q)) for (power,), c in terms if c}, variable,
             domain=sympy.QQ,
         )  # fmt: skip
 
     def _expression(self, side: flint.fmpq_mpoly) -> Expr:
         if not self.generators:
             return _rational(_constant(side))
-        return sympy.Add(*(
-            sympy.Mul(_rational(c), *(g**e for g, e in zip(self.generators, powers, strict=True)))
+        terms = (
+            (_rational(c), zip(self.generators, map(int, powers), strict=True))
             for powers, c in side.to_dict().items()
-        ))  # fmt: skip
+        )
+        return sympy.Add(*(sympy.Mul(c, *(g**e for g, e in factors)) for c, factors in terms))
 
 
 def multiplied_out(tree: Tree, *, least_denominators: bool = False) -> Quotient:

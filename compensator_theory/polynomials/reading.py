@@ -20,7 +20,12 @@ from compensator_theory.polynomials.poly import (
 )
 from compensator_theory.polynomials.quotients import multiplied_out
 from compensator_theory.polynomials.sympy_trees import tree_of
-from compensator_theory.polynomials.variables import Readable, as_symbol, shared_variable
+from compensator_theory.polynomials.variables import (
+    Readable,
+    as_symbol,
+    require_time,
+    shared_variable,
+)
 
 PolynomialLike: TypeAlias = Poly | NumberLike | Sequence[NumberLike]
 """What :func:`polynomial` reads."""
@@ -79,6 +84,23 @@ def polynomial(obj: PolynomialLike, variable: str | Symbol | None = None) -> Pol
     if any(symbol in value.free_symbols for value in coefficients):
         raise InputError(f"a coefficient in the list contains the variable {symbol} itself")
     return from_coefficients(coefficients, symbol)
+
+
+def polynomial_in_time(
+    obj: PolynomialLike, time: object, variable: str | Symbol | None = None
+) -> Poly:
+    """Read a polynomial whose time domain is given: a list of coefficients needs no variable then.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.reading import polynomial_in_time
+    >>> polynomial_in_time([1, 2], "discrete")
+    Poly(q + 2, q, domain='QQ')
+    """
+    wanted = require_time(time)
+    if variable is None and is_list(obj):
+        variable = "s" if wanted == "continuous" else "q"
+    return polynomial(obj, variable)
 
 
 def in_one_variable(

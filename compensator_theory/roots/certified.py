@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import flint
-from sympy import Poly
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, words
@@ -59,7 +59,9 @@ class Root(ExactValue):
         return displayed(rf"\lambda \approx {value} {text if self.multiplicity > 1 else ''}")
 
 
-def certified_roots(poly: PolynomialLike) -> tuple[Root, ...]:
+def certified_roots(
+    poly: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Root, ...]:
     r"""Isolate the roots of a rational polynomial in certified disks.
 
     .. math:: |\lambda_i - \mathrm{value}_i| \le \mathrm{radius}_i
@@ -68,6 +70,8 @@ def certified_roots(poly: PolynomialLike) -> tuple[Root, ...]:
     ----------
     poly : polynomial
         Rational coefficients, not zero.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients shows none.
 
     Returns
     -------
@@ -86,7 +90,7 @@ def certified_roots(poly: PolynomialLike) -> tuple[Root, ...]:
     >>> [(r.value, r.multiplicity) for r in certified_roots(polynomial("s**2*(s**2 + 1)"))]
     [(0j, 2), (1j, 1), (-1j, 1)]
     """
-    source = polynomial(poly)
+    source = polynomial(poly, variable)
     with ball_precision(64):
         found = [_rounded(ball, multiplicity) for ball, multiplicity in root_balls(source)]
     return tuple(sorted(found, key=_order))

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import flint
 import sympy
-from sympy import QQ, Expr, Poly
+from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, words
@@ -16,9 +16,9 @@ from compensator_theory.matrices.flint_polynomials import (
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, is_rational
-from compensator_theory.polynomials.reading import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial, polynomial_in_time
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import Time, require_time
+from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.descartes import distinct_real_roots
 
 PRECISIONS = (256, 1024, 4096, 16384)
@@ -58,13 +58,15 @@ class RootCount(ExactValue):
         return displayed(words(str(self)))
 
 
-def number_of_real_roots(poly: PolynomialLike) -> int:
+def number_of_real_roots(poly: PolynomialLike, *, variable: str | Symbol | None = None) -> int:
     r"""Count the real roots with multiplicity by Descartes' rule of signs, or Sturm's theorem.
 
     Parameters
     ----------
     poly : polynomial
         Rational coefficients, not zero.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients shows none.
 
     Raises
     ------
@@ -85,7 +87,7 @@ def number_of_real_roots(poly: PolynomialLike) -> int:
     >>> number_of_real_roots(polynomial("(s + 1)**2*(s**2 + 1)**2"))
     2
     """
-    poly = require_rational(poly)
+    poly = require_rational(polynomial(poly, variable))
     _, factors = to_flint_polynomial(poly).numer().factor_squarefree()
     return sum(int(m) * _distinct_real_roots(factor, poly.gen) for factor, m in factors)
 
@@ -135,7 +137,9 @@ def _is_nonnegative(value: Expr) -> bool | None:
     return None
 
 
-def count_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
+def count_roots(
+    poly: PolynomialLike, *, time: Time, variable: str | Symbol | None = None
+) -> RootCount:
     r"""Count the stable roots, those on the boundary of stability and the unstable ones, exactly.
 
     .. math:: I_{-\infty}^{+\infty}
@@ -149,6 +153,8 @@ def count_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
         Rational coefficients, not zero.
     time : {"continuous", "discrete"}
         Whether stable means left of the imaginary axis, or inside the unit circle.
+    variable : str or Symbol, optional
+        Default: evident; of a list of coefficients s, in discrete time q.
 
     Raises
     ------
@@ -174,9 +180,9 @@ def count_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
     >>> print(count_roots("q*(q + 1)**2*(q - 3)", time="discrete"))
     1 stable, 2 on the boundary, 1 unstable
     """
-    poly = require_rational(poly)
+    poly = require_rational(polynomial_in_time(poly, time, variable))
     degree = int(poly.degree())
-    if require_time(time) == "discrete":
+    if time == "discrete":
         poly = half_plane_image(poly, degree)
     found = _count_in_balls(poly) or _count_by_chain(poly)
     return RootCount(found.stable, found.boundary + degree - found.total, found.unstable)

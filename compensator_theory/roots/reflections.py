@@ -11,7 +11,7 @@ from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.counts import require_rational
 
 
-def reciprocal_polynomial(poly: PolynomialLike) -> Poly:
+def reciprocal_polynomial(poly: PolynomialLike, *, variable: str | Symbol | None = None) -> Poly:
     r"""Reverse the coefficients, which reflects every root across the unit circle.
 
     .. math:: a^*(z) = z^k a(1/z) = a_0 z^k + a_1 z^{k-1} + \cdots + a_k
@@ -32,13 +32,15 @@ def reciprocal_polynomial(poly: PolynomialLike) -> Poly:
     >>> reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(-6/5*z + 1, z, domain='QQ')
     """
-    poly = polynomial(poly)
+    poly = polynomial(poly, variable)
     if poly.is_zero:
         raise InputError("the zero polynomial has no degree and thus no reciprocal polynomial")
     return canonical(Poly(poly.all_coeffs()[::-1], poly.gen))
 
 
-def monic_reciprocal_polynomial(poly: PolynomialLike) -> Poly:
+def monic_reciprocal_polynomial(
+    poly: PolynomialLike, *, variable: str | Symbol | None = None
+) -> Poly:
     r"""Return the monic polynomial whose roots are the reciprocals of the given ones.
 
     .. math:: \frac{z^k a(1/z)}{a_0} = \prod_i (z - 1/\lambda_i)
@@ -65,7 +67,7 @@ def monic_reciprocal_polynomial(poly: PolynomialLike) -> Poly:
     >>> monic_reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(z - 5/6, z, domain='QQ')
     """
-    poly = polynomial(poly)
+    poly = polynomial(poly, variable)
     if poly.is_zero or poly.TC() == 0:
         raise InputError(
             f"{format_polynomial(poly)} is zero at 0, and the reciprocal of 0 is no number; divide "

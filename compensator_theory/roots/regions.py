@@ -1,17 +1,19 @@
 """Where certified roots lie: in the stable region of the plane, on its boundary, or outside."""
 
 import flint
-from sympy import QQ, Poly
+from sympy import QQ, Poly, Symbol
 
-from compensator_theory.polynomials.reading import PolynomialLike
-from compensator_theory.polynomials.variables import Time, require_time
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial_in_time
+from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import RootCount, require_rational
 from compensator_theory.roots.reflections import reciprocal_polynomial
 from compensator_theory.roots.unit_circle import fold_palindrome, is_inside
 
 
-def locate_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
+def locate_roots(
+    poly: PolynomialLike, *, time: Time, variable: str | Symbol | None = None
+) -> RootCount:
     r"""Locate every root by its certified ball, relative to the boundary of stability.
 
     Parameters
@@ -20,6 +22,8 @@ def locate_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
         Rational coefficients, not zero.
     time : {"continuous", "discrete"}
         Whether the boundary is the imaginary axis or the unit circle.
+    variable : str or Symbol, optional
+        Default: evident; of a list of coefficients s, in discrete time q.
 
     Raises
     ------
@@ -43,8 +47,8 @@ def locate_roots(poly: PolynomialLike, *, time: Time) -> RootCount:
     >>> print(locate_roots("q*(q + 1)**2*(q - 3)", time="discrete"))
     1 stable, 2 on the boundary, 1 unstable
     """
-    poly = require_rational(poly)
-    s, discrete = poly.gen, require_time(time) == "discrete"
+    poly = require_rational(polynomial_in_time(poly, time, variable))
+    s, discrete = poly.gen, time == "discrete"
     mirrored = reciprocal_polynomial(poly) if discrete else poly.compose(Poly(-s, s, domain=QQ))
     paired = poly.gcd(mirrored)
     others = decided_balls(poly.exquo(paired), is_inside if discrete else is_left)

@@ -1,18 +1,20 @@
 """Whether all roots are inside the unit circle, by arithmetic on the coefficients."""
 
 import flint
-from sympy import QQ, Expr, Poly
+from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.poly import canonical
-from compensator_theory.polynomials.reading import PolynomialLike
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial_in_time
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.regions import locate_roots
 
 PRECISIONS = (128, 512, 2048, 8192)  # bits; a polynomial of degree n needs about n of them at most
 
 
-def reflection_coefficients(poly: PolynomialLike) -> tuple[Expr, ...]:
+def reflection_coefficients(
+    poly: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Expr, ...]:
     r"""Return the numbers of Schur and Cohn, as far as they decide.
 
     .. math:: k_j = \frac{a_j(0)}{\mathrm{lc}(a_j)}, \qquad
@@ -22,6 +24,8 @@ def reflection_coefficients(poly: PolynomialLike) -> tuple[Expr, ...]:
     ----------
     poly : polynomial
         Rational coefficients, degree n.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients is one in q.
 
     Returns
     -------
@@ -48,7 +52,7 @@ def reflection_coefficients(poly: PolynomialLike) -> tuple[Expr, ...]:
     >>> reflection_coefficients(polynomial("z**2 - 3*z + 2"))
     (2,)
     """
-    poly = require_rational(poly)
+    poly = require_rational(polynomial_in_time(poly, "discrete", variable))
     ring = poly.domain
     row = [ring.convert(c) for c in poly.rep.to_list()]
     found = []

@@ -88,14 +88,14 @@ class SpectralFactor(ExactValue):
                 factor = descending[::-1]
                 mirrored = [-c if k % 2 else c for k, c in enumerate(factor)]
             else:
-                shift = self.degree - self._half
+                shift = self.degree - self.half
                 given = [flint.arb(0)] * max(shift, 0) + given[max(-shift, 0) :]
             product = flint.arb_poly(factor) * flint.arb_poly(mirrored)
             difference = ball_of_enclosure(self.constant) * product - flint.arb_poly(given)
             return tuple(enclosure_of_ball(c) for c in reversed(difference.coeffs()))
 
     @property
-    def _half(self) -> int:
+    def half(self) -> int:
         """The m of the definition: the centre of a palindrome."""
         terms = [int(power) for (power,) in self.spectrum.as_dict()]
         return (max(terms) + min(terms)) // 2

@@ -3,15 +3,15 @@
 from dataclasses import dataclass
 
 import sympy
-from sympy import Expr, Matrix, Poly
+from sympy import Expr, Matrix, Poly, Symbol
 
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
-from compensator_theory.polynomials.reading import PolynomialLike, polynomial
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial, polynomial_in_time
 from compensator_theory.polynomials.values import ExactValue
-from compensator_theory.polynomials.variables import Time, require_time
+from compensator_theory.polynomials.variables import Time
 from compensator_theory.roots.counts import RootCount, count_roots, require_rational
 from compensator_theory.roots.regions import locate_roots
 from compensator_theory.roots.schur_cohn import reflection_coefficients
@@ -86,7 +86,9 @@ class StabilityDecision(ExactValue):
         return displayed(rf"{latex(self.polynomial)} {words(' ' + verdict)}")
 
 
-def decide_stability(poly: PolynomialLike, *, time: Time) -> StabilityDecision:
+def decide_stability(
+    poly: PolynomialLike, *, time: Time, variable: str | Symbol | None = None
+) -> StabilityDecision:
     r"""Decide whether every root is stable: Hurwitz in continuous, Schur in discrete time.
 
     Parameters
@@ -99,6 +101,8 @@ def decide_stability(poly: PolynomialLike, *, time: Time) -> StabilityDecision:
     time : {"continuous", "discrete"}
         Whether the real parts are to be below 0 or the moduli below 1. The variable's letter does
         not decide it; see :func:`stability_conditions` for what reads it.
+    variable : str or Symbol, optional
+        Default: evident; of a list of coefficients s, in discrete time q.
 
     Returns
     -------
@@ -128,7 +132,7 @@ def decide_stability(poly: PolynomialLike, *, time: Time) -> StabilityDecision:
     >>> decide_stability("s**2 + a*s + 1", time="continuous").is_stable is None
     True
     """
-    p, discrete = polynomial(poly), require_time(time) == "discrete"
+    p, discrete = polynomial_in_time(poly, time, variable), time == "discrete"
     if not is_rational(p):
         return _schur_with_symbols(p) if discrete else _hurwitz_with_symbols(p)
     require_rational(p)
@@ -142,7 +146,9 @@ def decide_stability(poly: PolynomialLike, *, time: Time) -> StabilityDecision:
     return StabilityDecision(p, time, by_coefficients, by_roots, *counts, evidence)
 
 
-def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
+def hurwitz_determinants(
+    poly: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Expr, ...]:
     r"""Return the leading principal minors of the Hurwitz matrix of the monic polynomial.
 
     .. math:: H_{ij} = a_{n - 2j + i}, \qquad \Delta_k = \det [H_{ij}]_{i,j\le k}
@@ -151,6 +157,8 @@ def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
     ----------
     poly : polynomial
         Degree n, symbols allowed.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients shows none.
 
     Returns
     -------
@@ -169,7 +177,7 @@ def hurwitz_determinants(poly: PolynomialLike) -> tuple[Expr, ...]:
     >>> hurwitz_determinants("s**2 + a*s + b")
     (a, a*b)
     """
-    p = polynomial(poly)
+    p = polynomial(poly, variable)
     if p.is_zero:
         require_rational(p)
     leading, degree = p.LC(), int(p.degree())

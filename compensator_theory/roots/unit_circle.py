@@ -1,7 +1,7 @@
 """Inside, on or outside the unit circle: decided exactly."""
 
 import flint
-from sympy import QQ, Poly
+from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError, UnitCircleError
 from compensator_theory.polynomials.budget import quoted
@@ -10,7 +10,9 @@ from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.roots.certified import decided_balls
 
 
-def split_at_unit_circle(poly: PolynomialLike) -> tuple[Poly, Poly]:
+def split_at_unit_circle(
+    poly: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Poly, Poly]:
     r"""Split a rational polynomial at the unit circle into two monic rational factors.
 
     .. math:: N = N_k\, N_s\, N_u, \qquad N_s(\lambda)=0 \Rightarrow |\lambda|<1, \qquad
@@ -20,6 +22,8 @@ def split_at_unit_circle(poly: PolynomialLike) -> tuple[Poly, Poly]:
     ----------
     poly : polynomial
         Rational coefficients, not zero.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients shows none.
 
     Returns
     -------
@@ -51,7 +55,7 @@ def split_at_unit_circle(poly: PolynomialLike) -> tuple[Poly, Poly]:
     >>> stable.as_expr(), unstable.as_expr()
     (q**2 - q/2, q - 2)
     """
-    poly = polynomial(poly)
+    poly = polynomial(poly, variable)
     if not is_rational(poly):
         raise InputError(
             f"{quoted(poly)} has coefficients that are not rational numbers, so its roots cannot "

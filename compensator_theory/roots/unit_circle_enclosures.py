@@ -10,7 +10,7 @@ from sympy import Poly, Rational, Symbol
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.polynomials.budget import integer
-from compensator_theory.polynomials.reading import PolynomialLike
+from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.counts import require_rational
 from compensator_theory.roots.enclosures import (
@@ -30,7 +30,7 @@ MAX_DIGITS = 10_000
 
 
 def enclose_split_at_unit_circle(
-    poly: PolynomialLike, digits: int = 30
+    poly: PolynomialLike, digits: int = 30, *, variable: str | Symbol | None = None
 ) -> tuple[PolynomialEnclosure, PolynomialEnclosure]:
     r"""Enclose the two monic factors of a rational polynomial at the unit circle.
 
@@ -43,6 +43,8 @@ def enclose_split_at_unit_circle(
         Rational coefficients, not zero.
     digits : int
         Every radius is at most :math:`10^{-\mathrm{digits}}`.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients shows none.
 
     Returns
     -------
@@ -68,7 +70,7 @@ def enclose_split_at_unit_circle(
     >>> print(inside, "|", outside)
     q - 0.26794919243112270647 | q - 3.7320508075688772935
     """
-    poly = require_rational(poly)
+    poly = require_rational(polynomial(poly, variable))
     bits = working_bits(digits)
     try:
         return tuple(exact_enclosure(factor) for factor in split_at_unit_circle(poly))  # type: ignore[return-value]

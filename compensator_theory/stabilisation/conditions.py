@@ -1,7 +1,7 @@
 """Stability of a polynomial with symbols as a short list of inequalities."""
 
 import sympy
-from sympy import Expr, Poly
+from sympy import Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.matrices.linear_algebra import determinant
@@ -10,7 +10,9 @@ from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.stabilisation.half_plane import half_plane_polynomial
 
 
-def stability_conditions(poly: PolynomialLike) -> tuple[Expr, ...]:
+def stability_conditions(
+    poly: PolynomialLike, *, variable: str | Symbol | None = None
+) -> tuple[Expr, ...]:
     r"""Return expressions that are all positive if and only if every root is stable.
 
     .. math:: a_0, a_1, a_3, a_5, \ldots > 0, \qquad \Delta_{n-1}, \Delta_{n-3}, \ldots > 0
@@ -24,7 +26,10 @@ def stability_conditions(poly: PolynomialLike) -> tuple[Expr, ...]:
     poly : polynomial
         In s for the open left half plane, in z or q for the open unit disk; symbols stand for real
         numbers. Where the leading coefficient is symbolic, it is taken to be positive, and is the
-        first condition; for a negative one ask for the negative polynomial.
+        first condition; for a negative one ask for the negative polynomial, and where it is zero
+        for what is left of the polynomial.
+    variable : str or Symbol, optional
+        Default: evident; a list of coefficients shows none.
 
     Returns
     -------
@@ -50,7 +55,7 @@ def stability_conditions(poly: PolynomialLike) -> tuple[Expr, ...]:
     >>> stability_conditions("z**2 + a*z + b")
     (-a + b + 1, a + b + 1, 1 - b)
     """
-    p = polynomial(poly)
+    p = polynomial(poly, variable)
     if p.is_zero:
         raise InputError("every number is a root of the zero polynomial")
     if sympy.sympify(p.LC()).is_negative:

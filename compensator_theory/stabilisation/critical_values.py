@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from itertools import pairwise
 
+import flint
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
+from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.roots.certified import decided_balls
 from compensator_theory.roots.enclosures import Enclosure, enclosure_of_ball
 from compensator_theory.stabilisation.half_plane import half_plane_polynomial
@@ -106,6 +108,28 @@ def real_roots(polys: list[Poly]) -> list[CriticalValue]:
         if all(a.enclosure.upper < b.enclosure.lower for a, b in pairwise(found)):
             return found
         precision *= 2
+
+
+def signs_at_real_roots(poly: Poly, factor: Poly) -> list[int]:
+    """Return the signs of a polynomial at the real roots, ascending, of an irreducible one.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.stabilisation.critical_values import signs_at_real_roots
+    >>> signs_at_real_roots(polynomial("k + 1"), polynomial("k**2 - 2"))
+    [-1, 1]
+    """
+    rest = to_flint_polynomial(poly.rem(factor))
+
+    def decide(ball: flint.acb) -> int | None:
+        if ball.imag != 0 or not rest:
+            return 0
+        there = flint.arb_poly(rest)(ball.real)  # at the precision of the ball
+        return 1 if there > 0 else -1 if there < 0 else None
+
+    decided = [(b.real, sign) for b, _, sign in decided_balls(factor, decide) if b.imag == 0]
+    return [sign for _, sign in sorted(decided, key=lambda pair: pair[0].mid())]
 
 
 def cells_between(ends: list[CriticalValue]) -> list[tuple[Expr, Expr, Rational]]:

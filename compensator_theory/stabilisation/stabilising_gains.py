@@ -1,5 +1,7 @@
 """All gains with which a loop is stable, exact."""
 
+from dataclasses import replace
+
 from sympy import Symbol
 
 from compensator_theory.loops.siso import LoopPart, read_loop
@@ -17,6 +19,7 @@ def stabilising_gains(
     *,
     feedback: int,
     gain: str | Symbol = "k",
+    variable: str | Symbol | None = None,
 ) -> StabilityIntervals:
     r"""Find all real gains k with which k G_c stabilises G.
 
@@ -31,13 +34,16 @@ def stabilising_gains(
         The sign f.
     gain : str or Symbol
         What the gain is called in the result.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
     StabilityIntervals
         ``around(1)`` is the gain margin of the loop as it is, downwards and upwards, exact, and
         conditional stability shows as several intervals. A mode that is hidden and not stable
-        leaves none.
+        leaves none, and a gain at which the degree drops is not stable: a root went to infinity
+        (1 - f k G G_c vanishes there, and the loop is not well posed).
 
     Raises
     ------
@@ -51,7 +57,7 @@ def stabilising_gains(
     >>> print(stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=-1))
     s**3 + 3*s**2 + 2*s + k is stable for k in (0, 6)
     """
-    G, G_c = read_loop(plant, compensator, feedback)
+    G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     k = as_symbol(gain)
     N, D, N_c, D_c = over_one_field(G.numerator, G.denominator, G_c.numerator, G_c.denominator)
     through, around = N * N_c, D * D_c
@@ -65,4 +71,4 @@ def stabilising_gains(
         ],
         G.variable,
     )  # fmt: skip
-    return stability_intervals(canonical(polynomial), k)
+    return replace(stability_intervals(canonical(polynomial), k), points=())

@@ -61,7 +61,9 @@ class StabilityRegion(ExactValue):
         Irreducible, in both parameters: a root can reach the boundary of stability only on these
         curves.
     slabs : tuple of StabilitySlab
-        From left to right, all of the plane but finitely many lines.
+        From left to right, all of the plane but finitely many lines. What is stable on curves
+        where the leading coefficient vanishes only, `in` and `section` tell: there what is left of
+        the polynomial is judged.
     """
 
     polynomial: Poly
@@ -71,7 +73,7 @@ class StabilityRegion(ExactValue):
 
     @property
     def is_empty(self) -> bool:
-        """Whether no pair is stable: the region is open, and a part of it lies in a slab."""
+        """Whether no open set of pairs is stable; where the degree drops, ask for a `section`."""
         return not any(slab.section.intervals for slab in self.slabs)
 
     def section(self, value: NumberLike) -> StabilityIntervals:
@@ -94,6 +96,10 @@ class StabilityRegion(ExactValue):
             + " or ".join(map(str, slab.section.intervals))
             for slab in stable
         ]
+        none = f"stable for no open set of {k_1}, {k_2}"
+        if set(sympy.sympify(self.polynomial.LC()).free_symbols):
+            drop = f"where {text(self.polynomial.LC())} = 0 what is left is judged, see section()"
+            return "\n".join([*(lines or [none]), drop])
         return "\n".join(lines) or f"stable for no real {k_1}, {k_2}"
 
     def _repr_latex_(self) -> str:

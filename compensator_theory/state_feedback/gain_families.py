@@ -5,8 +5,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import Dummy, Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
+from compensator_theory.canonical_forms.frobenius import frobenius_form
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.echelon import echelon
@@ -14,6 +15,7 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
+    rank,
     solve,
 )
 from compensator_theory.polynomials.formatting import format_polynomial
@@ -21,6 +23,7 @@ from compensator_theory.polynomials.from_roots import SpectrumLike, polynomial_o
 from compensator_theory.polynomials.poly import canonical, monic
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
+from compensator_theory.printing import text
 from compensator_theory.state_feedback.brunovsky import BrunovskyForm, brunovsky_form
 
 TRIES = 60
@@ -103,12 +106,15 @@ class StateFeedbackFamily(ExactValue):
     def parameters_of(self, K: MatrixLike) -> tuple[ImmutableMatrix, ...]:
         """Return a basis of all parameters that satisfy G = K X; empty if K is none of the family.
 
-        Those with det X nonzero give K back; where A + B K is similar to Lambda, there are some.
+        Those with det X nonzero give K back. K is one of the family where A + B K is similar to
+        Lambda: its characteristic polynomial alone is not enough.
         """
         gain = exact_matrix(K, "K")
         m, n = self.shape
         if gain.shape != (m, n):
             raise InputError(f"K is {gain.rows} x {gain.cols}; here it must be {m} x {n}")
+        if not are_similar(_simple(self.form.A + self.form.B * gain), self.Lambda):
+            return ()
         images = []
         for position in range(m * n):
             unit = ImmutableMatrix(m, n, [int(k == position) for k in range(m * n)])
@@ -162,16 +168,27 @@ class StateFeedbackFamily(ExactValue):
 
     def __str__(self) -> str:
         m, n = self.shape
+        s = self.polynomial.gen
         return (
-            f"all {m} x {n} gains with det(sI - A - BK) = {format_polynomial(self.polynomial)}, "
-            f"by {m} x {n} parameters"
+            f"all {m} x {n} gains with det({s}I - A - BK) = {format_polynomial(self.polynomial)}"
+            f"{self.structure}, by {m} x {n} parameters"
         )
+
+    @property
+    def structure(self) -> str:
+        """What A + B K is beyond its characteristic polynomial, in words; empty if nothing."""
+        if len(self.form.indices) == 1 or self.polynomial.is_sqf:
+            return ""  # every matrix with this characteristic polynomial is similar to Lambda
+        if frobenius_form(self.Lambda).is_cyclic:
+            return " and A + BK cyclic"
+        return f" and A + BK similar to {text(self.Lambda.tolist())}"
 
     def _repr_latex_(self) -> str:
         s, (m, n) = latex(self.polynomial.gen), self.shape
         return displayed(
             rf"K = G(\Phi)\, X(\Phi)^{{-1}}, \quad \Phi \in \mathbb{{R}}^{{{m} \times {n}}}",
             rf"\det({s} I - A - B K) = {latex(self.polynomial)}",
+            rf"A + B K \sim {latex(self.Lambda)}" if self.structure else "",
             unless(self.exceptional),
         )
 
@@ -246,6 +263,32 @@ def state_feedback_family(
     for k in range(n):
         companion[n - 1, k] = -goal.coeff_monomial(symbol**k)
     return StateFeedbackFamily(form, exact_matrix(companion, "Lambda"), canonical(goal))
+
+
+def are_similar(first: Matrix, second: Matrix) -> bool:
+    """Tell whether two matrices of one size are similar; with symbols, for generic values.
+
+    They are if and only if M X = X L has as many solutions as M X = X M and L X = X L (C. I. Byrnes
+    and M. A. Gauger, Advances in Mathematics 24 (1977)).
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.state_feedback.gain_families import are_similar
+    >>> are_similar(Matrix([[0, 1], [-1, -2]]), Matrix([[-1, 0], [0, -1]]))
+    False
+    """
+    s = Symbol("s") if Symbol("s") not in first.free_symbols | second.free_symbols else Dummy()
+    if characteristic_polynomial(first, s) != characteristic_polynomial(second, s):
+        return False
+    unit = sympy.eye(first.rows)
+
+    def commutant(left: Matrix, right: Matrix) -> int:
+        product = sympy.kronecker_product
+        return rank(ImmutableMatrix(product(unit, left) - product(right.T, unit)))
+
+    mixed = commutant(first, second)
+    return mixed == commutant(first, first) == commutant(second, second)
 
 
 def _simple(matrix: Matrix) -> ImmutableMatrix:

@@ -1,10 +1,12 @@
 """Block Hankel matrices of Markov parameters, whose rank is the McMillan degree."""
 
-from sympy import ImmutableMatrix, Symbol
+import sympy
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import ImproperError
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.polynomials.budget import ask, integer
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.structure.expansions import markov_parameters
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike, transfer_matrix
@@ -75,7 +77,8 @@ def mcmillan_degree(G: TransferMatrixLike, variable: str | Symbol | None = None)
     Parameters
     ----------
     G : transfer matrix
-        Anything :func:`transfer_matrix` reads, improper ones too; with symbols, for generic values.
+        Anything :func:`transfer_matrix` reads, improper ones too; with symbols, for generic values,
+        and :func:`exceptional_cases` tells what it is for the others.
     variable : str or Symbol, optional
         As for :func:`transfer_matrix`.
 
@@ -93,22 +96,38 @@ def mcmillan_degree(G: TransferMatrixLike, variable: str | Symbol | None = None)
     >>> mcmillan_degree("s**2 + 1/s", "s")
     3
     """
+    degree: int = _degree_and_minors(G, variable)[0]
+    return degree
+
+
+@generic_answer_of(mcmillan_degree)
+def _degree_and_minors(
+    G: TransferMatrixLike, variable: str | Symbol | None = None
+) -> tuple[int, list[Expr]]:
     source = transfer_matrix(G, variable)
     s, bottom = source.variable, source.denominator
     parts = [[entry.div(bottom) for entry in row] for row in source.numerators]
     rest = TransferMatrix(tuple(tuple(canonical(r) for _, r in row) for row in parts), bottom)
     degree = max((int(q.degree()) for row in parts for q, _ in row if not q.is_zero), default=0)
-    total = 0
+    blocks = []
     if (size := block_rows(rest)) > 0:
-        total += len(echelon(hankel_matrix(rest, size, size)).pivots)
+        blocks.append(hankel_matrix(rest, size, size))
     if degree > 0:
-        blocks = [
+        powers = [
             [q.coeff_monomial(s ** (r + c + 1)) for c in range(degree) for q, _ in row]
             for r in range(degree)
             for row in parts
         ]
-        total += len(echelon(ImmutableMatrix(blocks)).pivots)
-    return total
+        blocks.append(ImmutableMatrix(powers))
+    forms = [echelon(block) for block in blocks]
+    divisors = [form.divided_by for form in forms]
+    divisors += [c for row in source.numerators for entry in row for c in _bottoms(entry)]
+    return sum(len(form.pivots) for form in forms), [*divisors, *_bottoms(bottom)]
+
+
+def _bottoms(poly: Poly) -> list[Expr]:
+    """Return what the coefficients are divided by; where it is zero, G has another form."""
+    return [sympy.fraction(c)[1] for c in map(sympy.cancel, poly.all_coeffs()) if c.free_symbols]
 
 
 def block_rows(G: TransferMatrix) -> int:

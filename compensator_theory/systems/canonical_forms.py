@@ -9,7 +9,7 @@ from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.reading import is_one_of
-from compensator_theory.polynomials.variables import as_symbol
+from compensator_theory.polynomials.variables import as_symbol, time_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
 from compensator_theory.systems.realisations import Realisation
@@ -84,6 +84,33 @@ def realisation(
                 found.A, found.B, found.C, found.D, found.variable, sample_time=found.sample_time
             )
     return _canonical(obj, variable, form)
+
+
+def timed_realisation(
+    obj: RealisationLike, variable: str | Symbol | None, what: str
+) -> Realisation:
+    """Read a realisation for a question whose answer depends on time, which is never guessed.
+
+    Raises
+    ------
+    InputError
+        If bare matrices are given without a variable, or the variable is none of s, z and q.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems.canonical_forms import timed_realisation
+    >>> timed_realisation(([[0]], [[1]], [[1]]), "z", "a Gramian").variable
+    z
+    """
+    bare = isinstance(obj, tuple | list) and len(obj) in (3, 4)
+    if bare and variable is None:
+        raise InputError(
+            f"{what} depends on the time domain, which matrices do not show; write variable='s' "
+            "for continuous time, 'z' or 'q' for discrete time"
+        )
+    found = realisation(obj, variable)
+    time_of(found.variable, what)
+    return found
 
 
 def _canonical(obj: TransferFunctionLike, variable: str | Symbol | None, form: str) -> Realisation:

@@ -2,23 +2,28 @@
 
 from functools import reduce
 from itertools import combinations, islice
-from typing import Literal
+from typing import Any, Literal
 
+import flint
 import sympy
-from sympy import ImmutableMatrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError
+from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import is_rational_matrix, to_flint
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
     rank,
     solve,
 )
+from compensator_theory.polynomials.generic_answers import generic_answer_of
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.variables import as_symbol, require_one_symbol_a_name
 
+PRIME = 2**61 - 1  # for ranks: what is independent modulo a prime is independent
 MINORS = 24  # that are looked at before a wide controllability matrix counts as undecided
 
 
@@ -83,7 +88,8 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     -------
     bool or None
         None if it depends on the values of symbols, or, for several inputs, if none of the minors
-        that are tried settles it; False if it fails for all values.
+        that are tried settles it (:func:`exceptional_cases` tells for which values it holds); False
+        if it fails for all values.
 
     Raises
     ------
@@ -98,12 +104,46 @@ def is_controllable(A: MatrixLike, B: MatrixLike) -> bool | None:
     True
     """
     A, B = exact_matrix(A, "A"), exact_matrix(B, "B")
+    if A.rows == A.cols == B.rows and A.rows and is_rational_matrix(A) and is_rational_matrix(B):
+        return _reaches_all(to_flint(A), to_flint(B))
     kalman = controllability_matrix(A, B)
     if rank(kalman) < A.rows:
         return False
     if not kalman.free_symbols:
         return True
     return _has_full_rank(kalman)
+
+
+def _reaches_all(A: flint.fmpq_mat, B: flint.fmpq_mat) -> bool:
+    """Tell whether [B AB ...] has full rank: it does where it does modulo a prime."""
+    n = int(A.nrows())
+    whole = A.numer_denom()[0], B.numer_denom()[0]
+
+    def krylov(a: Any, block: Any) -> list[list[Any]]:
+        rows = block.transpose().tolist()
+        for _ in range(n - 1):
+            block = a * block
+            rows += block.transpose().tolist()
+        return rows
+
+    reduced = (flint.nmod_mat(m, PRIME) for m in whole)
+    if flint.nmod_mat(krylov(*reduced), PRIME).rank() == n:
+        return True
+    return bool(flint.fmpz_mat(krylov(*whole)).rank() == n)
+
+
+@generic_answer_of(is_controllable)
+def _generic_controllability(A: MatrixLike, B: MatrixLike) -> tuple[bool, list[Expr]]:
+    """A rank is largest for generic values, so that a loss holds for all of them."""
+    kalman = controllability_matrix(A, B)
+    found = echelon(kalman)
+    if len(found.pivots) < kalman.rows:
+        return False, []
+    return True, [found.divided_by, *_denominators(kalman)]
+
+
+def _denominators(matrix: ImmutableMatrix) -> list[Expr]:
+    return [sympy.fraction(sympy.cancel(entry))[1] for entry in matrix if entry.free_symbols]
 
 
 def _has_full_rank(kalman: ImmutableMatrix) -> Literal[True] | None:
@@ -139,7 +179,8 @@ def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) ->
     Parameters
     ----------
     A, B : sympy.Matrix
-        n x n and n x m, exact; with symbols, generic.
+        n x n and n x m, exact; with symbols, for generic values of them, and
+        :func:`exceptional_cases` tells what it is for the others.
     variable : Symbol
         Variable of the polynomial.
 
@@ -171,6 +212,13 @@ def uncontrollable_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) ->
     gram = basis.T * basis  # A basis = basis X has the solution X of the normal equations
     reached = characteristic_polynomial(solve(gram, basis.T * A * basis), variable)
     return canonical(whole.exquo(reached))
+
+
+@generic_answer_of(uncontrollable_polynomial)
+def _generic_polynomial(A: MatrixLike, B: MatrixLike, variable: Symbol) -> tuple[Poly, list[Expr]]:
+    kalman = controllability_matrix(A, B)
+    found = uncontrollable_polynomial(A, B, variable)
+    return found, [echelon(kalman).divided_by, *_denominators(kalman)]
 
 
 def _independent_columns(matrix: ImmutableMatrix, size: int) -> ImmutableMatrix:

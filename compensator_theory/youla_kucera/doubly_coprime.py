@@ -18,7 +18,7 @@ from compensator_theory.roots.stability import decide_stability
 from compensator_theory.state_feedback.gain_families import state_feedback_family
 from compensator_theory.state_feedback.observer_gain_families import observer_gain_family
 from compensator_theory.structure.minimal_realisations import minimal_realisation
-from compensator_theory.systems.canonical_forms import RealisationLike, realisation
+from compensator_theory.systems.canonical_forms import RealisationLike, timed_realisation
 from compensator_theory.systems.matrix_conversions import TransferMatrixLike
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import transfer_matrix_of_realisation
@@ -175,7 +175,7 @@ def read_plant(
     1
     """
     if isinstance(plant, Realisation) or (isinstance(plant, tuple) and len(plant) in (3, 4)):
-        return realisation(plant, variable), ()
+        return timed_realisation(plant, variable, "a stable fraction"), ()
     found = minimal_realisation(plant, variable)
     return found.realisation, found.exceptional
 

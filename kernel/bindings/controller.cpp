@@ -25,9 +25,10 @@ void require_window(std::size_t steps, const char* name) {
 
 std::unique_ptr<Update> update_of(const std::string& name, const std::vector<double>& P,
                                   const std::vector<double>& theta, std::size_t l_z,
-                                  std::size_t window, double step_size) {
+                                  std::size_t window, double step_size,
+                                  const InstructionSet& instructions) {
     const std::size_t l_theta = theta.size();
-    if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta);
+    if (name == "ud") return std::make_unique<UdUpdate>(P.data(), l_theta, instructions);
     if (name == "ud, subspace") return std::make_unique<SubspaceUpdate>(P.data(), l_theta);
     if (name == "covariance") return std::make_unique<CovarianceUpdate>(P.data(), l_theta);
     if (name == "sliding window") {
@@ -55,7 +56,7 @@ std::unique_ptr<OwnedController> make_controller(
     const Forgetting& forgetting, const Reset& reset, const Array& noise, const std::string& update,
     const Array& P_0, const Array& theta_0, std::size_t window, double step_size,
     const Perturbation& dither, const Array& penalty, const Curve& normalization,
-    const nb::tuple& bounds, const nb::tuple& fixed) {
+    const nb::tuple& bounds, const nb::tuple& fixed, const std::string& instructions) {
     ControllerPlan plan;
     require_width(l_z, 1, "l_z");
     plan.structure = structure_of(l_u, l_y, l_r, derived, regressor, channels, filtered);
@@ -97,7 +98,8 @@ std::unique_ptr<OwnedController> make_controller(
     bool penalises = false;
     for (const double s : plan.penalty.base) penalises = penalises || s != 0.0;
     const std::size_t rows = penalises ? l_z + l_u : l_z;
-    std::unique_ptr<Update> arithmetic = update_of(update, P, theta, rows, window, step_size);
+    std::unique_ptr<Update> arithmetic = update_of(update, P, theta, rows, window, step_size,
+                                                    instruction_set(instructions.c_str()));
     return std::make_unique<OwnedController>(std::move(plan), std::move(arithmetic),
                                              std::move(theta));
 }
@@ -252,7 +254,7 @@ void bind_controller(nb::module_& m) {
           nb::arg("dither") = Perturbation{0, 0.0, 0.0, 0}, nb::arg("penalty") = empty,
           nb::arg("normalization") = Curve{0, 1.0, 1.0},
           nb::arg("bounds") = nb::make_tuple(empty, empty, false, 0),
-          nb::arg("fixed") = nb::make_tuple(empty, empty));
+          nb::arg("fixed") = nb::make_tuple(empty, empty), nb::arg("instruction_set") = "");
 }
 
 }  // namespace rcac

@@ -64,7 +64,7 @@ def _entry(entry: Entry) -> Iterator[str]:
     if entry.hypotheses:
         yield f"Hypotheses: {escaped('; '.join(entry.hypotheses))}. Then:"
         yield ""
-    yield f"> {escaped(entry.conclusion)}"
+    yield f"> {escaped(' '.join(entry.conclusion))}"
     yield ""
     yield f"The text: {escaped(entry.text)}"
     if entry.difference:

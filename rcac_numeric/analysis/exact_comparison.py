@@ -44,7 +44,7 @@ class ExactComparison(Value):
     reached: Poly
     asked: Poly | None
     obstacle: str
-    compensators: exact.PolePlacement | None
+    compensators: exact.results.PolePlacement | None
     poles: ComplexArray
     zeros: dict[str, ComplexArray]
     target_poles: ComplexArray

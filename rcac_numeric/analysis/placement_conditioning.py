@@ -10,8 +10,6 @@ import numpy as np
 from sympy import Poly
 
 from compensator_theory import (
-    PolePlacement,
-    Root,
     TransferFunction,
     certified_roots,
     exact_number,
@@ -21,6 +19,7 @@ from compensator_theory import (
 from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.placement.rounding_effects import is_stable
 from compensator_theory.polynomials.poly import canonical, scaled
+from compensator_theory.results import PolePlacement, Root
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 

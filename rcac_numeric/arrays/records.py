@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from functools import cache
 from types import UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.values import equal
+from rcac_numeric.arrays.values import equal, field_names, is_record
 
 PLAIN = (str, bool, int, type(None))
 LEFT_OUT = ("certificate",)  # of a conversion: evidence, which no comparison reads
@@ -38,7 +37,7 @@ class Records:
     Parameters
     ----------
     classes : classes
-        Dataclasses whose constructors take their fields. Nothing else is ever constructed.
+        Classes of fields whose constructors take these. Nothing else is ever constructed.
 
     Examples
     --------
@@ -85,11 +84,11 @@ class Records:
             pairs = [[self._tree(k, arrays), self._tree(v, arrays)] for k, v in value.items()]
             return {"dict": pairs}
         name = type(value).__name__
-        if is_dataclass(value) and type(value) in (*self._classes.values(), *_exact().values()):
+        if is_record(value) and type(value) in (*self._classes.values(), *_exact().values()):
             parts = {
-                f.name: self._tree(getattr(value, f.name), arrays)
-                for f in fields(value)
-                if f.init and f.name not in LEFT_OUT
+                field: self._tree(getattr(value, field), arrays)
+                for field in field_names(type(value), made_of=True)
+                if field not in LEFT_OUT
             }
             return {"class": name, "fields": parts}
         if name in ("Poly", "ImmutableDenseMatrix", "Symbol"):
@@ -167,7 +166,7 @@ def require_declared(made: Any) -> None:
 @cache
 def _declared(cls: type[Any]) -> dict[str, Any]:
     hints = get_type_hints(cls)
-    return {f.name: hints[f.name] for f in fields(cls)}
+    return {name: hints[name] for name in field_names(cls)}
 
 
 def _is_of(value: Any, hint: Any) -> bool:
@@ -175,6 +174,8 @@ def _is_of(value: Any, hint: Any) -> bool:
     origin, inner = get_origin(hint), get_args(hint)
     if hint is Any or getattr(hint, "_is_protocol", False):
         return True
+    if origin is Literal:
+        return isinstance(value, str) and value in inner
     if origin in (Union, UnionType):
         return any(_is_of(value, one) for one in inner)
     if origin is np.ndarray:

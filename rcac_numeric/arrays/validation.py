@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from numbers import Real
 from types import UnionType
-from typing import Any
+from typing import Any, cast
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -18,6 +19,35 @@ from rcac_numeric.arrays.array_types import Array
 MOST_STATES = 1000
 # A field that takes whatever can be read as an array or a number and holds what was read.
 Read = Any
+
+
+def reads(check: Callable[..., Any], *, optional: bool = False, **options: Any) -> dict[str, Any]:
+    """Metadata of an attrs field: it keeps what `check(value, name, ...)` makes of what is given.
+
+    With `optional` None stays None. The class is made with `field_transformer=with_checks`.
+    """
+
+    def converted(value: Any, field: attrs.Attribute[Any]) -> Any:
+        return None if optional and value is None else check(value, field.name, **options)
+
+    return {"reads": attrs.Converter(converted, takes_field=True)}
+
+
+def with_checks(
+    cls: type[Any], fields: Sequence[attrs.Attribute[Any]]
+) -> list[attrs.Attribute[Any]]:
+    """The fields of an attrs class, each with the check of its metadata as its converter."""
+    return [f.evolve(converter=f.metadata.get("reads", f.converter)) for f in fields]
+
+
+def array_like(value: ArrayLike) -> Array:
+    """What a field takes whose check makes an array of it; for type checkers."""
+    return cast(Array, value)
+
+
+def optional_array_like(value: ArrayLike | None) -> Array | None:
+    """The same of a field that may be None."""
+    return cast(Array, value)
 
 
 def real_array(value: ArrayLike, name: str) -> Array:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any
+from dataclasses import replace as dataclass_replace
+from typing import Any, TypeVar
 
+import attrs
 import numpy as np
+
+T = TypeVar("T")
 
 
 class Value:
-    """A base for dataclasses with arrays in them: equal where all that they hold is equal.
+    """A base for data classes with arrays in them: equal where all that they hold is equal.
 
     Two arrays are equal where shape, type and every entry are; not a number equals itself, as it
     must for a result to equal its own copy.
@@ -55,8 +59,30 @@ def fingerprint(value: Any) -> str:
     return digest.hexdigest()[:16]
 
 
+def is_record(value: object) -> bool:
+    """Whether something is an instance of a class of fields, attrs' or a dataclass."""
+    return not isinstance(value, type) and (attrs.has(type(value)) or is_dataclass(value))
+
+
+def field_names(cls: type[Any], *, compared: bool = False, made_of: bool = False) -> list[str]:
+    """The names of a class's fields; those that are compared, or that its constructor takes."""
+    if attrs.has(cls):
+        every = [(f.name, bool(f.eq), f.init) for f in attrs.fields(cls)]
+    else:
+        every = [(f.name, f.compare, f.init) for f in fields(cls)]
+    return [name for name, eq, init in every if (eq or not compared) and (init or not made_of)]
+
+
+def replaced(value: T, **changes: Any) -> T:
+    """The same with some fields changed, checked like any other."""
+    if attrs.has(type(value)):
+        made: T = attrs.evolve(value, **changes)  # type: ignore[misc]
+        return made
+    return dataclass_replace(value, **changes)  # type: ignore[type-var]
+
+
 def _contents(value: Any) -> dict[str, Any]:
-    return {f.name: getattr(value, f.name) for f in fields(value) if f.compare}
+    return {name: getattr(value, name) for name in field_names(type(value), compared=True)}
 
 
 def _pieces(value: Any) -> list[bytes]:
@@ -65,7 +91,7 @@ def _pieces(value: Any) -> list[bytes]:
             return [str(value.shape).encode(), *_pieces(value.tolist())]
         kind = "<c16" if value.dtype.kind == "c" else "<f8"
         return [str(value.shape).encode(), np.ascontiguousarray(value, dtype=kind).tobytes()]
-    if is_dataclass(value) and not isinstance(value, type):
+    if is_record(value):
         if not isinstance(value, Value):  # without an array in it, so that its repr says it all
             return [repr(value).encode()]
         return [

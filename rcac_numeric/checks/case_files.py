@@ -11,7 +11,7 @@ from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.controllers import CONTROLLER
 from rcac_numeric.experiments.files.documents import Raw, named, read_file
 from rcac_numeric.experiments.files.plants import read_plant
-from rcac_numeric.experiments.files.structures import STRUCTURE, sizes_of
+from rcac_numeric.experiments.files.structures import STRUCTURE
 from rcac_numeric.experiments.files.targets import TARGET
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import require_table
@@ -124,7 +124,8 @@ def read_structure(
     sizes: Any = plant if plant is not None else _Sizes(*widths)
     try:
         part = STRUCTURE.read(given, Place("the options", "controller"))
-        return part.build(**sizes_of(sizes))
+        made: Structure = part.structure.of(sizes)
+        return made
     except InputError as error:
         if "needs the key 'n_c'" in str(error) and kind is not None:
             raise InputError(f"--structure {kind} needs its order n_c: give --n-c.") from None
@@ -146,5 +147,5 @@ def read_target(table: Raw, plant: Plant | None, G_f: str | None) -> TargetModel
     if plant is None or "target" not in table:
         return None
     part = TARGET.table.read(table["target"], Place("the experiment file", "target"))
-    made: TargetModel = part.build(plant=plant)
+    made: TargetModel = part.of(plant)
     return made

@@ -350,7 +350,7 @@ def arguments_of_run(run: Run, source: str = "run") -> RunArguments:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.checks.check import arguments_of_run
     >>> arguments = arguments_of_run(load_example("4.7").main_run.execute().first.run)
     >>> sorted(arguments)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from functools import partial
+from typing import Literal, cast
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
+from rcac_numeric.arrays.validation import instance_of, integer, number, one_of, reads, with_checks
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.structure import Structure
 
@@ -19,7 +19,49 @@ METHODS = ("metric", "clip")
 Range = tuple[float | None, float | None]
 
 
-@dataclass(frozen=True, eq=False, init=False)
+def _bound(value: ArrayLike | None, name: str, unbounded: float) -> float | Array | None:
+    """A number or an array that may be infinite, on the side where that means no bound."""
+    if value is None:
+        return None
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {value!r} of the bounds must be an array of numbers.") from None
+    if array.ndim > 1 or np.isnan(array).any() or (array == -unbounded).any():
+        raise InputError(
+            f"{name} = {value!r} of the bounds must be a number or a list of numbers, one for each "
+            f"coefficient; {unbounded:g} stands for none."
+        )
+    return array if array.ndim else float(array)
+
+
+def _range(name: object, pair: Range) -> Range:
+    if not isinstance(name, str) or not isinstance(pair, tuple | list) or len(pair) != 2:
+        raise InputError(f"gains: {name!r} has the bounds {pair!r}; (low, high) are needed.")
+    low, high = (None if v is None else number(v, f"a bound of {name}") for v in pair)
+    if low is None and high is None:
+        raise InputError(f"gains: {name!r} has neither a low nor a high bound.")
+    if low is not None and high is not None and low > high:
+        raise InputError(f"gains: the bounds of {name} are {low:g} and {high:g}: low exceeds high.")
+    return low, high
+
+
+def _gains(value: object, name: str) -> dict[str, Range]:
+    given = instance_of({} if value is None else value, name, Mapping)
+    return {str(key): _range(key, pair) for key, pair in given.items()}
+
+
+def _bound_like(value: ArrayLike | None) -> float | Array | None:
+    """What `low` and `high` take; for type checkers."""
+    return cast(float, value)
+
+
+def _gains_like(value: Mapping[str, Range] | None) -> Mapping[str, Range]:
+    """What `gains` takes; for type checkers."""
+    return cast(Mapping[str, Range], value)
+
+
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class CoefficientBounds(Value):
     """low <= theta(k) <= high, kept after every update.
 
@@ -61,28 +103,23 @@ class CoefficientBounds(Value):
     (array([  0.,   0., -inf]), array([inf, inf,  2.]))
     """
 
-    low: float | Array | None
-    high: float | Array | None
-    gains: Mapping[str, Range]
-    method: str
-    sweeps: int
+    low: float | Array | None = attrs.field(
+        default=None, converter=_bound_like, metadata=reads(_bound, unbounded=-np.inf)
+    )
+    high: float | Array | None = attrs.field(
+        default=None, converter=_bound_like, metadata=reads(_bound, unbounded=np.inf)
+    )
+    gains: Mapping[str, Range] = attrs.field(
+        default=None, kw_only=True, converter=_gains_like, metadata=reads(_gains)
+    )
+    method: Literal["metric", "clip"] = attrs.field(
+        default="metric", kw_only=True, metadata=reads(one_of, choices=METHODS)
+    )
+    sweeps: int = attrs.field(
+        default=100, kw_only=True, metadata=reads(integer, at_least=1, at_most=100_000)
+    )
 
-    def __init__(
-        self,
-        low: ArrayLike | None = None,
-        high: ArrayLike | None = None,
-        *,
-        gains: Mapping[str, Range] | None = None,
-        method: str = "metric",
-        sweeps: int = 100,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("low", _bound(low, "low", -np.inf))
-        set_("high", _bound(high, "high", np.inf))
-        given = instance_of({} if gains is None else gains, "gains", Mapping)
-        set_("gains", {str(name): _range(name, pair) for name, pair in given.items()})
-        set_("method", one_of(method, "method", METHODS))
-        set_("sweeps", integer(sweeps, "sweeps", at_least=1, at_most=100_000))
+    def __attrs_post_init__(self) -> None:
         if self.low is None and self.high is None and not self.gains:
             raise InputError("nothing is bounded: give low, high or gains.")
         if not self.gains:  # which take the place of some of them; then `box` says it
@@ -151,22 +188,6 @@ def coefficient_names(structure: Structure) -> tuple[str, ...]:
     return tuple(word for word in words for _ in range(structure.l_u))
 
 
-def _bound(value: ArrayLike | None, name: str, unbounded: float) -> float | Array | None:
-    """A number or an array that may be infinite, on the side where that means no bound."""
-    if value is None:
-        return None
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {value!r} of the bounds must be an array of numbers.") from None
-    if array.ndim > 1 or np.isnan(array).any() or (array == -unbounded).any():
-        raise InputError(
-            f"{name} = {value!r} of the bounds must be a number or a list of numbers, one for each "
-            f"coefficient; {unbounded:g} stands for none."
-        )
-    return array if array.ndim else float(array)
-
-
 def _require_order(low: float | Array | None, high: float | Array | None) -> None:
     """Refuse a box without a point in it, before any structure is known."""
     if low is None or high is None:
@@ -183,17 +204,6 @@ def _require_order(low: float | Array | None, high: float | Array | None) -> Non
         raise InputError(
             f"the bounds of coefficient {i} are {least[i]:g} and {most[i]:g}: low exceeds high."
         )
-
-
-def _range(name: object, pair: Range) -> Range:
-    if not isinstance(name, str) or not isinstance(pair, tuple | list) or len(pair) != 2:
-        raise InputError(f"gains: {name!r} has the bounds {pair!r}; (low, high) are needed.")
-    low, high = (None if v is None else number(v, f"a bound of {name}") for v in pair)
-    if low is None and high is None:
-        raise InputError(f"gains: {name!r} has neither a low nor a high bound.")
-    if low is not None and high is not None and low > high:
-        raise InputError(f"gains: the bounds of {name} are {low:g} and {high:g}: low exceeds high.")
-    return low, high
 
 
 def _sized(value: float | Array | None, name: str, default: float, size: int) -> Array:

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import number, one_of
+from rcac_numeric.arrays.validation import number, one_of, reads, with_checks
 
 # In the order of the kernel's numbers, which begin with 0 for none.
 FUNCTIONS = ("rational", "root", "arctan", "tanh", "erf")
 
 
-@dataclass(frozen=True)
+def _positive(value: object, name: str) -> float:
+    read = number(value, name)
+    if read <= 0:
+        raise InputError(f"{name} = {read:g} of a normalisation must be positive.")
+    return read
+
+
+@attrs.frozen(slots=False, field_transformer=with_checks)
 class Normalization:
     """A bound on what one step's error can ask for: z in the cost becomes f(z), entry by entry.
 
@@ -54,14 +63,8 @@ class Normalization:
     Normalization(limit=5.0, slope=1.0, function='rational')
     """
 
-    limit: float
-    slope: float = 1.0
-    function: str = "rational"
-
-    def __post_init__(self) -> None:
-        for name in ("limit", "slope"):
-            value = number(getattr(self, name), name)
-            object.__setattr__(self, name, value)
-            if value <= 0:
-                raise InputError(f"{name} = {value:g} of a normalisation must be positive.")
-        one_of(self.function, "function", FUNCTIONS)
+    limit: float = attrs.field(metadata=reads(_positive))
+    slope: float = attrs.field(default=1.0, metadata=reads(_positive))
+    function: Literal["rational", "root", "arctan", "tanh", "erf"] = attrs.field(
+        default="rational", metadata=reads(one_of, choices=FUNCTIONS)
+    )

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import number
+from rcac_numeric.arrays.validation import number, reads, with_checks
 
 
-@dataclass(frozen=True)
+def _not_negative(value: object, name: str) -> float:
+    read = number(value, name)
+    if read < 0:
+        raise InputError(f"{name} = {read} must not be negative.")
+    return read
+
+
+@attrs.frozen(slots=False, field_transformer=with_checks)
 class SignalWeight:
     """A weight that follows z, evaluated in the kernel.
 
@@ -39,14 +46,10 @@ class SignalWeight:
     SignalWeight(z_squared=0.0, constant=1.0, nu=0.3)
     """
 
-    z_squared: float = 0.0
-    constant: float = 0.0
-    nu: float = 0.0
+    z_squared: float = attrs.field(default=0.0, metadata=reads(_not_negative))
+    constant: float = attrs.field(default=0.0, metadata=reads(_not_negative))
+    nu: float = attrs.field(default=0.0, metadata=reads(_not_negative))
 
-    def __post_init__(self) -> None:
-        for name in ("z_squared", "constant", "nu"):
-            object.__setattr__(self, name, number(getattr(self, name), name))
-            if getattr(self, name) < 0:
-                raise InputError(f"{name} = {getattr(self, name)} must not be negative.")
+    def __attrs_post_init__(self) -> None:
         if self.nu and not (self.z_squared or self.constant):
             raise InputError(f"nu = {self.nu:g} scales a weight of zero; give constant.")

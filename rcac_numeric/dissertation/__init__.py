@@ -1,1 +1,5 @@
 """The dissertation: its numbered examples, its errata, and all of them on one page."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -12,7 +12,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 
 from rcac_numeric.arrays.files import replacing
-from rcac_numeric.dissertation.reproduce import CASES, Reproduction
+from rcac_numeric.dissertation.reproduction import CASES, Reproduction
 
 PACKAGES = ("compensator_theory", "rcac_numeric")
 SOURCES = (".py", ".pyi", ".toml", ".css", ".js", ".html")
@@ -49,7 +49,7 @@ def write_archive(found: Reproduction, path: str | Path) -> None:
     --------
     >>> import tempfile, zipfile
     >>> from pathlib import Path
-    >>> from rcac_numeric import load_example, reproduce
+    >>> from rcac_numeric.dissertation import load_example, reproduce
     >>> from rcac_numeric.dissertation.archive import write_archive
     >>> folder = Path(tempfile.mkdtemp())
     >>> write_archive(reproduce([load_example("B.1")], folder), folder / "all.zip")

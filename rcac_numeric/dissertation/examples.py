@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from importlib import resources
 
 from compensator_theory.errors import InputError
-from rcac_numeric.experiments.files.documents import Raw
+from rcac_numeric.experiments.files.documents import Raw, parsed
 from rcac_numeric.experiments.format.places import brief
 
 FOLDER = resources.files(__package__).joinpath("example_files")
@@ -53,7 +53,7 @@ def example_titles() -> Iterator[tuple[str, str]]:
 
 def read_example(number: str) -> tuple[Raw, str]:
     """The tables of one numbered example and the name of its file."""
-    return tomllib.loads(example_text(number)), number
+    return parsed(example_text(number)), number
 
 
 def example_text(number: str) -> str:

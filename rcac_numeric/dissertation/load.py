@@ -13,7 +13,7 @@ def load_example(number: str, budget: Budget | None = None) -> Experiment:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> load_example("4.7").main_run.settings.k_w
     50
     """

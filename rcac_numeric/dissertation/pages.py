@@ -77,7 +77,8 @@ def example_page(case: Case) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.page.cases import case_of
     >>> from rcac_numeric.dissertation.pages import example_page
     >>> page = example_page(case_of(verify(load_example("7.1"))))
@@ -136,7 +137,8 @@ def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.dissertation.pages import headline
     >>> from rcac_numeric.reports.page.cases import case_of
     >>> headline([case_of(verify(load_example("B.5")))])["the text"]

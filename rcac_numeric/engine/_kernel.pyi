@@ -137,6 +137,7 @@ def controller(
     normalization: tuple[int, float, float] = ...,
     bounds: tuple[Array, Array, bool, int] = ...,
     fixed: tuple[Array, Array] = ...,
+    instruction_set: str = ...,
 ) -> Controller: ...
 
 class Arx:

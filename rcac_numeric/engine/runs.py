@@ -271,7 +271,8 @@ def load_run(
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from rcac_numeric import load_example, load_run
+    >>> from rcac_numeric import load_run
+    >>> from rcac_numeric.dissertation import load_example
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "run.npz"
     >>> run.save(file)
@@ -302,7 +303,7 @@ def require_consistent(run: Run) -> None:
     Examples
     --------
     >>> from dataclasses import replace
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.engine.runs import require_consistent
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> require_consistent(run)

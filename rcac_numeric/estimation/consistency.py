@@ -96,7 +96,7 @@ def nis_consistency(nis: ArrayLike, l_y: int, confidence: float = 0.95) -> Consi
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import nis_consistency
+    >>> from rcac_numeric.estimation import nis_consistency
     >>> e = np.random.default_rng(1).standard_normal((500, 2))
     >>> nis_consistency((e**2).sum(axis=1), l_y=2).verdict
     'consistent'
@@ -129,7 +129,7 @@ def nees_consistency(error: ArrayLike, P: ArrayLike, confidence: float = 0.95) -
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import nees_consistency
+    >>> from rcac_numeric.estimation import nees_consistency
     >>> e = np.random.default_rng(1).standard_normal((200, 3))
     >>> nees_consistency(e, np.broadcast_to(np.eye(3), (200, 3, 3))).verdict
     'consistent'

@@ -15,7 +15,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.estimators import estimation_failure
 from rcac_numeric.estimation.consistency import Consistency, nees_consistency, nis_consistency
 from rcac_numeric.estimation.estimator import compiled_filter
-from rcac_numeric.estimation.observability import (
+from rcac_numeric.estimation.local_observability import (
     Observability,
     UnobservableWarning,
     observability_along,
@@ -135,7 +135,7 @@ def estimate(
 
     Examples
     --------
-    >>> from rcac_numeric import EKF, LinearModel, estimate
+    >>> from rcac_numeric.estimation import EKF, LinearModel, estimate
     >>> model = LinearModel(A=[[1, 0.1], [0, 1]], C=[[1, 0]])
     >>> found = estimate(EKF(model, Q=1e-9, R=1e-4, P_0=10), y=[0.2 * k for k in range(50)])
     >>> found.x[-1].round(2)

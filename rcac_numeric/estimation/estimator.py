@@ -48,7 +48,7 @@ class Estimator(Resumable[EKF | UKF]):
 
     Examples
     --------
-    >>> from rcac_numeric import UKF, Estimator, LinearModel
+    >>> from rcac_numeric.estimation import UKF, Estimator, LinearModel
     >>> estimator = Estimator(UKF(LinearModel(A=0.9, B=1, C=1), Q=0.01, R=0.1))
     >>> for y in (1.0, 0.8, 1.1):
     ...     estimate = estimator.step(y=y, u=0.1)

@@ -71,7 +71,7 @@ class EKF(KalmanSettings):
 
     Examples
     --------
-    >>> from rcac_numeric import EKF, LinearModel, estimate
+    >>> from rcac_numeric.estimation import EKF, LinearModel, estimate
     >>> still = LinearModel(A=1, C=1)
     >>> estimate(EKF(still, Q=0, R=1, P_0=1), y=[2.0, 4.0]).x[-1]  # (0 + 2 + 4)/3
     array([2.])
@@ -126,7 +126,7 @@ class UKF(KalmanSettings):
 
     Examples
     --------
-    >>> from rcac_numeric import UKF, LinearModel, estimate
+    >>> from rcac_numeric.estimation import UKF, LinearModel, estimate
     >>> still = LinearModel(A=1, C=1)
     >>> estimate(UKF(still, Q=0, R=1, P_0=1), y=[2.0, 4.0]).x[-1].round(12)
     array([2.])

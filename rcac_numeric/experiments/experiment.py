@@ -221,7 +221,7 @@ class Experiment(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> experiment = load_example("4.8")
     >>> list(experiment.runs)[:2], len(experiment.claims)
     (['UD', 'exact'], 6)
@@ -264,7 +264,7 @@ class Experiment(Value):
 
         Examples
         --------
-        >>> from rcac_numeric import load_example
+        >>> from rcac_numeric.dissertation import load_example
         >>> experiment = load_example("5.1")
         >>> experiment.main_run.seeds, experiment.reduced().main_run.seeds
         (20, 3)
@@ -292,7 +292,7 @@ class Experiment(Value):
 
         Examples
         --------
-        >>> from rcac_numeric import load_example
+        >>> from rcac_numeric.dissertation import load_example
         >>> experiment = load_example("5.1")
         >>> experiment.main_run.seed, experiment.held_out(2).main_run.seed
         (0, 1002000)

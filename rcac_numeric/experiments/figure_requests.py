@@ -3,34 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, get_args
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import instance_of, integer, one_of
+from rcac_numeric.arrays.validation import instance_of, integer, items, one_of, reads, with_checks
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.format.lists import ListOf, MapOf
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.experiments.format.values import Choice, Integer, Numbers, Text
+from rcac_numeric.experiments.format.values import Choice, Integer, Numbers
 from rcac_numeric.experiments.measures.measures import MEASURES
 
-KINDS = (
-    "sheet",
-    "responses",
-    "coefficients",
-    "poles",
-    "disturbance response",
-    "intercalated match",
-    "distribution",
-    "estimates",
-    "plant zeros",
-    "identified zeros",
-)
-SIGNALS = ("z", "u", "y", "u_applied")
+Kind = Literal[
+    "sheet", "responses", "coefficients", "poles", "disturbance response", "intercalated match",
+    "distribution", "estimates", "plant zeros", "identified zeros",
+]  # fmt: skip
+SignalName = Literal["z", "u", "y", "u_applied"]
+KINDS: tuple[str, ...] = get_args(Kind)
+SIGNALS: tuple[str, ...] = get_args(SignalName)
 
 
-@dataclass(frozen=True, eq=False, init=False)
+def _names(value: object, name: str) -> tuple[str, ...]:
+    return tuple(instance_of(one, "a run", str) for one in items(value, name))
+
+
+def _mapping(value: object, name: str) -> dict[str, Any]:
+    return dict(instance_of({} if value is None else value, name, Mapping))
+
+
+def _mappings(value: object, name: str) -> tuple[dict[str, Any], ...]:
+    return tuple(_mapping(one, "a design") for one in items(value, name))
+
+
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class FigureRequest(Value):
     """One figure: what is drawn, of which runs, and the sentence below it.
 
@@ -42,9 +49,8 @@ class FigureRequest(Value):
         "disturbance response": gain from w to z with the final controllers, without one, and with
         LQG. "intercalated match": G_f and what each run made of it. "distribution": a measure over
         the repetitions or seeds of each run. "estimates", of estimation examples: what each run
-        estimates beside the truth, or with `magnitude` its error.
-        the repetitions or seeds of each run. "plant zeros": those of the plant, frozen at steps.
-        "identified zeros": those that windows of the run's data show.
+        estimates beside the truth, or with `magnitude` its error. "plant zeros": those of
+        the plant, frozen at steps. "identified zeros": those that windows of the run's data show.
     caption : str
         What the reader is to see in it.
     runs : list of str
@@ -74,60 +80,28 @@ class FigureRequest(Value):
     'z'
     """
 
-    kind: str
-    caption: str
-    runs: tuple[str, ...]
-    signal: str
-    first: int
-    last: int | None
-    magnitude: bool
-    measure: str
-    channel: str
-    noise: dict[str, Any]
-    designs: tuple[dict[str, Any], ...]
-    direct: bool
+    kind: Kind = attrs.field(metadata=reads(one_of, choices=KINDS))
+    caption: str = attrs.field(metadata=reads(instance_of, kind=str))
+    runs: Sequence[str] = attrs.field(default=(), metadata=reads(_names))
+    signal: SignalName = attrs.field(default="z", metadata=reads(one_of, choices=SIGNALS))
+    first: int = attrs.field(default=0, metadata=reads(integer))
+    last: int | None = attrs.field(default=None, metadata=reads(integer, optional=True))
+    magnitude: bool = attrs.field(default=False, metadata=reads(instance_of, kind=bool))
+    measure: str = attrs.field(default="", metadata=reads(instance_of, kind=str))
+    channel: str = attrs.field(default="", metadata=reads(instance_of, kind=str))
+    noise: Mapping[str, Any] = attrs.field(factory=dict, metadata=reads(_mapping))
+    designs: Sequence[Mapping[str, Any]] = attrs.field(default=(), metadata=reads(_mappings))
+    direct: bool = attrs.field(default=True, metadata=reads(instance_of, kind=bool))
 
-    def __init__(
-        self,
-        kind: str,
-        caption: str,
-        runs: Sequence[str] = (),
-        signal: str = "z",
-        first: int = 0,
-        last: int | None = None,
-        magnitude: bool = False,
-        measure: str = "",
-        channel: str = "",
-        noise: Mapping[str, Any] | None = None,
-        designs: Sequence[Mapping[str, Any]] = (),
-        direct: bool = True,
-    ) -> None:
-        for name, value in (("caption", caption), ("measure", measure), ("channel", channel)):
-            instance_of(value, name, str)
-        instance_of(magnitude, "magnitude", bool)
-        instance_of(direct, "direct", bool)
-        fields = {
-            "kind": one_of(kind, "kind", KINDS),
-            "caption": caption,
-            "runs": tuple(instance_of(run, "a run", str) for run in runs),
-            "signal": one_of(signal, "signal", SIGNALS),
-            "first": integer(first, "first", at_least=0),
-            "last": None if last is None else integer(last, "last", at_least=first + 1),
-            "magnitude": magnitude,
-            "measure": measure,
-            "channel": channel,
-            "noise": dict(instance_of({} if noise is None else noise, "noise", Mapping)),
-            "designs": tuple(dict(instance_of(d, "a design", Mapping)) for d in designs),
-            "direct": direct,
-        }
-        if (kind == "distribution") != bool(measure):
+    def __attrs_post_init__(self) -> None:
+        if self.last is not None:
+            integer(self.last, "last", at_least=self.first + 1)
+        if (self.kind == "distribution") != bool(self.measure):
             raise InputError(
                 'a figure of the kind "distribution" names its measure'
-                if not measure
-                else f"a figure of the kind {kind!r} draws no measure; leave measure out"
+                if not self.measure
+                else f"a figure of the kind {self.kind!r} draws no measure; leave measure out"
             )
-        for field, kept in fields.items():
-            object.__setattr__(self, field, kept)
 
 
 # What a case that asks for no figure is drawn by: one question each.
@@ -170,10 +144,6 @@ def require_drawable(request: FigureRequest, runs: Collection[str]) -> FigureReq
 FIGURE = Table(
     FigureRequest,
     forms={
-        "kind": Choice(KINDS),
-        "runs": ListOf(Text()),
-        "signal": Choice(SIGNALS),
-        "first": Integer(0),
         "last": Integer(1),
         "measure": Choice(tuple(MEASURES)),
         "noise": MapOf(Numbers()),

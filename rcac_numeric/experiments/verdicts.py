@@ -26,7 +26,8 @@ class Verification(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("4.7"))
     >>> [v.verdict for v in verification.verdicts][0]
     'reproduced'
@@ -121,7 +122,8 @@ def verify(
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verify(load_example("2.2")).exit_status
     0
     """

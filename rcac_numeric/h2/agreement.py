@@ -23,7 +23,7 @@ class ExactAgreement(Value):
 
     Attributes
     ----------
-    exact : compensator_theory.LQGPoles or None
+    exact : compensator_theory.results.LQGPoles or None
         The polynomials of A + BC_c and A - B_cC over the rationals, or in certified balls.
     reason : str
         Why there is none; empty where there is one.
@@ -35,7 +35,7 @@ class ExactAgreement(Value):
         d-th root of a rounding error, so judge by the coefficients.
     """
 
-    exact: theory.LQGPoles | None
+    exact: theory.results.LQGPoles | None
     reason: str
     coefficient_distance: float | None
     pole_distance: float | None

@@ -49,7 +49,7 @@ def excitation_of(run: Run) -> Excitation | None:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.health.excitation import excitation_of
     >>> print(excitation_of(load_example("4.7").main_run.execute().first.run))
     the data outweigh R_theta in 8 of 8 directions

@@ -314,7 +314,8 @@ def direction_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ..
 
     Examples
     --------
-    >>> from rcac_numeric import DirectionInformation, load_example, zero_direction_target
+    >>> from rcac_numeric import DirectionInformation, zero_direction_target
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.health.rules import direction_errors
     >>> plant = load_example("9.1").main_run.plant
     >>> direction_errors(plant, zero_direction_target(plant))

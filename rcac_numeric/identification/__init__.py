@@ -1,1 +1,5 @@
 """Markov parameters and realisations identified from data, and what targets need of them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

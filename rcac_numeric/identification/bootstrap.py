@@ -107,7 +107,7 @@ def bootstrap_zeros(
     Examples
     --------
     >>> import numpy as np, scipy.signal
-    >>> from rcac_numeric import bootstrap_zeros
+    >>> from rcac_numeric.identification import bootstrap_zeros
     >>> rng = np.random.default_rng(0)
     >>> u = rng.standard_normal(1000)
     >>> y = scipy.signal.lfilter([0, 1, -1.2], [1, -0.5, 0], u) + 0.1 * rng.standard_normal(1000)

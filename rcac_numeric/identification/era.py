@@ -77,7 +77,7 @@ def eigensystem_realisation(
 
     Examples
     --------
-    >>> from rcac_numeric import eigensystem_realisation
+    >>> from rcac_numeric.identification import eigensystem_realisation
     >>> model = eigensystem_realisation([0, 1, 0.5, 0.25, 0.125, 0.0625])
     >>> model.A.round(12)
     array([[0.5]])

@@ -121,7 +121,7 @@ def identify_markov_parameters(
     Examples
     --------
     >>> import numpy as np, scipy.signal
-    >>> from rcac_numeric import identify_markov_parameters
+    >>> from rcac_numeric.identification import identify_markov_parameters
     >>> u = np.random.default_rng(0).standard_normal(100)
     >>> y = scipy.signal.lfilter([0, 2, 1], [1, -0.5, 0], u)
     >>> identify_markov_parameters(u, y, mu=4, n_mod=2).H.ravel().round(6) + 0.0

@@ -36,7 +36,7 @@ class NeweyWest:
 
     Examples
     --------
-    >>> from rcac_numeric import NeweyWest
+    >>> from rcac_numeric.identification import NeweyWest
     >>> NeweyWest(lags=12)
     NeweyWest(lags=12)
     """
@@ -106,7 +106,7 @@ def degrees_of_freedom(rows: int, freedom: int, noise: NeweyWest | None) -> floa
 
     Examples
     --------
-    >>> from rcac_numeric import NeweyWest
+    >>> from rcac_numeric.identification import NeweyWest
     >>> from rcac_numeric.identification.noise_models import degrees_of_freedom
     >>> [degrees_of_freedom(300, 280, noise) for noise in (NeweyWest(lags=9), None)]
     [50.0, 280.0]

@@ -41,7 +41,7 @@ class RecursiveMarkov:
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import RecursiveMarkov
+    >>> from rcac_numeric.identification import RecursiveMarkov
     >>> fit = RecursiveMarkov(l_u=1, l_y=1, mu=3, n_mod=1)
     >>> u = np.random.default_rng(0).standard_normal(30)
     >>> for now, before in zip(u[1:], u[:-1]):

@@ -84,7 +84,7 @@ def identify_windows(
     Examples
     --------
     >>> import numpy as np, scipy.signal
-    >>> from rcac_numeric import identify_windows
+    >>> from rcac_numeric.identification import identify_windows
     >>> u = np.random.default_rng(0).standard_normal(140)
     >>> u[70:] = 1.0
     >>> y = scipy.signal.lfilter([0, 1, -1.2], [1, -0.5, 0], u)

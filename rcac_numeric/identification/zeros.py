@@ -126,7 +126,7 @@ def identified_zeros(
     Examples
     --------
     >>> import numpy as np, scipy.signal
-    >>> from rcac_numeric import identified_zeros, identify_markov_parameters
+    >>> from rcac_numeric.identification import identified_zeros, identify_markov_parameters
     >>> rng = np.random.default_rng(0)
     >>> u = rng.standard_normal(2000)
     >>> y = scipy.signal.lfilter([0, 1, -1.2], [1, -0.5, 0], u) + 0.1 * rng.standard_normal(2000)
@@ -173,7 +173,7 @@ def leading_index(markov: IdentifiedMarkovParameters, significance: float) -> in
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import identify_markov_parameters
+    >>> from rcac_numeric.identification import identify_markov_parameters
     >>> from rcac_numeric.identification.zeros import leading_index
     >>> u = np.random.default_rng(0).standard_normal(50)
     >>> leading_index(identify_markov_parameters(u, np.r_[0, 0, u[:-2]], 4, 0), 5.0)

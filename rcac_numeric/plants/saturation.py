@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.validation import optional_array_like, reads, real_array, with_checks
 from rcac_numeric.arrays.values import Value
 
 
-@dataclass(frozen=True, eq=False, init=False)
+def _bound(value: ArrayLike, name: str) -> Array:
+    return real_array(value, name).reshape(-1)
+
+
+BOUND = reads(_bound, optional=True)
+
+
+@attrs.frozen(eq=False, kw_only=True, slots=False, field_transformer=with_checks)
 class Saturation(Value):
     """Bounds on the control input and on its change in one step.
 
@@ -39,20 +45,11 @@ class Saturation(Value):
     (array([-0.2]), array([0.2]), array([inf]))
     """
 
-    low: Array | None
-    high: Array | None
-    rate: Array | None
+    low: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
+    high: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
+    rate: Array | None = attrs.field(default=None, converter=optional_array_like, metadata=BOUND)
 
-    def __init__(
-        self,
-        *,
-        low: ArrayLike | None = None,
-        high: ArrayLike | None = None,
-        rate: ArrayLike | None = None,
-    ) -> None:
-        for name, value in (("low", low), ("high", high), ("rate", rate)):
-            bound = None if value is None else real_array(value, name).reshape(-1)
-            object.__setattr__(self, name, bound)
+    def __attrs_post_init__(self) -> None:
         given = [b for b in (self.low, self.high, self.rate) if b is not None]
         if not given:
             raise InputError("a saturation needs low, high or rate.")

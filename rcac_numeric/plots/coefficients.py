@@ -24,7 +24,7 @@ def coefficient_names(run: Run) -> list[str]:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.plots.coefficients import coefficient_names
     >>> coefficient_names(load_example("4.8").main_run.execute().first.run)
     ['u(k-1)', 'u(k-2)', 'u(k-3)', 'y(k-1)', 'y(k-2)', 'y(k-3)']

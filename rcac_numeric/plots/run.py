@@ -40,7 +40,8 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, plot_sheet, verify
+    >>> from rcac_numeric import plot_sheet, verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> figure = plot_sheet(verify(load_example("4.7")).main.first, "Example 4.7")
     >>> len(figure.axes)
     6
@@ -79,7 +80,7 @@ def plot_match(match: IntercalatedMatch) -> Figure:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> match = load_example("4.7").main_run.execute().first.match
     >>> [axis.get_ylabel() for axis in match.plot().axes]
     ['magnitude', 'phase, rad']

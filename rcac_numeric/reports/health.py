@@ -16,7 +16,8 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, loop_health, verify
+    >>> from rcac_numeric import loop_health, verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.health import health_lines
     >>> for line in health_lines(loop_health(verify(load_example("4.7")))):
     ...     print(line.words[:46])

@@ -14,7 +14,7 @@ from rcac_numeric.analysis.observer_forms import NumericObserverForms, numeric_o
 from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
 
 FEW = 12
-Decisions = dict[str, exact.ObserverDecision]
+Decisions = dict[str, exact.results.ObserverDecision]
 
 
 def observer_sheet(
@@ -85,7 +85,7 @@ def _answers(decisions: Decisions) -> Section:
     return Section("Answers", verdicts, {"decisions": record})
 
 
-def _forms(found: exact.ObserverForms | None) -> Section:
+def _forms(found: exact.results.ObserverForms | None) -> Section:
     forms = () if found is None else (*found.forms, *found.families)
     record = [
         {

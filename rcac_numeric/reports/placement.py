@@ -11,7 +11,7 @@ from rcac_numeric.analysis.placement_conditioning import PlacementConditioning, 
 from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
 
 
-def placement_sheet(placement: exact.PolePlacement) -> Sheet:
+def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
     """The compensator, how many there are, and what the same solve in float64 is worth.
 
     Examples
@@ -53,7 +53,7 @@ def placement_sheet(placement: exact.PolePlacement) -> Sheet:
     return Sheet(f"G = {placement.plant}", sections=(Section("", tuple(lines), record),))
 
 
-def _of_zero(placement: exact.PolePlacement) -> str:
+def _of_zero(placement: exact.results.PolePlacement) -> str:
     """What G_c = 0 means: nobody who asks for a compensator expects none."""
     n, n_c = placement.plant.denominator.degree(), placement.denominator.degree()
     parts = [f"the plant alone has {n} of the poles asked for"] * (n > 0)
@@ -62,7 +62,7 @@ def _of_zero(placement: exact.PolePlacement) -> str:
     return f"G_c = 0{several} places them: {', '.join(parts)}. Nothing is fed back."
 
 
-def _conditioning(placement: exact.PolePlacement) -> PlacementConditioning | None:
+def _conditioning(placement: exact.results.PolePlacement) -> PlacementConditioning | None:
     """What the float64 solve is worth; None where the question makes no sense."""
     try:
         return compared_solves(placement)

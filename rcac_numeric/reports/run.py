@@ -13,7 +13,7 @@ def run_sheet(run: Run) -> Sheet:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.run import run_sheet
     >>> run_sheet(load_example("4.7").main_run.execute().first.run).remark
     ': completed after 100 steps'

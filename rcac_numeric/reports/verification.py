@@ -38,7 +38,8 @@ def verification_sheet(verification: Verification) -> Sheet:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.verification import verification_sheet
     >>> sheet = verification_sheet(verify(load_example("4.7")))
     >>> sheet.title, sheet.record["claims"][0]["verdict"]
@@ -132,7 +133,8 @@ def claim_record(v: Verdict) -> dict[str, Any]:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.verification import claim_record
     >>> record = claim_record(verify(load_example("B.5")).verdicts[0])
     >>> record["whose"], record["verdict"]
@@ -196,7 +198,8 @@ def map_lines(verdict: Verdict) -> list[str]:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.verification import map_lines
     >>> map_lines(verify(load_example("B.5")).verdicts[0])
     []

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
+import attrs
 import numpy as np
-from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, items, real_array
+from rcac_numeric.arrays.validation import (
+    array_like,
+    integer,
+    items,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.signals.signal import Signal
 
 
-@dataclass(frozen=True, eq=False, init=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Levels(Signal):
     """A sequence of levels, each held for `hold` steps; the last one stays.
 
@@ -35,17 +41,14 @@ class Levels(Signal):
     array([ 1.,  1., -1., -1., -1.])
     """
 
-    levels: Array
-    hold: int = 1
+    levels: Array = attrs.field(converter=array_like, metadata=reads(real_array))
+    hold: int = attrs.field(default=1, metadata=reads(integer, at_least=1))
 
-    def __init__(self, levels: ArrayLike, hold: int = 1) -> None:
-        array = real_array(levels, "levels")
-        if array.ndim != 1 or array.size == 0:
+    def __attrs_post_init__(self) -> None:
+        if self.levels.ndim != 1 or self.levels.size == 0:
             raise InputError(
-                f"levels has shape {array.shape}; a sequence needs at least one number."
+                f"levels has shape {self.levels.shape}; a sequence needs at least one number."
             )
-        object.__setattr__(self, "levels", array)
-        object.__setattr__(self, "hold", integer(hold, "hold", at_least=1))
 
     @property
     def description(self) -> str:
@@ -57,7 +60,7 @@ class Levels(Signal):
         return self.levels[np.minimum(np.arange(steps) // self.hold, self.levels.size - 1)]
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False)
 class Piecewise(Signal):
     """One signal after another: each from its step on, up to the step of the next one.
 
@@ -78,7 +81,7 @@ class Piecewise(Signal):
 
     pieces: Sequence[tuple[int, Signal]]
 
-    def __post_init__(self) -> None:
+    def __attrs_post_init__(self) -> None:
         pieces = items(self.pieces, "pieces")
         for piece in pieces:
             if not (

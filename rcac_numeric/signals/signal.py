@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+import attrs
 import numpy as np
 
 from compensator_theory.errors import InputError
@@ -68,9 +68,14 @@ class Signal(Value, ABC):
     __rmul__ = __mul__
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False)
 class Sum(Signal):
     """A sum of signals, added in their order; what `+` makes.
+
+    Parameters
+    ----------
+    parts : sequence of Signal
+        The signals that are added.
 
     Examples
     --------
@@ -81,7 +86,7 @@ class Sum(Signal):
 
     parts: tuple[Signal, ...]
 
-    def __post_init__(self) -> None:
+    def __attrs_post_init__(self) -> None:
         object.__setattr__(self, "parts", items(self.parts, "parts", Signal))
         if not self.parts:
             raise InputError("a sum of signals needs at least one.")
@@ -104,7 +109,7 @@ class Sum(Signal):
         return total
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False)
 class Scaled(Signal):
     """A signal times a number; what `*` makes.
 
@@ -118,7 +123,7 @@ class Scaled(Signal):
     factor: float
     signal: Signal
 
-    def __post_init__(self) -> None:
+    def __attrs_post_init__(self) -> None:
         object.__setattr__(self, "factor", number(self.factor, "factor"))
         instance_of(self.signal, "signal", Signal)
 

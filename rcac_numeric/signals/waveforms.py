@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
+import attrs
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, number
+from rcac_numeric.arrays.validation import integer, number, reads, with_checks
 from rcac_numeric.signals.signal import Signal
 
-
-def _read(signal: Signal, numbers: Sequence[str], steps: Sequence[str] = ()) -> None:
-    """Check the fields of a signal and keep them as floats and ints."""
-    for name in numbers:
-        object.__setattr__(signal, name, number(getattr(signal, name), name))
-    for name in steps:
-        object.__setattr__(signal, name, integer(getattr(signal, name), name))
+NUMBER, STEPS = reads(number), reads(integer)
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Step(Signal):
     """A step of `height` that begins at step `start`.
 
@@ -39,11 +31,8 @@ class Step(Signal):
     array([0., 2., 2.])
     """
 
-    height: float = 1.0
-    start: int = 0
-
-    def __post_init__(self) -> None:
-        _read(self, ["height"], ["start"])
+    height: float = attrs.field(default=1.0, metadata=NUMBER)
+    start: int = attrs.field(default=0, metadata=STEPS)
 
     @property
     def description(self) -> str:
@@ -55,7 +44,7 @@ class Step(Signal):
         return np.where(np.arange(steps) >= self.start, self.height, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Ramp(Signal):
     """A ramp that is 0 up to step `start` and then grows by `slope` at each step.
 
@@ -73,11 +62,8 @@ class Ramp(Signal):
     array([0. , 0. , 0.5, 1. ])
     """
 
-    slope: float = 1.0
-    start: int = 0
-
-    def __post_init__(self) -> None:
-        _read(self, ["slope"], ["start"])
+    slope: float = attrs.field(default=1.0, metadata=NUMBER)
+    start: int = attrs.field(default=0, metadata=STEPS)
 
     @property
     def description(self) -> str:
@@ -89,7 +75,7 @@ class Ramp(Signal):
         return self.slope * np.maximum(np.arange(steps) - self.start, 0)
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Pulse(Signal):
     """A pulse of `height` over some steps from `start` on; by default an impulse.
 
@@ -109,13 +95,9 @@ class Pulse(Signal):
     array([0., 2., 2., 0., 0.])
     """
 
-    height: float = 1.0
-    start: int = 0
-    length: int = 1
-
-    def __post_init__(self) -> None:
-        _read(self, ["height"], ["start"])
-        object.__setattr__(self, "length", integer(self.length, "length", at_least=1))
+    height: float = attrs.field(default=1.0, metadata=NUMBER)
+    start: int = attrs.field(default=0, metadata=STEPS)
+    length: int = attrs.field(default=1, metadata=reads(integer, at_least=1))
 
     @property
     def description(self) -> str:
@@ -128,7 +110,7 @@ class Pulse(Signal):
         return np.where((k >= self.start) & (k < self.start + self.length), self.height, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class Harmonic(Signal):
     """The harmonic amplitude * cos(omega k + phase).
 
@@ -148,12 +130,9 @@ class Harmonic(Signal):
     array([1.    , 0.8776])
     """
 
-    omega: float
-    amplitude: float = 1.0
-    phase: float = 0.0
-
-    def __post_init__(self) -> None:
-        _read(self, ["omega", "amplitude", "phase"])
+    omega: float = attrs.field(metadata=NUMBER)
+    amplitude: float = attrs.field(default=1.0, metadata=NUMBER)
+    phase: float = attrs.field(default=0.0, metadata=NUMBER)
 
     @property
     def description(self) -> str:
@@ -166,7 +145,7 @@ class Harmonic(Signal):
         return self.amplitude * wave
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False, field_transformer=with_checks)
 class WhiteNoise(Signal):
     """Zero-mean Gaussian white noise.
 
@@ -183,10 +162,9 @@ class WhiteNoise(Signal):
     0.1
     """
 
-    std: float = 1.0
+    std: float = attrs.field(default=1.0, metadata=NUMBER)
 
-    def __post_init__(self) -> None:
-        _read(self, ["std"])
+    def __attrs_post_init__(self) -> None:
         if self.std < 0:
             raise InputError(f"std = {self.std} is a standard deviation and cannot be negative.")
 

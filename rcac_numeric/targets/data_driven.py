@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import Literal
+
+import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, number, one_of
@@ -13,7 +15,7 @@ INPUTS = ("u", "frozen u~")
 LITERAL = ("u~", "literal", "literal u~")
 
 
-@dataclass(frozen=True)
+@attrs.frozen(slots=False)
 class DataDriven:
     """In the place of a target model: RCAC learns d_zu, H and the NMP zeros from u -> z.
 
@@ -103,13 +105,13 @@ class DataDriven:
     R_theta: float = 1e-6
     level: float = 1.96
     changed: float = 0.05
-    covariance: str = "reset"
+    covariance: Literal["blend", "keep", "reset", "replay"] = "reset"
     seed: int = 0
-    input: str = "u"
+    input: Literal["u", "frozen u~"] = "u"
     window: int = 2000
     n: int | None = None
 
-    def __post_init__(self) -> None:
+    def __attrs_post_init__(self) -> None:
         integer(self.order, "order", at_least=1, at_most=200)
         integer(self.start, "start", at_least=self.order + 1)
         integer(self.every, "every", at_least=1)

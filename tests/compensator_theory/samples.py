@@ -4,6 +4,7 @@ import sympy
 from hypothesis import strategies as st
 
 import compensator_theory as exact
+from compensator_theory import results
 from compensator_theory.strategies import (
     compensators,
     coprime_pairs,
@@ -103,6 +104,16 @@ INTERVALS = nonzero_rationals().map(
 PARITIES = strictly_proper_plants().map(exact.decide_strong_stabilisability)
 EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
 
+MARGINS = st.sampled_from(["10", "100", "1"]).map(
+    lambda gain: exact.stability_margins(f"{gain}/(s*(s + 1)*(s + 5))", feedback=-1)
+)
+LOCI = st.sampled_from(["1/(s*(s + 1)*(s + 2))", "(s + 2)/(s**2 + 2*s + 3)"]).map(
+    lambda loop: exact.root_locus(loop, feedback=-1)
+)
+DELAYS = st.sampled_from([["s", "1"], ["s**2 + 4", "-1"], ["s**2 + 2*s + 5", "4"]]).map(
+    exact.stability_delays
+)
+
 STATE_SPACES = st.builds(
     lambda plant, a: exact.Realisation(*plant, variable="z") if a is None else
     exact.Realisation([[0, a], [0, 0]], [[0], [1]], [[1, 0]], variable="q"),
@@ -131,168 +142,191 @@ REGIONS = nonzero_rationals().map(
 )
 
 SAMPLES = {
-    exact.MatrixSolution: matrices(2, 2).map(lambda A: exact.solve_stein(A / 7, [[1, 0], [0, 1]]))
+    results.MatrixSolution: matrices(2, 2).map(lambda A: exact.solve_stein(A / 7, [[1, 0], [0, 1]]))
     | st.just(exact.solve_sylvester([["a"]], [["-a"]], [[0]])),
-    exact.Gramians: st.sampled_from(["1/(s + 1)", "1/(s**2 + a*s + b)", "(z + 1)/(z - 1/2)"]).map(
+    results.Gramians: st.sampled_from(["1/(s + 1)", "1/(s**2 + a*s + b)", "(z + 1)/(z - 1/2)"]).map(
         lambda text: (
             exact.gramians(text, text[3] if text[3] == "z" else None)
             if text[0] == "("
             else exact.gramians(text, "s")
         )
     ),
-    exact.RegulatorSolution: SYMBOLS.map(
+    results.RegulatorSolution: SYMBOLS.map(
         lambda a: exact.solve_regulator_equations(f"1/(s + {a})", [[0]], [[-1]])
     ),
-    exact.ControlledInvariantSubspaces: STATE_SPACES.map(exact.controlled_invariant_subspaces),
-    exact.DisturbanceDecoupling: st.sampled_from([[[1], [0]], [[0], [1]]]).map(
+    results.ControlledInvariantSubspaces: STATE_SPACES.map(exact.controlled_invariant_subspaces),
+    results.DisturbanceDecoupling: st.sampled_from([[[1], [0]], [[0], [1]]]).map(
         lambda E: exact.decouple_disturbance(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E)
     ),
-    exact.FixedModes: minimal_plants(2).map(
+    results.FixedModes: minimal_plants(2).map(
         lambda plant: exact.decentralised_fixed_modes(plant, [([0], [0])])
     ),
-    exact.Decoupling: strictly_proper_plants(max_order=2).map(exact.decouple),
-    exact.Interactor: strictly_proper_plants(max_order=2).map(exact.interactor)
+    results.Decoupling: strictly_proper_plants(max_order=2).map(exact.decouple),
+    results.Interactor: strictly_proper_plants(max_order=2).map(exact.interactor)
     | st.just(exact.interactor("a/(s + 1)", "s")),
-    exact.HInfinityNorm: st.sampled_from(
+    results.HInfinityNorm: st.sampled_from(
         ["1/(s + 1)", "(s + 1)/(s**2 + s + 2)", "z/(z - 1/3)"]
     ).map(exact.h_infinity_norm),
-    exact.RealnessDecision: st.sampled_from(["1/(s + 1)", "s", "-s", "2/(s + 1)"]).map(
+    results.RealnessDecision: st.sampled_from(["1/(s + 1)", "s", "-s", "2/(s + 1)"]).map(
         exact.decide_positive_real
     ),
-    exact.JordanForm: st.sampled_from(["rational", "real", "complex"]).map(
+    results.JordanForm: st.sampled_from(["rational", "real", "complex"]).map(
         lambda over: exact.jordan_form([[0, 1, 0], [-5, -2, 1], [0, 0, 3]], over=over)
     ),
-    exact.FrobeniusForm: st.sampled_from([[[1, 0], [0, 1]], [["a", 1], [0, 0]]]).map(
+    results.FrobeniusForm: st.sampled_from([[[1, 0], [0, 1]], [["a", 1], [0, 0]]]).map(
         exact.frobenius_form
     ),
-    exact.KroneckerForm: matrices(2, 2).map(lambda A: exact.kronecker_form(A, [["a", 0], [0, 0]])),
-    exact.PopovForm: POLYNOMIAL_MATRICES.map(exact.popov_form),
-    exact.PadeApproximant: nonzero_rationals().map(
+    results.KroneckerForm: matrices(2, 2).map(
+        lambda A: exact.kronecker_form(A, [["a", 0], [0, 0]])
+    ),
+    results.PopovForm: POLYNOMIAL_MATRICES.map(exact.popov_form),
+    results.PadeApproximant: nonzero_rationals().map(
         lambda c: exact.pade_approximant([1, c, "a"], 1, 1)
     ),
-    exact.PartialRealisation: nonzero_rationals().map(
+    results.PartialRealisation: nonzero_rationals().map(
         lambda c: exact.partial_realisation([1, c, "a", 0], "z")
     ),
-    exact.LaurentExpansion: strictly_proper_plants().map(
+    results.LaurentExpansion: strictly_proper_plants().map(
         lambda plant: exact.laurent_expansion(plant, "a", 2)
     ),
-    exact.PickInterpolation: nonzero_rationals().map(
+    results.PickInterpolation: nonzero_rationals().map(
         lambda w: exact.nevanlinna_pick([1, 2], [w, 1], 3)
     ),
-    exact.IntervalStability: rationals().map(
+    results.IntervalStability: rationals().map(
         lambda c: exact.decide_interval_stability([1, (c, c + 1), 2])
     ),
-    exact.StabilityRegion: REGIONS,
-    exact.StabilitySlab: REGIONS.map(lambda found: found.slabs[0]),
-    exact.StableCompensator: UNSTABLE.map(lambda G: exact.stable_compensator(G, feedback=-1)),
-    exact.SimultaneousStabilisability: UNSTABLE.map(
+    results.StabilityRegion: REGIONS,
+    results.StabilitySlab: REGIONS.map(lambda found: found.slabs[0]),
+    results.StableCompensator: UNSTABLE.map(lambda G: exact.stable_compensator(G, feedback=-1)),
+    results.SimultaneousStabilisability: UNSTABLE.map(
         lambda G: exact.decide_simultaneous_stabilisability(G, "1/(s + 1)", feedback=-1)
     ),
-    exact.MatrixPlacement: spectra(2).map(
+    results.MatrixPlacement: spectra(2).map(
         lambda roots: exact.place_matrix_poles([["1/(s - a)"]], [roots], 1, "s", feedback=-1)
     ),
-    exact.Subresultants: coprime_pairs().map(lambda pair: exact.subresultants(*pair))
+    results.Subresultants: coprime_pairs().map(lambda pair: exact.subresultants(*pair))
     | st.just(exact.subresultants("s**2 + a", "s + 1", "s")),
-    exact.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.gcd_from_null_space(*pair))
+    results.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.gcd_from_null_space(*pair))
     | st.just(exact.gcd_from_null_space("s*(s + a)", "s + a", "s")),
-    exact.StabilisingCompensators: FAMILIES,
-    exact.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
-    exact.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),
-    exact.BrunovskyForm: st.just(exact.brunovsky_form(*PAIR)),
-    exact.StateFeedbackFamily: spectra(3).map(lambda p: exact.state_feedback_family(*PAIR, p)),
-    exact.ObserverGainFamily: spectra(2).map(
+    results.StabilisingCompensators: FAMILIES,
+    results.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
+    results.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),
+    results.BrunovskyForm: st.just(exact.brunovsky_form(*PAIR)),
+    results.StateFeedbackFamily: spectra(3).map(lambda p: exact.state_feedback_family(*PAIR, p)),
+    results.ObserverGainFamily: spectra(2).map(
         lambda p: exact.observer_gain_family([[0, 1], [0, 0]], [[1, 0]], p)
     ),
-    exact.Eigenstructure: st.just(
+    results.Eigenstructure: st.just(
         exact.assign_eigenstructure([[0, 1], [0, 0]], [[0], [1]], ["b", -1], [(1, "b"), (1, -1)])
     ),
-    exact.DiophantineSolution: st.builds(
+    results.DiophantineSolution: st.builds(
         lambda pair, c: exact.solve_diophantine(*pair, c), coprime_pairs(), POLYS
     )
     | st.just(exact.solve_diophantine("s - a", "s - b", "1", "s")),
-    exact.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.minimal_basis)
+    results.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.minimal_basis)
     | st.just(exact.minimal_basis([["s - a", "s - b"]], "s")),
-    exact.MatrixDiophantineSolution: POLYNOMIAL_MATRICES.map(
+    results.MatrixDiophantineSolution: POLYNOMIAL_MATRICES.map(
         lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, "s")
     ),
-    exact.StabilityIntervals: INTERVALS,
-    exact.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
-    exact.StrongStabilisability: PARITIES,
-    exact.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
-    exact.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
+    results.StabilityIntervals: INTERVALS,
+    results.StabilityCell: INTERVALS.map(lambda found: found.cells[0]),
+    results.StrongStabilisability: PARITIES,
+    results.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
+    results.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
         exact.zero_order_hold
     )
     | st.just(exact.zero_order_hold("b/(s*(s + a))", "h", "s")),
-    exact.Zeros: ZEROS,
-    exact.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
+    results.Zeros: ZEROS,
+    results.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
         lambda text: exact.transmission_zeros(text, "s").directions[0]
     ),
-    exact.RowForm: POLYNOMIAL_MATRICES.map(exact.hermite_form)
+    results.RowForm: POLYNOMIAL_MATRICES.map(exact.hermite_form)
     | POLYNOMIAL_MATRICES.map(exact.row_reduced_form),
-    exact.CoprimeFractions: transfer_matrices().map(exact.coprime_fractions)
+    results.CoprimeFractions: transfer_matrices().map(exact.coprime_fractions)
     | st.just(exact.coprime_fractions("(s + a)/(s**2 + b)", "s")),
     exact.PolynomialMatrix: POLYNOMIAL_MATRICES,
-    exact.SmithForm: POLYNOMIAL_MATRICES.map(exact.smith_form),
-    exact.SmithMcMillanForm: transfer_matrices().map(exact.smith_mcmillan_form),
-    exact.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
-    exact.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
+    results.SmithForm: POLYNOMIAL_MATRICES.map(exact.smith_form),
+    results.SmithMcMillanForm: transfer_matrices().map(exact.smith_mcmillan_form),
+    results.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
+    results.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
     | transfer_matrices().map(exact.minimal_realisation),
-    exact.PartialFractions: EXPANSIONS,
-    exact.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
+    results.PartialFractions: EXPANSIONS,
+    results.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
     exact.Certificate: minimal_plants().map(
         lambda plant: exact.realisation(plant).transfer_function().certificate
     ),
     exact.Budget: st.builds(exact.Budget, degree=st.integers(1, 10**6)),
-    exact.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
+    results.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
     | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),
     exact.Enclosure: st.builds(exact.Enclosure, rationals(), rationals().map(abs)),
-    exact.ExceptionalCases: EXCEPTIONAL_CASES,
-    exact.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda found: found.cases[-1]),
-    exact.LQGController: (discrete_problems() | continuous_problems()).map(exact.lqg_controller),
-    exact.ZeroDirectionTarget: nonzero_rationals().map(
+    results.ExceptionalCases: EXCEPTIONAL_CASES,
+    results.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda found: found.cases[-1]),
+    results.LQGController: (discrete_problems() | continuous_problems()).map(exact.lqg_controller),
+    results.ZeroDirectionTarget: nonzero_rationals().map(
         lambda a: exact.zero_direction_target([[1, 0], [a, 1]], [(a + a / abs(a), [1, a])])
     ),
-    exact.HighAuthorityTarget: discrete_problems().map(exact.high_authority_target),
-    exact.HighAuthorityLimits: continuous_problems().map(exact.high_authority_limits),
-    exact.HighAuthorityLimit: continuous_problems().map(
+    results.HighAuthorityTarget: discrete_problems().map(exact.high_authority_target),
+    results.HighAuthorityLimits: continuous_problems().map(exact.high_authority_limits),
+    results.HighAuthorityLimit: continuous_problems().map(
         lambda plant: exact.high_authority_limits(plant).regulator
     ),
-    exact.ButterworthPattern: continuous_problems().map(
+    results.ButterworthPattern: continuous_problems().map(
         lambda plant: exact.high_authority_limits(plant).estimator.patterns[0]
     ),
-    exact.RegulatorLocus: strictly_proper_plants().map(
+    results.RegulatorLocus: strictly_proper_plants().map(
         lambda plant: exact.regulator_locus(plant.numerator, plant.denominator)
     ),
-    exact.LQGPoles: (discrete_problems() | continuous_problems()).map(exact.lqg_poles),
-    exact.ObserverBasedCompensator: observer_based(),
-    exact.ObserverDecision: st.builds(
+    results.LQGPoles: (discrete_problems() | continuous_problems()).map(exact.lqg_poles),
+    results.ObserverBasedCompensator: observer_based(),
+    results.ObserverDecision: st.builds(
         lambda pair: exact.realisation_is_observer_based(*pair),
         loops(1) | loops(2) | loops(1, ("unobservable",)) | st.just(CONTINUUM),
     ),
-    exact.ObserverForm: st.just(first_form(exact.observer_forms("1/(s - 1)", "-6/(s + 4)"))),
-    exact.ObserverForms: forms(),
-    exact.PolePlacement: placements() | symbolic_placements(),
-    exact.PolynomialEnclosure: st.sampled_from(["q**2 - 3*q + 1", "(q - 2)*(q - 1/2)"]).map(
+    results.ObserverForm: st.just(first_form(exact.observer_forms("1/(s - 1)", "-6/(s + 4)"))),
+    results.ObserverForms: forms(),
+    results.PolePlacement: placements() | symbolic_placements(),
+    results.PolynomialEnclosure: st.sampled_from(["q**2 - 3*q + 1", "(q - 2)*(q - 1/2)"]).map(
         lambda text: exact.enclose_split_at_unit_circle(exact.polynomial(text))[0]
     ),
-    exact.PropositionCheck: coprime_pairs().map(
+    results.PropositionCheck: coprime_pairs().map(
         lambda pair: exact.check_proposition_3(*pair, n_c=int(pair[0].degree()), m_hat=0)
     ),
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
-    exact.RiccatiSolution: st.sampled_from([0, 1, "1/2"]).map(
+    results.StabilityMargins: MARGINS,
+    results.GainCrossover: MARGINS.map(lambda found: found.gain_crossovers[0]),
+    results.PhaseCrossover: MARGINS.map(lambda found: found.phase_crossovers[0]),
+    results.RootLocus: LOCI,
+    results.LocusBreak: LOCI.map(lambda found: found.breaks[0]),
+    results.LocusCrossing: LOCI.map(lambda found: found.crossings[0]),
+    results.LocusAngles: LOCI.map(lambda found: found.departures[0]),
+    results.StabilityDelays: DELAYS,
+    results.DelayCrossing: DELAYS.map(lambda found: found.crossings[0]),
+    results.RiccatiFormula: st.sampled_from(["continuous", "discrete"]).map(
+        lambda time: exact.riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time=time)
+    ),
+    results.GainFormula: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).regulator.formula
+    ),
+    results.NumberField: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).regulator.field
+    ),
+    results.FieldMatrix: continuous_problems().map(
+        lambda plant: exact.lqg_controller(plant).estimator.P_in_field
+    ),
+    results.RiccatiSolution: st.sampled_from([0, 1, "1/2"]).map(
         lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1], [0]], [[0], [r]], time="discrete")
     )
     | continuous_problems().map(lambda plant: exact.lqg_controller(plant).regulator),
-    exact.Root: polynomials(min_degree=1).map(lambda p: exact.certified_roots(p)[0]),
-    exact.RootCount: POLYS.map(lambda p: exact.count_roots(p, time="continuous")),
-    exact.SpectralFactor: st.sampled_from([0, 1, 3]).map(
+    results.Root: polynomials(min_degree=1).map(lambda p: exact.certified_roots(p)[0]),
+    results.RootCount: POLYS.map(lambda p: exact.count_roots(p, time="continuous")),
+    results.SpectralFactor: st.sampled_from([0, 1, 3]).map(
         lambda r: exact.spectral_factor("z - 2", "z", r, time="discrete")
     )
     | st.sampled_from([0, "1/4", 1]).map(
         lambda r: exact.spectral_factor("s - 1", "s**2", r, time="continuous")
     ),
-    exact.StabilityDecision: st.builds(
+    results.StabilityDecision: st.builds(
         lambda p, time: exact.decide_stability(p, time=time),
         POLYS | SYMBOLIC_POLYS,
         st.sampled_from(["continuous", "discrete"]),
@@ -301,5 +335,5 @@ SAMPLES = {
     exact.TransferFunction: strictly_proper_plants()
     | SYMBOLIC_POLYS.map(lambda p: exact.transfer_function((1, p * p + 1), "s")),
     exact.TransferMatrix: transfer_matrices(),
-    exact.YoulaForm: st.just(exact.youla_forms("1/(s - 1)", "-24/(s**2 + 7*s + 18)")[0]),
+    results.YoulaForm: st.just(exact.youla_forms("1/(s - 1)", "-24/(s**2 + 7*s + 18)")[0]),
 }

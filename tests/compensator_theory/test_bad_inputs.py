@@ -95,7 +95,7 @@ def test_the_step_is_no_variable_and_its_exponentials_are_not_endless():
     for step in ("s", "z"):
         with pytest.raises(exact.InputError, match="the variable of a plant, not a step"):
             exact.zero_order_hold("1/(s + 1)", step)
-    with pytest.raises(exact.BudgetError, match="exponential of a pole with this step"):
+    with pytest.raises(exact.errors.BudgetError, match="exponential of a pole with this step"):
         exact.zero_order_hold("1/(s + 1)", 10**50 * sympy.log(2))
     with exact.budget(digits=40_000):
         fine = exact.zero_order_hold("1/(s + 1)", 50_000 * sympy.log(2))
@@ -122,7 +122,7 @@ def test_letters_and_keys_are_no_list(letters):
     ids=map(str, range(8)),
 )  # fmt: skip
 def test_the_budget_refuses_and_can_be_raised(limits, door, value):
-    with pytest.raises(exact.BudgetError, match=next(iter(limits))):
+    with pytest.raises(exact.errors.BudgetError, match=next(iter(limits))):
         door(value)
     with exact.budget(**limits):
         assert door(value) is not None

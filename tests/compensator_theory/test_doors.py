@@ -13,7 +13,8 @@ import sympy.physics.control as sympy_control
 from sympy import CRootOf, I, Poly, Rational, Symbol, exp, pi, sqrt
 
 import compensator_theory as exact
-from compensator_theory import BudgetError, InputError, NotCoprimeError
+from compensator_theory import InputError
+from compensator_theory.errors import BudgetError, NotCoprimeError
 from tests.support.work import Endless, Long, at_most, at_most_bytes
 
 a, s, x, z = sympy.symbols("a s x z")

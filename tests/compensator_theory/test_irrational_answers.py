@@ -53,10 +53,13 @@ def test_lqg_in_continuous_time():
             D_2=[[*(0 for _ in parts), 1]], E_1=[[2], [0]], E_2=[[0], [1]], E_0=None, variable="s",
         )  # fmt: skip
         found, poles = exact.lqg_controller(plant), exact.lqg_poles(plant)
-        answers = [found.polynomial, found.realisation, found.compensator, poles.polynomial]
-        answers += [found.estimator.K, found.estimator.P, found.estimator.factor.polynomial]
+        answers = [found.polynomial, poles.polynomial, found.estimator.factor.polynomial]
         assert {answer is not None for answer in answers} == {is_square(k)}
-        assert found.regulator.K is not None and found.regulator.P is not None
+        assert found.is_rational is is_square(k)
+        root = sympy.sqrt(k)
+        assert sympy.Matrix([[-root]]) == found.estimator.K
+        assert found.realisation == tuple(sympy.Matrix([[x]]) for x in (-2 - root, root, -2))
+        assert found.compensator.numerator.as_expr() == -2 * root
         assert abs(float(found.estimator.K_enclosure[0][0]) + math.sqrt(k)) < 1e-12
         counts[found.polynomial is None] += 1
     assert counts == {True: 12, False: 4}
@@ -71,11 +74,12 @@ def test_high_authority_lqg_in_discrete_time():
         plant = exact.standard_problem(f"(q**2 - 3*q + {c})/(q**3 - 5)")
         found, target = exact.lqg_controller(plant), exact.high_authority_target(plant)
         moduli = abs(np.roots([1, -3, float(c)]))
-        splits = is_square(9 - 4 * c) or min(moduli) > 1
-        answers = [found.polynomial, found.realisation, found.compensator]
-        answers += [found.regulator.K, found.regulator.P, target.transfer_function]
-        answers += [exact.lqg_poles(plant).polynomial]
+        splits = bool(is_square(9 - 4 * c) or min(moduli) > 1)
+        answers = [found.polynomial, target.transfer_function, exact.lqg_poles(plant).polynomial]
         assert {answer is not None for answer in answers} == {splits}
+        assert found.is_exact and found.is_rational is splits
+        if not splits:
+            assert found.regulator.K.free_symbols == set() and found.regulator.field.degree == 2
         counts[found.polynomial is None] += 1
     assert counts == {True: 13, False: 7}
 

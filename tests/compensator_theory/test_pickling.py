@@ -13,10 +13,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import compensator_theory as exact
+from tests.support.public import public_objects
 
 from .samples import POLYS, SAMPLES, SYMBOLIC_POLYS
 
-PUBLIC = [getattr(exact, name) for name in exact.__all__ if name != "strategies"]
+PUBLIC = [*public_objects("compensator_theory").values()]
 DATA_CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls) and dataclasses.is_dataclass(cls)]
 ERRORS = [cls for cls in PUBLIC if inspect.isclass(cls) and issubclass(cls, Exception)]
 

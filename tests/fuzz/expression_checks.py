@@ -114,7 +114,7 @@ def check_text(text):
     if echo is not None:
         try:
             assert exact.canonical(echo) == echo
-        except exact.BudgetError:  # what a budget allows may be written otherwise
+        except exact.errors.BudgetError:  # what a budget allows may be written otherwise
             with raised():
                 again = exact.canonical(echo)
                 assert exact.canonical(again) == again

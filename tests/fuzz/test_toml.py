@@ -21,10 +21,8 @@ from rcac_numeric import json_schema, load_experiment
 from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.files.builder import FILE, build
 from rcac_numeric.experiments.files.runs import TABLES
-from rcac_numeric.experiments.format.by_key import ByKey
-from rcac_numeric.experiments.format.deferred import Deferred
 from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf, Row
-from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.tables import ByKey, Deferred, Kinds, Table
 from rcac_numeric.experiments.format.values import Choice, Exact, Flag, Integer, Numbers, Real
 from tests.support.work import at_most, at_most_bytes
 

@@ -77,6 +77,7 @@ LAYERS = {
         "reports",
         "reports.studies",
         "reports.page",
+        "export",
         "dissertation.errata.evidence",
         "dissertation.errata",
         "dissertation",

@@ -14,8 +14,7 @@ from rcac_numeric.experiments.exact.checks import STATEMENTS
 from rcac_numeric.experiments.exact_files.reading import EXACT_FILE
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.runs import TABLES
-from rcac_numeric.experiments.format.by_key import ByKey
-from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.tables import ByKey, Kinds, Table
 from rcac_numeric.experiments.format.values import Form
 from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.plots.figures.requested import DRAWINGS, OF_STUDIES

@@ -12,10 +12,11 @@ import compensator_theory as exact
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.polynomials.values import ExactValue
 from tests.compensator_theory.samples import SAMPLES
+from tests.support.public import public_objects
 
 RESULTS = [
     cls
-    for cls in (getattr(exact, name) for name in exact.__all__)
+    for cls in public_objects("compensator_theory").values()
     if inspect.isclass(cls) and issubclass(cls, ExactValue)
 ]
 PARSER = MathTextParser("path")

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-import compensator_theory
+from tests.support.public import public_objects
 
 
 @pytest.mark.parametrize(
@@ -19,15 +19,16 @@ def test_import_leaves_heavy_packages_alone(statement):
 
 
 def test_every_public_name_exists_and_is_documented():
-    for name in compensator_theory.__all__:
-        assert getattr(compensator_theory, name).__doc__, name
+    for name, value in public_objects("compensator_theory").items():
+        assert value.__doc__, name
 
 
-@pytest.mark.parametrize("first", ["TransferFunction", "StandardProblem", "PolePlacement"])
+@pytest.mark.parametrize("first", ["TransferFunction", "StandardProblem", "Realisation"])
 def test_no_submodule_shadows_a_function(first):
     code = (
         f"from compensator_theory import {first}\n"
         "import compensator_theory as c\n"
-        "assert all(callable(getattr(c, n)) for n in c.__all__ if n != 'strategies')"
+        "names = {*c.__all__} - {'errors', 'results', 'strategies'}\n"
+        "assert all(callable(getattr(c, n)) for n in names)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

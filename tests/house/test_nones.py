@@ -13,7 +13,7 @@ import control
 import pytest
 import sympy.physics.control
 
-import compensator_theory as exact
+from tests.support.public import public_objects
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = tomllib.loads(Path(__file__).with_name("nones.toml").read_text())
@@ -70,7 +70,7 @@ def ours_in(annotation):
 
 
 def found_nones():
-    waiting = {name: getattr(exact, name) for name in exact.__all__}
+    waiting = public_objects("compensator_theory")
     seen = {}
     while waiting:
         name, thing = waiting.popitem()
@@ -108,7 +108,7 @@ def test_what_pins_a_none_is_a_test_that_looks_at_it(place):
 def test_the_docstring_says_when_it_is_none(name):
     """In the entry of the field, or in the docstring of the function or property."""
     head, _, tail = name.partition(".")
-    thing = getattr(exact, head)
+    thing = public_objects("compensator_theory")[head]
     own = dict(functions_of(thing)).get(tail) if tail else thing
     text = inspect.getdoc(own or thing)
     said = "None" in text if own else "None" in entry_of(text, tail)

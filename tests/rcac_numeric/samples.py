@@ -3,13 +3,14 @@
 Different seeds make different data. A new public data class gets a line in `SAMPLES`.
 """
 
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 
 import rcac_numeric as rcac
+from rcac_numeric import gallery, identification, results, sweeps
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.signals.signal import Scaled, Sum
@@ -88,7 +89,10 @@ def symmetric(seed, size=4):
 
 
 def structure(seed):
-    derived = [rcac.DerivedSignal([random(seed)[()]], [1.0], pole=0.5), rcac.integral([2.0])]
+    derived = [
+        rcac.DerivedSignal([random(seed)[()]], [1.0], pole=0.5),
+        rcac.integral([2.0]),
+    ]
     taps = [rcac.Tap("u", 0, 1), rcac.Tap("y", 0, 2)]
     return rcac.Structure([*taps, *(rcac.Tap("derived", i, 1) for i in range(2))], derived=derived)
 
@@ -195,11 +199,11 @@ def sweep_table(seed):
     outcomes = np.array(["completed", "diverged"] * 2, dtype=object)
     columns = {"run": np.arange(4), "gain": np.array([1, 1, 2, 2]), "outcome": outcomes,
                "rms": np.abs(random(seed, 4))}  # fmt: skip
-    return rcac.SweepTable(columns, ("gain",), ("rms",))
+    return sweeps.SweepTable(columns, ("gain",), ("rms",))
 
 
 def erratum(seed):
-    return replace(rcac.find_errata()[0], name=f"entry-{seed}")
+    return replace(rcac.dissertation.find_errata()[0], name=f"entry-{seed}")
 
 
 def first_order(seed):
@@ -209,7 +213,7 @@ def first_order(seed):
 
 
 def identified_window(seed):
-    return rcac.identify_windows(*first_order(seed), mu=5, n_mod=1, order=1)[0]
+    return identification.identify_windows(*first_order(seed), mu=5, n_mod=1, order=1)[0]
 
 
 SAMPLES = {
@@ -221,7 +225,7 @@ SAMPLES = {
     rcac.FunctionPlant: function_plant,
     rcac.Saturation: saturation,
     rcac.HealthWarning: lambda seed: rcac.HealthWarning("slow", f"after {seed} steps", "wait"),
-    rcac.LoopHealth: lambda seed: replace(rcac.loop_health(run(seed)), guard_count=seed),
+    results.LoopHealth: lambda seed: replace(rcac.loop_health(run(seed)), guard_count=seed),
     # signals
     rcac.Step: lambda seed: rcac.Step(random(seed)[()], start=3),
     rcac.Ramp: lambda seed: rcac.Ramp(random(seed)[()], start=seed),
@@ -235,9 +239,13 @@ SAMPLES = {
     Scaled: lambda seed: random(seed)[()] * rcac.Levels(random(seed, 2)),
     # targets, identification
     rcac.ControllerChange: controller_change,
-    rcac.LearnedTarget: lambda seed: rcac.LearnedTarget(seed, "updated", random(seed, 2) + 0j),
-    rcac.AppliedChange: lambda seed: rcac.AppliedChange(seed, controller_change(seed), "keep", 0.1),
-    rcac.OnlineZeros: lambda seed: rcac.OnlineZeros(
+    results.LearnedTarget: lambda seed: results.LearnedTarget(
+        seed, "updated", random(seed, 2) + 0j
+    ),
+    results.AppliedChange: lambda seed: results.AppliedChange(
+        seed, controller_change(seed), "keep", 0.1
+    ),
+    results.OnlineZeros: lambda seed: results.OnlineZeros(
         1.5 + random(seed, 2) + 0j,
         abs(random(seed, 2)),
         ("undecided",) * 2,
@@ -254,36 +262,38 @@ SAMPLES = {
     rcac.DirectionInformation: lambda seed: rcac.DirectionInformation(
         random(seed, 2, 2), [(1.5, random(seed, 2))]
     ),
-    rcac.DirectionCheck: lambda seed: rcac.check_directions(
+    results.DirectionCheck: lambda seed: rcac.check_directions(
         rcac.TargetModel(random(seed, 2, 2, 2)),
         rcac.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
     ),
-    rcac.DirectionsFromData: lambda seed: rcac.directions_from_data(
+    results.DirectionsFromData: lambda seed: rcac.directions_from_data(
         random(seed, 40, 1), np.vstack([np.zeros((1, 1)), random(seed, 40, 1)[:-1]]), order=1
     ),
-    rcac.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
-    rcac.EigensystemRealisation: lambda seed: rcac.eigensystem_realisation(
+    results.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
+    results.EigensystemRealisation: lambda seed: identification.eigensystem_realisation(
         [0, *(float(fraction(seed)) ** i for i in range(5))]
     ),
-    rcac.IdentifiedMarkovParameters: lambda seed: rcac.identify_markov_parameters(
+    results.IdentifiedMarkovParameters: lambda seed: identification.identify_markov_parameters(
         signals(seed)["u"], signals(seed)["y"], mu=2, n_mod=1
     ),
-    rcac.NeweyWest: lambda seed: rcac.NeweyWest(lags=seed),
-    rcac.IdentifiedZeros: lambda seed: identified_window(seed).zeros,
-    rcac.IdentifiedWindow: identified_window,
-    rcac.BootstrapZeros: lambda seed: rcac.bootstrap_zeros(
+    identification.NeweyWest: lambda seed: identification.NeweyWest(lags=seed),
+    results.IdentifiedZeros: lambda seed: identified_window(seed).zeros,
+    identification.IdentifiedWindow: identified_window,
+    results.BootstrapZeros: lambda seed: identification.bootstrap_zeros(
         *first_order(seed), mu=4, n_mod=1, order=1, seed=seed, replicates=3
     ),
-    rcac.DataTarget: lambda seed: rcac.target_from_data(*first_order(seed), mu=5, n_mod=1, order=1),
+    results.DataTarget: lambda seed: rcac.target_from_data(
+        *first_order(seed), mu=5, n_mod=1, order=1
+    ),
     # the gallery
-    rcac.ContinuousPlant: lambda seed: rcac.ContinuousPlant(
+    gallery.ContinuousPlant: lambda seed: gallery.ContinuousPlant(
         random(seed, 2, 2), random(seed, 2, 1), random(seed, 1, 2), outputs=[f"y{seed}, V"]
     ),
-    rcac.ZeroPath: lambda seed: rcac.zero_path(schedule(seed), [0, 3]),
-    rcac.OperatingPoint: lambda seed: rcac.OperatingPoint(random(seed, 2), [seed]),
-    rcac.BoostConverter: lambda seed: rcac.BoostConverter(supply=1 + seed),
-    rcac.CartPendulum: lambda seed: rcac.CartPendulum(length=1 + seed),
-    rcac.MassSpringDamper: lambda seed: rcac.MassSpringDamper(mass=1 + seed),
+    results.ZeroPath: lambda seed: gallery.zero_path(schedule(seed), [0, 3]),
+    results.OperatingPoint: lambda seed: results.OperatingPoint(random(seed, 2), [seed]),
+    gallery.BoostConverter: lambda seed: gallery.BoostConverter(supply=1 + seed),
+    gallery.CartPendulum: lambda seed: gallery.CartPendulum(length=1 + seed),
+    gallery.MassSpringDamper: lambda seed: gallery.MassSpringDamper(mass=1 + seed),
     # controllers
     rcac.Tap: lambda seed: rcac.Tap("y", 0, seed),
     rcac.DerivedSignal: lambda seed: rcac.DerivedSignal(random(seed, 2), [0, 1], pole=-1.0),
@@ -313,49 +323,52 @@ SAMPLES = {
     ),
     rcac.Run: run,
     rcac.SavedState: lambda seed: run(seed).state,
-    rcac.ReferenceRun: lambda seed: rcac.simulate_reference(
+    results.ReferenceRun: lambda seed: rcac.simulate_reference(
         plant(seed), adaptive(seed), random(seed, 6, 1), digits=30
     ),
     # analysis
     rcac.ClosedLoop: loop,
     rcac.IntercalatedMatch: lambda seed: rcac.intercalated_match(loop(seed), target(seed), 9),
-    rcac.ExactComparison: comparison,
-    rcac.NumericObserverForms: observer_forms,
-    rcac.PlacementConditioning: lambda seed: rcac.placement_conditioning(
+    results.ExactComparison: comparison,
+    results.NumericObserverForms: observer_forms,
+    results.PlacementConditioning: lambda seed: rcac.placement_conditioning(
         "1/(s - 1)", [-1, -2 - fraction(seed)], feedback=-1
     ),
-    rcac.ResidualSplit: lambda seed: rcac.split_residual(
+    results.ResidualSplit: lambda seed: rcac.split_residual(
         exact_plant(seed), compensator(seed), target(seed), **signals(seed)
     ),
     # margins, costs
-    rcac.Margins: lambda seed: rcac.stability_margins(loop(seed)),
-    rcac.DiskMargin: lambda seed: rcac.multivariable_disk_margin(loop(seed)),
-    rcac.StabilityBoundary: lambda seed: rcac.StabilityBoundary(seed, 1, 0.5, 1, np.nan),
-    rcac.H2Cost: lambda seed: rcac.h2_cost(exact_plant(seed), compensator(seed)),
+    results.Margins: lambda seed: rcac.stability_margins(loop(seed)),
+    results.DiskMargin: lambda seed: rcac.multivariable_disk_margin(loop(seed)),
+    results.StabilityBoundary: lambda seed: results.StabilityBoundary(seed, 1, 0.5, 1, np.nan),
+    results.H2Cost: lambda seed: rcac.h2_cost(exact_plant(seed), compensator(seed)),
     rcac.LQG: lambda seed: rcac.lqg(exact_plant(seed)),
-    rcac.ExactAgreement: agreement,
-    rcac.ConversionCertificate: lambda seed: rcac.ConversionCertificate(
+    results.ExactAgreement: agreement,
+    results.ConversionCertificate: lambda seed: results.ConversionCertificate(
         random(seed, 3) * 1j, 1e-15, 1e-14, seed % 3
     ),
-    rcac.StabilisingSolution: lambda seed: rcac.solve_dare(
+    results.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
     ),
     # errata
-    rcac.Erratum: erratum,
-    rcac.ErratumEvidence: lambda seed: rcac.ErratumEvidence(derivation=f"by step {seed}"),
-    rcac.Checked: lambda seed: rcac.Checked(erratum(seed), ()),
-    rcac.Reproduction: lambda seed: rcac.Reproduction((), Path(f"gallery-{seed}/index.html")),
+    results.Erratum: erratum,
+    results.ErratumEvidence: lambda seed: results.ErratumEvidence(derivation=f"by step {seed}"),
+    results.Checked: lambda seed: results.Checked(erratum(seed), ()),
+    results.Reproduction: lambda seed: results.Reproduction((), Path(f"gallery-{seed}/index.html")),
     # sweeps
-    rcac.CaseResult: lambda seed: rcac.CaseResult(seed, "completed", random(seed, 3)),
-    rcac.Axis: lambda seed: rcac.Axis("gain", random(seed, 3), sets="plant.gain"),
-    rcac.RandomAxis: lambda seed: rcac.RandomAxis("gain", "normal", [seed, 1], draws=2),
-    rcac.Kept: lambda seed: rcac.Kept("peak", "late", {"start": seed}),
-    rcac.Study: lambda seed: rcac.Study(
-        {"run": {"steps": 9}}, [rcac.Axis("R_theta", [seed, -1], sets="run.R_theta")], [], seed=seed
+    results.CaseResult: lambda seed: results.CaseResult(seed, "completed", random(seed, 3)),
+    sweeps.Axis: lambda seed: sweeps.Axis("gain", random(seed, 3), sets="plant.gain"),
+    sweeps.RandomAxis: lambda seed: sweeps.RandomAxis("gain", "normal", [seed, 1], draws=2),
+    sweeps.Kept: lambda seed: sweeps.Kept("peak", "late", {"start": seed}),
+    sweeps.Study: lambda seed: sweeps.Study(
+        {"run": {"steps": 9}},
+        [sweeps.Axis("R_theta", [seed, -1], sets="run.R_theta")],
+        [],
+        seed=seed,
     ),
-    rcac.Progress: lambda seed: rcac.Progress(seed, SEEDS, 2.5, diverged=1),
-    rcac.SweepTable: sweep_table,
-    rcac.SweepOverview: lambda seed: rcac.SweepOverview(
+    sweeps.Progress: lambda seed: sweeps.Progress(seed, SEEDS, 2.5, diverged=1),
+    sweeps.SweepTable: sweep_table,
+    results.SweepOverview: lambda seed: results.SweepOverview(
         "store",
         "",
         "",
@@ -369,20 +382,22 @@ SAMPLES = {
         4,
         4,
         sweep_table(seed),
-        rcac.summarise(sweep_table(seed), "rms"),
+        sweeps.summarise(sweep_table(seed), "rms"),
     ),
-    rcac.ReplayedRun: lambda seed: rcac.ReplayedRun(
+    results.ReplayedRun: lambda seed: results.ReplayedRun(
         seed, 1, {"gain": 1}, AnalysedRun(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
     ),
-    rcac.StoreCheck: lambda seed: rcac.StoreCheck("store", seed, SEEDS, 1, ((8, 15),), ("why",)),
-    rcac.SweepSummary: lambda seed: rcac.summarise(sweep_table(seed), "rms"),
+    sweeps.StoreCheck: lambda seed: sweeps.StoreCheck(
+        "store", seed, SEEDS, 1, ((8, 15),), ("why",)
+    ),
+    results.SweepSummary: lambda seed: sweeps.summarise(sweep_table(seed), "rms"),
     # experiments, checks
     rcac.FigureRequest: lambda seed: rcac.FigureRequest("responses", "", first=seed),
     rcac.Budget: lambda seed: rcac.Budget(memory=1e8 + seed),
     rcac.Experiment: experiment,
-    rcac.Verification: lambda seed: rcac.verify(experiment(seed)),
+    results.Verification: lambda seed: rcac.verify(experiment(seed)),
     rcac.ControllerLog: log,
-    rcac.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
-    rcac.PlantResidual: lambda seed: rcac.PlantResidual(1.0 + seed, 2.0, 0.5),
-    rcac.ControllerCheck: check,
+    results.ControlReplay: lambda seed: rcac.replay(log(seed), rcac.iir(1)),
+    results.PlantResidual: lambda seed: results.PlantResidual(1.0 + seed, 2.0, 0.5),
+    results.ControllerCheck: check,
 }

@@ -1,34 +1,38 @@
 """Public data are equal by content, and pickle to an equal object in a fresh process."""
 
 import copy
-import dataclasses
 import inspect
 import pickle
 import re
 import struct
 import subprocess
 import sys
+from dataclasses import is_dataclass
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import rcac_numeric as rcac
-from compensator_theory import DivergedError
-from rcac_numeric.arrays.values import equal
+from compensator_theory.errors import DivergedError
+from rcac_numeric import identification, sweeps
+from rcac_numeric.arrays.values import equal, field_names
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 from tests.support.estimation_samples import ESTIMATORS
+from tests.support.public import public_objects
 
-PUBLIC = [getattr(rcac, name) for name in rcac.__all__]
+PUBLIC = [*public_objects("rcac_numeric").values()]
 CLASSES = [cls for cls in PUBLIC if inspect.isclass(cls)]
-DATA_CLASSES = [cls for cls in CLASSES if dataclasses.is_dataclass(cls)]
+DATA_CLASSES = [cls for cls in CLASSES if attrs.has(cls) or is_dataclass(cls)]
 # What runs, what it raises, and what all signals have in common.
 NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
-    rcac.ProgressLine, rcac.RecursiveARX, rcac.RecursiveMarkov, rcac.StoreError,
-    rcac.RecursiveMuMarkov, rcac.StudyInterrupted, rcac.TargetLearner,
+    sweeps.ProgressLine, identification.RecursiveARX, identification.RecursiveMarkov,
+    identification.RecursiveMuMarkov, sweeps.StoreError, sweeps.StudyInterrupted,
+    rcac.TargetLearner,
 }  # fmt: skip
 
 FRESH = """
@@ -95,12 +99,12 @@ def test_it_is_equal_where_all_that_it_holds_is_equal(cls, seed, other):
     assert value == again and hash(value) == hash(again)
     assert value != different
     assert value != "something else"
-    for field in dataclasses.fields(cls):
-        if not field.compare or equal(getattr(value, field.name), getattr(different, field.name)):
+    for name in field_names(cls, compared=True):
+        if equal(getattr(value, name), getattr(different, name)):
             continue
         twin = copy.copy(value)
-        object.__setattr__(twin, field.name, getattr(different, field.name))
-        assert twin != value and value != twin, field.name
+        object.__setattr__(twin, name, getattr(different, name))
+        assert twin != value and value != twin, name
 
 
 def _fit(cls, **settings):
@@ -110,7 +114,7 @@ def _fit(cls, **settings):
 
 
 def _markov():
-    fit = rcac.RecursiveMarkov(l_u=1, l_y=1, mu=3, n_mod=2)
+    fit = identification.RecursiveMarkov(l_u=1, l_y=1, mu=3, n_mod=2)
     for u, z in _noise(2, 40):
         fit.update(u, z)
     return fit
@@ -154,15 +158,15 @@ LIVE = {
         _simulator,
         lambda body: [(body.output(k, 0), body.advance(k, 0), body.x) for k in range(9)],
     ),
-    rcac.RecursiveARX: (
-        lambda: _fit(rcac.RecursiveARX, order=3, lambda_=0.99),
+    identification.RecursiveARX: (
+        lambda: _fit(identification.RecursiveARX, order=3, lambda_=0.99),
         lambda fit: (fit.update(*_noise(20, 2)), fit.k, fit.a, fit.b, fit.P, fit.variance),
     ),
-    rcac.RecursiveMuMarkov: (
-        lambda: _fit(rcac.RecursiveMuMarkov, mu=3, n_mod=2),
+    identification.RecursiveMuMarkov: (
+        lambda: _fit(identification.RecursiveMuMarkov, mu=3, n_mod=2),
         lambda fit: (fit.update(*_noise(20, 2)), fit.k, fit.H, fit.a, fit.b, fit.P),
     ),
-    rcac.RecursiveMarkov: (
+    identification.RecursiveMarkov: (
         _markov,
         lambda fit: ([fit.update(u, z) for u, z in _noise(2, 30)], fit.H, fit.standard_error),
     ),
@@ -170,7 +174,8 @@ LIVE = {
     rcac.TargetLearner: (_learner, lambda learner: (learner.windows, vars(learner))),
 }
 OTHERWISE = [  # another's data
-    rcac.Signal, rcac.RunInterrupted, rcac.ProgressLine, rcac.StoreError, rcac.StudyInterrupted
+    rcac.Signal, rcac.RunInterrupted, sweeps.ProgressLine, sweeps.StoreError,
+    sweeps.StudyInterrupted,
 ]  # fmt: skip
 
 
@@ -206,7 +211,8 @@ def test_a_plant_with_delays_is_copied_wherever_it_stands(before):
 
 
 @pytest.mark.parametrize("make", [
-    lambda: rcac.RecursiveARX(order=2), lambda: rcac.RecursiveMuMarkov(mu=2, n_mod=1)
+    lambda: identification.RecursiveARX(order=2),
+    lambda: identification.RecursiveMuMarkov(mu=2, n_mod=1),
 ])  # fmt: skip
 def test_a_fit_that_left_float64_is_not_copied(make):
     fit = make()

@@ -77,6 +77,7 @@ GOOD = {
     "lqg_poles": ([_STANDARD], {}),
     "regulator_spectrum": ([[[3]], [[1]], [[2]], [[0]]], {"time": "discrete"}),
     "solve_riccati": ([[[0]], [[1]], [[2], [0]], [[0], [1]]], {"time": "continuous"}),
+    "riccati_formula": ([[[0]], [[1]], [[2], [0]], [[0], [1]]], {"time": "continuous"}),
     "high_authority_target": ([_STANDARD], {}),
     "bezout_identity": ([_P, _Q], {}),
     "number_of_common_roots": ([_P, _Q], {}),
@@ -167,7 +168,7 @@ GOOD = {
     "solve_stein": ([[[0, 1], [0, "1/2"]], [[1, 0], [0, 1]], [[0, 1], [0, "1/3"]]], {}),
     "solve_sylvester": ([_A, [["a"]], [[1], [0]]], {}),
     "solve_regulator_equations": ([_R, [[0, 1], [-1, 0]], [[-1, 0]], [[1, 0], [0, 1]]], {}),
-    "gramians": ([_R], {}),
+    "gramians": ([_R, "s"], {}),
     "controlled_invariant_subspaces": ([_R], {}),
     "decouple": ([_R, ["s + 1"]], {}),
     "decouple_disturbance": ([_R, [[0], [1]]], {}),
@@ -178,6 +179,9 @@ GOOD = {
     "kronecker_form": ([_A, [[1, 0], [0, 0]]], {}),
     "popov_form": ([[["s**2", "s**2 + 1"], ["s", "s"]]], {}),
     "h_infinity_norm": ([_MATRIX], {}),
+    "stability_margins": (["1/(s*(s + 1))"], {"feedback": -1}),
+    "root_locus": (["1/(s*(s + 1))"], {"feedback": -1}),
+    "stability_delays": ([["s", "1"]], {}),
     "decide_bounded_real": ([_MATRIX], {}),
     "decide_positive_real": ([_MATRIX], {}),
     "laurent_expansion": ([_G, -1, 3], {}),
@@ -210,5 +214,5 @@ LAST_ARGUMENTS = {
     ],
 }  # fmt: skip
 """What an argument with a default cannot use, or barely can: no foreign error, and no long work."""
-NOT_DOORS = {"strategies", "budget", "ball_precision"}
+NOT_DOORS = {"errors", "results", "strategies", "budget", "ball_precision"}
 """A module of strategies, and two settings that have tests of their own."""

@@ -3,7 +3,7 @@
 import numpy as np
 import sympy
 
-from rcac_numeric import LinearModel, NonlinearModel, SymbolicModel
+from rcac_numeric.estimation import LinearModel, NonlinearModel, SymbolicModel
 
 
 def linear_case(seed, n=3, l_u=2, l_y=2, steps=40):

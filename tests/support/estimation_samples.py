@@ -5,18 +5,18 @@ import warnings
 import numpy as np
 import sympy
 
-import rcac_numeric as rcac
+from rcac_numeric import estimation, results
 from tests.support.estimation_cases import dynamics, linear_case, output
 
 # What runs, and what it warns of.
 ESTIMATORS = {
-    rcac.Estimator,
-    rcac.ModelRefinement,
-    rcac.ForwardRegulator,
-    rcac.ForwardEstimator,
-    rcac.IndirectController,
-    rcac.UnobservableWarning,
-    rcac.UnidentifiableWarning,
+    estimation.Estimator,
+    estimation.ModelRefinement,
+    estimation.ForwardRegulator,
+    estimation.ForwardEstimator,
+    estimation.IndirectController,
+    estimation.UnobservableWarning,
+    estimation.UnidentifiableWarning,
 }
 
 
@@ -29,63 +29,71 @@ def linear(seed):
 
 
 def python(seed):
-    return rcac.NonlinearModel(dynamics, output, 2, 2, 1, l_p=1, scale=1 + abs(some(seed, 3)))
+    return estimation.NonlinearModel(dynamics, output, 2, 2, 1, l_p=1, scale=1 + abs(some(seed, 3)))
 
 
 def symbolic(seed):
     x, u, p = sympy.symbols("x u p")
-    return rcac.SymbolicModel(
+    return estimation.SymbolicModel(
         [p * sympy.sin(x) + sympy.Rational(seed + 1, 7) * u], [x], [x], [u], [p]
     )
 
 
 def filter_of(seed):
-    return rcac.EKF(linear(seed), Q=0.1, R=1 + abs(some(seed)[()]), form="joseph")
+    return estimation.EKF(linear(seed), Q=0.1, R=1 + abs(some(seed)[()]), form="joseph")
 
 
 def estimates(seed):
     settings = filter_of(seed)
-    return rcac.estimate(settings, some(seed, 6, 2), some(seed + 1, 6, 2), keep_covariances=True)
+    return estimation.estimate(
+        settings, some(seed, 6, 2), some(seed + 1, 6, 2), keep_covariances=True
+    )
 
 
 def rcmr(seed):
-    return rcac.RCMR(
+    return estimation.RCMR(
         A=some(seed, 2, 2) / 4, B=[0, 1], D_1=[1, 0.5], C=[[1, 0.5], [0, 1]], E_1=[1, 0.3],
-        subsystem=rcac.FIRSubsystem(2), delays=(1, 2), eta_bar=0.1, stack=(0, 1),
+        subsystem=estimation.FIRSubsystem(2), delays=(1, 2), eta_bar=0.1, stack=(0, 1),
     )  # fmt: skip
 
 
 def run(seed):
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", rcac.UnidentifiableWarning)
-        return rcac.refine(rcmr(seed), some(seed, 8), some(seed + 1, 8, 2), some(seed + 2, 8, 2))
+        warnings.simplefilter("ignore", estimation.UnidentifiableWarning)
+        return estimation.refine(
+            rcmr(seed), some(seed, 8), some(seed + 1, 8, 2), some(seed + 2, 8, 2)
+        )
 
 
 def indirect(seed):
-    model = rcac.RCMR(A=some(seed) / 4, B=1, D_1=1, C=1, E_1=1, delays=(1,))
-    return rcac.IndirectSettings(model, C_r=1, R_1=1, R_2=1, V_1=1, V_2=1 + seed)
+    model = estimation.RCMR(A=some(seed) / 4, B=1, D_1=1, C=1, E_1=1, delays=(1,))
+    return estimation.IndirectSettings(model, C_r=1, R_1=1, R_2=1, V_1=1, V_2=1 + seed)
 
 
 def linearisation(seed):
     m = sympy.Symbol("m")
     A_c, D_c = sympy.Matrix([[0, 1], [-1 / m, -5 / m]]), sympy.Matrix([[0], [1 / m]])
-    return rcac.repeated_parameters(A_c, D_c, [m], at=[1 + abs(some(seed)[()])], h=0.1)
+    return estimation.repeated_parameters(A_c, D_c, [m], at=[1 + abs(some(seed)[()])], h=0.1)
 
 
 ESTIMATION_SAMPLES = {
-    rcac.LinearModel: linear,
-    rcac.NonlinearModel: python,
-    rcac.SymbolicModel: symbolic,
-    rcac.EKF: filter_of,
-    rcac.UKF: lambda seed: rcac.UKF(symbolic(seed), Q=0.1, R=1.0, alpha=2.5, beta=seed / 7),
-    rcac.StateEstimates: estimates,
-    rcac.Consistency: lambda seed: estimates(seed).nis_consistency(),
-    rcac.Observability: lambda seed: estimates(seed).observability,
-    rcac.FIRSubsystem: lambda seed: rcac.FIRSubsystem(1 + seed, strictly_proper=bool(seed % 2)),
-    rcac.RepeatedParameters: lambda seed: linearisation(seed).subsystem,
-    rcac.Linearisation: linearisation,
-    rcac.RCMR: rcmr,
-    rcac.RefinementRun: run,
-    rcac.IndirectSettings: indirect,
-    rcac.Evidence: lambda seed: run(seed).evidence,
+    estimation.LinearModel: linear,
+    estimation.NonlinearModel: python,
+    estimation.SymbolicModel: symbolic,
+    estimation.EKF: filter_of,
+    estimation.UKF: lambda seed: estimation.UKF(
+        symbolic(seed), Q=0.1, R=1.0, alpha=2.5, beta=seed / 7
+    ),
+    results.StateEstimates: estimates,
+    results.Consistency: lambda seed: estimates(seed).nis_consistency(),
+    results.Observability: lambda seed: estimates(seed).observability,
+    estimation.FIRSubsystem: lambda seed: estimation.FIRSubsystem(
+        1 + seed, strictly_proper=bool(seed % 2)
+    ),
+    estimation.RepeatedParameters: lambda seed: linearisation(seed).subsystem,
+    results.Linearisation: linearisation,
+    estimation.RCMR: rcmr,
+    results.RefinementRun: run,
+    estimation.IndirectSettings: indirect,
+    results.Evidence: lambda seed: run(seed).evidence,
 }

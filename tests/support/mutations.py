@@ -3,9 +3,9 @@
 import copy
 import re
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.judging.claim import OURS

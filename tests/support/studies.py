@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import rcac_numeric as rcac
+from rcac_numeric import sweeps
 
 BASE = {
     "plant": {"problem": "standard", "G": "(q - 0.5)/((q - 0.9)*(q - 1.1))"},
@@ -40,12 +41,16 @@ DEADLY, RAISING, HANGING = 13.0, 7.0, 5.0
 def study(repetitions=20, **changes):
     """Two axes, one of them of the plant."""
     axes = [
-        rcac.Axis("R_theta", [0.01, 1.0, 100.0], sets="controller.R_theta"),
-        rcac.Axis("noise", [0.5, 2], sets="signals.w.white_noise"),
+        sweeps.Axis("R_theta", [0.01, 1.0, 100.0], sets="controller.R_theta"),
+        sweeps.Axis("noise", [0.5, 2], sets="signals.w.white_noise"),
     ]
-    keep = [rcac.Kept("rms"), rcac.Kept("peak", "late", {"start": 100}), rcac.Kept("steps")]
+    keep = [
+        sweeps.Kept("rms"),
+        sweeps.Kept("peak", "late", {"start": 100}),
+        sweeps.Kept("steps"),
+    ]
     arguments = {"repetitions": repetitions, "seed": 3, **changes}
-    return rcac.Study(
+    return sweeps.Study(
         arguments.pop("base", BASE), arguments.pop("axes", axes), arguments.pop("keep", keep),
         **arguments,
     )  # fmt: skip
@@ -53,8 +58,8 @@ def study(repetitions=20, **changes):
 
 def over_R_theta(values, measure, repetitions=1):
     """One axis that a measure can tell runs by."""
-    axis = rcac.Axis("R_theta", values, sets="controller.R_theta")
-    return study(repetitions, axes=[axis], keep=[rcac.Kept("rms"), rcac.Kept(measure)])
+    axis = sweeps.Axis("R_theta", values, sets="controller.R_theta")
+    return study(repetitions, axes=[axis], keep=[sweeps.Kept("rms"), sweeps.Kept(measure)])
 
 
 def deadly(r):

@@ -64,6 +64,11 @@ def riccati(digits):
 
 
 CUBIC = exact.polynomial("3*q**5 - 2*q**3 + q**2/7 - 5*q + 1")
+DISCRETE = exact.standard_problem("(q - 2)/(q**2 - 1/4)")
+CONTINUOUS = exact.StandardProblem(  # its estimator has sqrt(8) in it: enclosures
+    A=[[0, 1], [0, 0]], B=[[0], [1]], C=[[1, 0]], D_1=[[0, 0], [4, 0]], D_0=None, D_2=[[0, 1]],
+    E_1=[[1, 0], [0, 0]], E_2=[[0], ["1/2"]], E_0=None, variable="s",
+)  # fmt: skip
 TASKS = [
     lambda: reference(6),
     lambda: reference(12),
@@ -76,6 +81,9 @@ TASKS = [
     lambda: riccati(200),
     lambda: shown(exact.spectral_factor("z - 2", "z", 3, time="discrete")),
     lambda: shown(exact.spectral_factor("s + 3", "s**2 + 1", "1/7", time="continuous")),
+    lambda: shown(exact.observer_forms("1/(s - 1)", "-6/(s + 4)", feedback=1)),
+    lambda: shown(exact.lqg_controller(DISCRETE)),
+    lambda: shown(exact.lqg_controller(CONTINUOUS)),
     lambda: exact.canonical("sqrt(2) + sqrt(3) + 2**(1/3)*s"),
     lambda: [m.tobytes() for m in zero_order_hold([[0.0, 1.0], [-2.0, -0.3]], [[0.0], [1.0]], 0.1)],
     written,

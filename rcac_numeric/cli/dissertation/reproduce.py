@@ -17,7 +17,7 @@ from rcac_numeric.dissertation.archive import write_archive
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.dissertation.load import load_example
 from rcac_numeric.dissertation.pages import headline
-from rcac_numeric.dissertation.reproduce import Reproduction, reduced, reproduce
+from rcac_numeric.dissertation.reproduction import Reproduction, reduced, reproduce
 from rcac_numeric.dissertation.workers import case_workers
 from rcac_numeric.experiments.judging.claim import OURS, READING, TEXT, VERDICTS
 from rcac_numeric.reports.page.cases import Case

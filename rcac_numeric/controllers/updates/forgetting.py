@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import by_step, integer, number
+from rcac_numeric.arrays.validation import by_step, integer, number, reads, with_checks
 
 
-@dataclass(frozen=True)
+def forgetting_factor(value: object, name: str = "lambda_") -> float:
+    """`value` as a number in (0, 1]."""
+    factor = number(value, name)
+    if not 0 < factor <= 1:
+        raise InputError(f"{name} = {factor} is not in (0, 1].")
+    return factor
+
+
+def _factors(changes: object, name: str) -> dict[int, float]:
+    return {k: forgetting_factor(value) for k, value in by_step(changes, name).items()}
+
+
+@attrs.frozen(slots=False, field_transformer=with_checks)
 class ScheduledForgetting:
     """A forgetting factor that changes at given steps.
 
@@ -27,17 +40,11 @@ class ScheduledForgetting:
     ScheduledForgetting(changes={1000: 0.98, 1200: 1.0}, initial=1.0)
     """
 
-    changes: Mapping[int, float] = field(hash=False)
-    initial: float = 1.0
-
-    def __post_init__(self) -> None:
-        read = by_step(self.changes, "changes")
-        factors = {k: forgetting_factor(value) for k, value in read.items()}
-        object.__setattr__(self, "changes", factors)
-        object.__setattr__(self, "initial", forgetting_factor(self.initial))
+    changes: Mapping[int, float] = attrs.field(hash=False, metadata=reads(_factors))
+    initial: float = attrs.field(default=1.0, metadata=reads(forgetting_factor))
 
 
-@dataclass(frozen=True)
+@attrs.frozen(slots=False, field_transformer=with_checks)
 class VariableRateForgetting:
     """A forgetting factor that falls while z is larger than it was of late.
 
@@ -64,14 +71,12 @@ class VariableRateForgetting:
     VariableRateForgetting(short=10, long=100, gain=0.1, smallest=0.5)
     """
 
-    short: int
-    long: int
+    short: int = attrs.field(metadata=reads(integer, at_least=1))
+    long: int = attrs.field(metadata=reads(integer, at_least=2, at_most=1_000_000))
     gain: float
     smallest: float = 0.5
 
-    def __post_init__(self) -> None:
-        integer(self.short, "short", at_least=1)
-        integer(self.long, "long", at_least=2, at_most=1_000_000)
+    def __attrs_post_init__(self) -> None:
         if self.short >= self.long:
             raise InputError(f"short = {self.short} must be less than long = {self.long}.")
         if number(self.gain, "gain") <= 0:
@@ -80,7 +85,7 @@ class VariableRateForgetting:
             raise InputError(f"smallest = {self.smallest} is not in (0, 1].")
 
 
-@dataclass(frozen=True)
+@attrs.frozen(slots=False, field_transformer=with_checks)
 class SubspaceForgetting:
     """Forgetting of what is excited alone, down to R_theta and no further; for `UD`.
 
@@ -112,19 +117,8 @@ class SubspaceForgetting:
     UD(R_theta=0.01, lambda_=SubspaceForgetting(lambda_=0.99))
     """
 
-    lambda_: float
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "lambda_", forgetting_factor(self.lambda_))
+    lambda_: float = attrs.field(metadata=reads(forgetting_factor))
 
 
 # A forgetting factor that is not constant, or does not act on all of P.
 Forgetting = ScheduledForgetting | VariableRateForgetting | SubspaceForgetting
-
-
-def forgetting_factor(value: object) -> float:
-    """`value` as a number in (0, 1]."""
-    factor = number(value, "lambda_")
-    if not 0 < factor <= 1:
-        raise InputError(f"lambda_ = {factor} is not in (0, 1].")
-    return factor

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
 
-from numpy.typing import ArrayLike
+import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import instance_of, integer, number
-from rcac_numeric.controllers.updates.update import Update, weight
+from rcac_numeric.arrays.validation import instance_of, integer, number, reads, with_checks
+from rcac_numeric.controllers.updates.update import DEFINITE, Update, weight_like
 from rcac_numeric.targets.model import TargetModel
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class JointUD(Update):
     """The factorised recursion for theta and the coefficients of D_f together; scalar z.
 
@@ -57,15 +55,11 @@ class JointUD(Update):
 
     name = "joint"
 
-    R_theta: float | Array
-    n_d: int
-    rho: float
+    R_theta: float | Array = attrs.field(converter=weight_like, metadata=DEFINITE)
+    n_d: int = attrs.field(kw_only=True, metadata=reads(integer, at_most=1000))
+    rho: float = attrs.field(kw_only=True, metadata=reads(number))
 
-    def __init__(self, R_theta: ArrayLike, *, n_d: int, rho: float) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("R_theta", weight(R_theta, "R_theta", definite=True))
-        set_("n_d", integer(n_d, "n_d", at_most=1000))
-        set_("rho", number(rho, "rho"))
+    def __attrs_post_init__(self) -> None:
         if self.rho < 0 or (self.rho == 0 and self.n_d == 0):
             raise InputError(f"rho = {self.rho:g} must be positive.")
 

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-from numpy.typing import ArrayLike
+import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import number
-from rcac_numeric.controllers.updates.update import Update, weight
+from rcac_numeric.arrays.validation import number, reads, with_checks
+from rcac_numeric.controllers.updates.update import DEFINITE, Update, weight_like
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class Instantaneous(Update):
     """The minimiser of one step's cost plus (theta - theta(k))' R_theta (theta - theta(k)).
 
@@ -36,17 +34,14 @@ class Instantaneous(Update):
 
     name = "instantaneous"
 
-    R_theta: float | Array
-
-    def __init__(self, R_theta: ArrayLike) -> None:
-        object.__setattr__(self, "R_theta", weight(R_theta, "R_theta", definite=True))
+    R_theta: float | Array = attrs.field(converter=weight_like, metadata=DEFINITE)
 
     def require_size(self, l_theta: int) -> None:
         """Raise where R_theta does not fit l_theta coefficients."""
         constant_weight(self.R_theta, "R_theta", l_theta, definite=True)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class Gradient(Update):
     """theta(k+1) = theta(k) - step_size Phi_f' [R_z zhat + R_u Phi_f theta(k)].
 
@@ -71,9 +66,8 @@ class Gradient(Update):
 
     name = "gradient"
 
-    step_size: float
+    step_size: float = attrs.field(metadata=reads(number))
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "step_size", number(self.step_size, "step_size"))
+    def __attrs_post_init__(self) -> None:
         if self.step_size <= 0:
             raise InputError(f"step_size = {self.step_size} must be positive.")

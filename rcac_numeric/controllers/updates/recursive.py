@@ -2,59 +2,55 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
-
-from numpy.typing import ArrayLike
+import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.arrays.validation import instance_of, reads, with_checks
 from rcac_numeric.controllers.updates.forgetting import (
     Forgetting,
     SubspaceForgetting,
     forgetting_factor,
 )
 from rcac_numeric.controllers.updates.resets import CovarianceReset
-from rcac_numeric.controllers.updates.update import Update, weight
+from rcac_numeric.controllers.updates.update import (
+    DEFINITE,
+    Update,
+    optional_weight_like,
+    weight,
+    weight_like,
+)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+def _factor_or_rule(value: float | Forgetting, name: str) -> float | Forgetting:
+    return value if isinstance(value, Forgetting) else forgetting_factor(value, name)
+
+
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class RecursiveLeastSquares(Update):
     """What `UD` and `Covariance` have in common: the settings of the recursion (2.42)-(2.46)."""
 
-    R_theta: float | Array
-    lambda_: float | Forgetting
-    process_noise: float | Array | None
-    reset: CovarianceReset | None
-    stop_where_unsupported: bool
+    R_theta: float | Array = attrs.field(converter=weight_like, metadata=DEFINITE)
+    lambda_: float | Forgetting = attrs.field(
+        default=1.0, kw_only=True, metadata=reads(_factor_or_rule)
+    )
+    process_noise: float | Array | None = attrs.field(
+        default=None, kw_only=True, converter=optional_weight_like,
+        metadata=reads(weight, optional=True),
+    )  # fmt: skip
+    reset: CovarianceReset | None = attrs.field(
+        default=None, kw_only=True, metadata=reads(instance_of, optional=True, kind=CovarianceReset)
+    )
+    stop_where_unsupported: bool = attrs.field(
+        default=False, kw_only=True, metadata=reads(instance_of, kind=bool)
+    )
 
-    def __init__(
-        self,
-        R_theta: ArrayLike,
-        *,
-        lambda_: float | Forgetting = 1.0,
-        process_noise: ArrayLike | None = None,
-        reset: CovarianceReset | None = None,
-        stop_where_unsupported: bool = False,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("R_theta", weight(R_theta, "R_theta", definite=True))
-        if isinstance(lambda_, SubspaceForgetting) and not isinstance(self, UD):
+    def __attrs_post_init__(self) -> None:
+        if isinstance(self.lambda_, SubspaceForgetting) and not isinstance(self, UD):
             raise InputError("SubspaceForgetting works on the factors of P = U D U'; use UD.")
-        if not isinstance(lambda_, Forgetting):
-            lambda_ = forgetting_factor(lambda_)
-        set_("lambda_", lambda_)
-        noise = process_noise
-        set_("process_noise", None if noise is None else weight(noise, "process_noise"))
-        if noise is not None and lambda_ != 1.0:
+        if self.process_noise is not None and self.lambda_ != 1.0:
             raise InputError("process_noise belongs to (2.46), that is to lambda_ = 1.")
-        if reset is not None:
-            instance_of(reset, "reset", CovarianceReset)
-        set_("reset", reset)
-        flag = instance_of(stop_where_unsupported, "stop_where_unsupported", bool)
-        set_("stop_where_unsupported", flag)
 
     @property
     def keeps_covariance(self) -> bool:
@@ -68,7 +64,7 @@ class RecursiveLeastSquares(Update):
             constant_weight(self.process_noise, "process_noise", l_theta, definite=False)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class UD(RecursiveLeastSquares):
     """The recursion (2.42)-(2.45) with P = U D U' factorised (Bierman); the one to use.
 
@@ -107,7 +103,7 @@ class UD(RecursiveLeastSquares):
     name = "ud"
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class Covariance(RecursiveLeastSquares):
     """The recursion (2.42)-(2.45) with P as printed, which is what published work ran.
 

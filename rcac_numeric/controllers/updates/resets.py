@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import integer, items, number
+from rcac_numeric.arrays.validation import integer, items, number, reads, with_checks
 
 
-@dataclass(frozen=True)
+def _steps(value: object, name: str) -> tuple[int, ...]:
+    return tuple(sorted({integer(k, "the step of a covariance reset") for k in items(value, name)}))
+
+
+@attrs.frozen(slots=False, field_transformer=with_checks)
 class CovarianceReset:
     """When P(k) is set back to P(0); theta stays.
 
@@ -36,21 +41,14 @@ class CovarianceReset:
     (2000,)
     """
 
-    at: Sequence[int] = ()
-    every: int = 0
+    at: Sequence[int] = attrs.field(default=(), metadata=reads(_steps))
+    every: int = attrs.field(default=0, metadata=reads(integer))
     trace_below: float = 0.0
     growth: float = 0.0
-    short: int = 10
-    long: int = 100
+    short: int = attrs.field(default=10, metadata=reads(integer, at_least=1))
+    long: int = attrs.field(default=100, metadata=reads(integer, at_least=2, at_most=1_000_000))
 
-    def __post_init__(self) -> None:
-        steps = tuple(
-            sorted({integer(k, "the step of a covariance reset") for k in items(self.at, "at")})
-        )
-        object.__setattr__(self, "at", steps)
-        integer(self.every, "every")
-        integer(self.short, "short", at_least=1)
-        integer(self.long, "long", at_least=2, at_most=1_000_000)
+    def __attrs_post_init__(self) -> None:
         if self.short >= self.long:
             raise InputError(f"short = {self.short} must be less than long = {self.long}.")
         for name in ("trace_below", "growth"):

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
-
-from numpy.typing import ArrayLike
+import attrs
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.validation import integer, reads, with_checks
 from rcac_numeric.controllers.updates.forgetting import forgetting_factor
-from rcac_numeric.controllers.updates.update import Update, weight
+from rcac_numeric.controllers.updates.update import DEFINITE, Update, weight_like
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@attrs.frozen(eq=False, repr=False, slots=False, field_transformer=with_checks)
 class SlidingWindow(Update):
     """The batch minimiser over the last `window` updates.
 
@@ -44,15 +41,9 @@ class SlidingWindow(Update):
 
     name = "sliding window"
 
-    R_theta: float | Array
-    window: int
-    lambda_: float
-
-    def __init__(self, R_theta: ArrayLike, *, window: int, lambda_: float = 1.0) -> None:
-        set_ = partial(object.__setattr__, self)
-        set_("R_theta", weight(R_theta, "R_theta", definite=True))
-        set_("window", integer(window, "window", at_least=1, at_most=1_000_000))
-        set_("lambda_", forgetting_factor(lambda_))
+    R_theta: float | Array = attrs.field(converter=weight_like, metadata=DEFINITE)
+    window: int = attrs.field(kw_only=True, metadata=reads(integer, at_least=1, at_most=1_000_000))
+    lambda_: float = attrs.field(default=1.0, kw_only=True, metadata=reads(forgetting_factor))
 
     def require_size(self, l_theta: int) -> None:
         """Raise where R_theta does not fit l_theta coefficients."""

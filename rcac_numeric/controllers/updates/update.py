@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from inspect import signature
-from typing import ClassVar
+from typing import ClassVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import real_array
+from rcac_numeric.arrays.validation import reads, real_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.targets.model import TargetModel
 
@@ -50,3 +50,16 @@ def weight(value: ArrayLike, name: str, *, definite: bool = False) -> float | Ar
     size = len(array) if array.ndim else 1
     checked = constant_weight(array, name, size, definite=definite)
     return checked if array.ndim else float(array)
+
+
+def weight_like(value: ArrayLike) -> float | Array:
+    """What a field takes that `weight` reads; for type checkers."""
+    return cast(float, value)
+
+
+def optional_weight_like(value: ArrayLike | None) -> float | Array | None:
+    """The same of a field that may be None."""
+    return cast(float, value)
+
+
+DEFINITE = reads(weight, definite=True)

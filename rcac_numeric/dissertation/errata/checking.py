@@ -63,7 +63,7 @@ def check_erratum(erratum: Erratum) -> Checked:
 
     Examples
     --------
-    >>> from rcac_numeric import check_erratum, find_errata
+    >>> from rcac_numeric.dissertation import check_erratum, find_errata
     >>> checked = check_erratum(find_errata("(8.11)")[0])
     >>> checked.holds, checked.facts[0].words
     (True, 'as printed the weights add up to 7/3 for n = 3, alpha = 1')

@@ -103,7 +103,7 @@ class Erratum(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import find_errata
+    >>> from rcac_numeric.dissertation import find_errata
     >>> entry = find_errata("(A.16)")[0]
     >>> entry.where, entry.equations
     ('(A.15)-(A.17), Example A.2', ('A.15', 'A.16', 'A.17'))

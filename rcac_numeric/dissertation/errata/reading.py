@@ -53,7 +53,7 @@ def find_errata(where: str = "") -> tuple[Erratum, ...]:
 
     Examples
     --------
-    >>> from rcac_numeric import find_errata
+    >>> from rcac_numeric.dissertation import find_errata
     >>> [entry.name for entry in find_errata("(2.31)")]
     ['transposed-vec']
     >>> find_errata("(2.1)")
@@ -91,7 +91,7 @@ def read_chapter(table: Raw, file: str) -> tuple[Erratum, ...]:
     """
     read = _FILE.read(table, Place(file))
     chapter = read.arguments["chapter"]
-    entries = tuple(part.build(chapter=chapter) for part in read.arguments["erratum"])
+    entries = tuple(part.of(None, chapter=chapter) for part in read.arguments["erratum"])
     _require_different(entries, file)
     return entries
 

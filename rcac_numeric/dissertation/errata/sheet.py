@@ -25,7 +25,7 @@ def errata_sheet(
 
     Examples
     --------
-    >>> from rcac_numeric import find_errata
+    >>> from rcac_numeric.dissertation import find_errata
     >>> from rcac_numeric.dissertation.errata.sheet import errata_sheet
     >>> errata_sheet(find_errata("(2.1)"), "(2.1)").remark
     ': none known at (2.1)'

@@ -1,6 +1,6 @@
 """From a controller as data to a compiled controller at step 0.
 
-A new kind of controller is registered here: `@compiled_controller.register(YourController)`. What
+A new kind of controller is registered here: `@kernel_arguments.register(YourController)`. What
 is derived from a kind that is, or made of parts that are derived from ours, is refused: the kernel
 would run it without what it adds.
 """
@@ -42,8 +42,9 @@ NEVER = 2**62  # a step that no run reaches
 ORDER_OF_EVENTS = ("freeze", "resume", "reset", "forgetting", "target")
 
 
-@singledispatch
-def compiled_controller(controller: object, l_z: int, failures: Failures) -> _kernel.Controller:
+def compiled_controller(
+    controller: object, l_z: int, failures: Failures, instructions: str = ""
+) -> _kernel.Controller:
     """A compiled controller at step 0.
 
     Parameters
@@ -53,13 +54,30 @@ def compiled_controller(controller: object, l_z: int, failures: Failures) -> _ke
         Number of the loop's performance variables.
     failures : Failures
         Keeps the exceptions of weights that are functions.
+    instructions : str
+        One of `_kernel.instruction_sets()` for UD; that of the process by default.
+    """
+    require_instruction_set()
+    arguments = kernel_arguments(controller, l_z, failures)
+    return _kernel.controller(**arguments, instruction_set=instructions)
+
+
+@singledispatch
+def kernel_arguments(controller: object, l_z: int, failures: Failures) -> dict[str, Any]:
+    """What `_kernel.controller` is called with; the export writes it as tables, too.
+
+    Parameters
+    ----------
+    controller : ControllerSettings or FixedController
+    l_z : int
+    failures : Failures
     """
     raise InputError(f"settings = {controller!r}: ControllerSettings are needed.")
 
 
-@compiled_controller.register(ControllerSettings)
-def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Controller:
-    require_kind(settings, "settings", compiled_controller.registry)
+@kernel_arguments.register(ControllerSettings)
+def _(settings: ControllerSettings, l_z: int, failures: Failures) -> dict[str, Any]:
+    require_kind(settings, "settings", kernel_arguments.registry)
     require_parts(settings)
     structure, target = settings.structure, settings.target
     update = kernel_update(settings.update, structure.l_theta)
@@ -77,7 +95,7 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Con
         channels = [*((i, 0) for i in range(structure.l_u)), *regressor]
         filtered = [(structure.l_u + j, 0) for j in range(len(regressor))]
     longest = max(model.n_f for model in models)
-    return _compiled(
+    return _arguments(
         update,
         l_u=structure.l_u,
         l_y=structure.l_y,
@@ -102,10 +120,10 @@ def _(settings: ControllerSettings, l_z: int, failures: Failures) -> _kernel.Con
     )
 
 
-@compiled_controller.register(FixedController)
-def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Controller:
+@kernel_arguments.register(FixedController)
+def _(controller: FixedController, l_z: int, failures: Failures) -> dict[str, Any]:
     """The difference equation as a regressor with its coefficients; no update is ever due."""
-    require_kind(controller, "settings", compiled_controller.registry)
+    require_kind(controller, "settings", kernel_arguments.registry)
     c = controller.compensator
     require_kind(c, "compensator", (Compensator,))
     first = 0 if c.past_y[0].any() else 1  # u(k) waits for y(k) only where it uses it
@@ -117,7 +135,7 @@ def _(controller: FixedController, l_z: int, failures: Failures) -> _kernel.Cont
         of_u, columns = [(0, 1)], [np.zeros(c.l_u)]
     theta = np.concatenate(columns)
     size = len(theta)
-    return _compiled(
+    return _arguments(
         KernelUpdate(Gradient.name, P_0=np.zeros((size, size))),
         l_u=c.l_u,
         l_y=c.l_y - controller.l_r,
@@ -178,19 +196,18 @@ def require_parts(settings: ControllerSettings, who: str = "engine") -> None:
             require_kind(weight, name, (SignalWeight,), who)
 
 
-def _compiled(update: KernelUpdate, **arguments: Any) -> _kernel.Controller:
-    require_instruction_set()
-    return _kernel.controller(
-        update=update.name,
-        P_0=update.P_0,
-        forgetting_factor=update.forgetting_factor,
-        forgetting=update.forgetting,
-        reset=update.reset,
-        noise=update.noise,
-        window=update.window,
-        step_size=update.step_size,
+def _arguments(update: KernelUpdate, **arguments: Any) -> dict[str, Any]:
+    return {
+        "update": update.name,
+        "P_0": update.P_0,
+        "forgetting_factor": update.forgetting_factor,
+        "forgetting": update.forgetting,
+        "reset": update.reset,
+        "noise": update.noise,
+        "window": update.window,
+        "step_size": update.step_size,
         **arguments,
-    )
+    }
 
 
 def _events(settings: ControllerSettings, update: KernelUpdate) -> list[Event]:

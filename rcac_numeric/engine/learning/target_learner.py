@@ -173,7 +173,7 @@ def acting_input(run: Run) -> Array:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.engine.learning.target_learner import acting_input
     >>> run = load_example("2.1").main_run.execute().first.run
     >>> bool((acting_input(run) == run.u_applied).all())

@@ -36,7 +36,7 @@ class LinearModel(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import LinearModel
+    >>> from rcac_numeric.estimation import LinearModel
     >>> LinearModel(A=[[1, 0.1], [0, 1]], C=[[1, 0]], B=[[0], [0.1]]).l_u
     1
     """

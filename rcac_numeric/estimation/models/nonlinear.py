@@ -50,7 +50,7 @@ class NonlinearModel(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import EKF, NonlinearModel, estimate
+    >>> from rcac_numeric.estimation import EKF, NonlinearModel, estimate
     >>> model = NonlinearModel(  # x(k+1) = p x(k) + u(k) with an unknown p
     ...     lambda k, x, u, p: p * x + u, lambda k, x, u, p: x, n_x=1, l_y=1, l_u=1, l_p=1)
     >>> x, y = 0.0, []

@@ -48,7 +48,7 @@ class SymbolicModel(Value):
     Examples
     --------
     >>> import sympy
-    >>> from rcac_numeric import SymbolicModel
+    >>> from rcac_numeric.estimation import SymbolicModel
     >>> q, v, kappa, w = sympy.symbols("q v kappa w")
     >>> model = SymbolicModel(  # (8.68) with an unknown stiffness
     ...     dynamics=[q + v / 10, v + (w - 5 * v - kappa * q) / 10], output=[v],

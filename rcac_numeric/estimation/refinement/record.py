@@ -80,7 +80,7 @@ def refine(settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = Non
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import RCMR, refine
+    >>> from rcac_numeric.estimation import RCMR, refine
     >>> w, x = np.random.default_rng(1).standard_normal(300), [0.0]
     >>> for input in w[:-1]:
     ...     x.append((0.5 + 0.3) * x[-1] + input)

@@ -32,7 +32,7 @@ class ModelRefinement(Resumable[RCMR]):
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import RCMR, ModelRefinement
+    >>> from rcac_numeric.estimation import RCMR, ModelRefinement
     >>> model = RCMR(A=0.5, B=1, D_1=1, C=1, E_1=1, beta=1, delays=(1,))
     >>> refinement, x = ModelRefinement(model), 0.0
     >>> for w in np.random.default_rng(1).standard_normal(300):

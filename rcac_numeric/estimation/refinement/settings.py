@@ -70,7 +70,7 @@ class RCMR(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import RCMR, FIRSubsystem
+    >>> from rcac_numeric.estimation import RCMR, FIRSubsystem
     >>> RCMR(A=[[1, 0.1], [0, 0.5]], B=[0, -0.1], D_1=[0, 0.1], C=[0, 1], E_1=[1, 0],
     ...      beta=0.42).H  # H_2
     array([[-0.05]])

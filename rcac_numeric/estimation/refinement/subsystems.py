@@ -30,7 +30,7 @@ class FIRSubsystem(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import FIRSubsystem
+    >>> from rcac_numeric.estimation import FIRSubsystem
     >>> FIRSubsystem(n_c=3, strictly_proper=True)
     FIRSubsystem(n_c=3, strictly_proper=True)
     """
@@ -64,7 +64,7 @@ class RepeatedParameters(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import RepeatedParameters
+    >>> from rcac_numeric.estimation import RepeatedParameters
     >>> RepeatedParameters(A=[[[0, 0], [3, 0.5]]], D=[[[0], [-0.1]]]).l_theta  # (8.84)
     1
     """
@@ -142,7 +142,7 @@ def repeated_parameters(
     Examples
     --------
     >>> import sympy
-    >>> from rcac_numeric import repeated_parameters
+    >>> from rcac_numeric.estimation import repeated_parameters
     >>> m = sympy.Symbol("m")
     >>> A_c = sympy.Matrix([[0, 1], [-30 / m, -5 / m]])
     >>> D_c = sympy.Matrix([[0], [1 / m]])

@@ -37,7 +37,7 @@ class ForwardRegulator:
 
     Examples
     --------
-    >>> from rcac_numeric import ForwardRegulator
+    >>> from rcac_numeric.estimation import ForwardRegulator
     >>> regulator = ForwardRegulator(n=1, l_u=1, R_1=1, R_2=1)
     >>> for k in range(50):
     ...     K = regulator.step(A=1, B=1)
@@ -128,7 +128,7 @@ class ForwardEstimator:
 
     Examples
     --------
-    >>> from rcac_numeric import ForwardEstimator
+    >>> from rcac_numeric.estimation import ForwardEstimator
     >>> estimator = ForwardEstimator(n=1, l_y=1, V_1=1, V_2=1)
     >>> for k in range(50):
     ...     F = estimator.step(A=1, C=1)

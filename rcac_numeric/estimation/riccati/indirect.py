@@ -55,7 +55,8 @@ class IndirectSettings(StepwiseController):
     --------
     In `simulate`, as any other controller; the plant has 0.2 more than the model:
 
-    >>> from rcac_numeric import RCMR, IndirectSettings, Plant, Step, exogenous, simulate
+    >>> from rcac_numeric import Plant, Step, exogenous, simulate
+    >>> from rcac_numeric.estimation import RCMR, IndirectSettings
     >>> model = RCMR(A=0.9, B=1, D_1=1, C=1, E_1=1, delays=(1,), beta=10)
     >>> settings = IndirectSettings(model, C_r=1, R_1=1, R_2=1)
     >>> plant = Plant(A=1.1, B=1, D_1=0, C=1, D_0=0, D_2=0, E_1=-1, E_2=0, E_0=1, blocks={"r": 1})
@@ -136,7 +137,7 @@ class IndirectController(Resumable[IndirectSettings]):
 
     Examples
     --------
-    >>> from rcac_numeric import RCMR, IndirectController, IndirectSettings
+    >>> from rcac_numeric.estimation import RCMR, IndirectController, IndirectSettings
     >>> model = RCMR(A=0.9, B=1, D_1=1, C=1, E_1=1, delays=(1,), beta=10)
     >>> controller = IndirectController(IndirectSettings(model, C_r=1, R_1=1, R_2=1))
     >>> x = 0.0

@@ -41,7 +41,7 @@ class JointFilter(Estimation):
     P_0 : numbers
         Its covariance.
     alpha : number
-        Of the UKF, see {py:class}`rcac_numeric.UKF`.
+        Of the UKF, see {py:class}`rcac_numeric.estimation.UKF`.
     """
 
     kind: str

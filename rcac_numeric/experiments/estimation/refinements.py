@@ -120,7 +120,7 @@ def refined(
     x_0: ArrayLike | None = None,
     offset: float = 0.0,
 ) -> Refinement:
-    """RCMR of one parameter, {py:class}`rcac_numeric.RCMR`.
+    """RCMR of one parameter, {py:class}`rcac_numeric.estimation.RCMR`.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def controlled(
     k_update: int | None = None,
     theta_0: float = 0.0,
 ) -> IndirectLoop:
-    """RCMR and forward Riccati gains in a loop, {py:class}`rcac_numeric.IndirectSettings`.
+    """RCMR and forward gains in a loop, {py:class}`rcac_numeric.estimation.IndirectSettings`.
 
     Parameters
     ----------

@@ -8,7 +8,6 @@ from typing import Any
 from rcac_numeric.experiments.estimation.measures import MEASURES
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.tables import Table
 from rcac_numeric.experiments.format.values import Choice, Integer, Text
 from rcac_numeric.experiments.judging.reading import check_table, claim_table, require_run
@@ -32,9 +31,8 @@ FIGURE = Table(
 )
 
 
-def estimation_figure(part: Part[FigureRequest], runs: Sequence[str]) -> FigureRequest:
-    """The figure that a table asks for."""
-    request = part.build(channel="", noise=None, direct=True, designs=())
+def estimation_figure(request: FigureRequest, runs: Sequence[str]) -> FigureRequest:
+    """The figure that a table asks for, if its runs are there."""
     for name in request.runs:
         require_run(name, runs, "a figure")
     return request

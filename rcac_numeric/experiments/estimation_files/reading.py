@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from compensator_theory.errors import CompensatorError, InputError
+import attrs
+
+from compensator_theory.errors import InputError
 from rcac_numeric.experiments.budgets import Budget
+from rcac_numeric.experiments.estimation.runs import Estimation
 from rcac_numeric.experiments.estimation.studies import EstimationStudy
 from rcac_numeric.experiments.estimation_files.claims import CLAIM, FIGURE, estimation_figure
 from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL, Trial
 from rcac_numeric.experiments.experiment import Experiment
+from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.places import Place, brief
+from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Table
 from rcac_numeric.experiments.judging.reading import (
     OpenItems,
@@ -29,76 +33,76 @@ Raw = Mapping[str, Any]
 KEPT = 6  # numbers that are kept of each step
 
 
-def _estimation_run(
-    name: str, like: str = "", estimation: Any = None, estimator: Any = None, correction: str = ""
-) -> str:
-    """One estimator on one true system.
-
-    Parameters
-    ----------
-    name : str
-        What it is called; claims refer to it.
-    like : str
-        An earlier run whose tables it begins with, in place of those of the file.
-    estimation, estimator : tables
-        What differs from those.
-    correction : str
-        What this run reads differently from the source.
-    """
-    return name
+BEGINNING = "What differs from those."
+AS_ELSEWHERE = "As of any experiment."
 
 
-def _estimation_value(name: str, estimation: Any = None, estimator: Any = None) -> str:
-    """One of the values that a reader would try.
+@attrs.frozen(eq=False)
+class EstimationRun:
+    """One estimator on one true system."""
 
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    estimation, estimator : tables
-        What it changes.
-    """
-    return name
-
-
-def _estimation_file(
-    estimation: Any, runs: list[Any], estimator: Any = None, claims: Any = None,
-    figures: Any = None, open: Any = None, title: str = "", id: str = "", source: str = "",
-    notes: str = "",
-) -> str:  # fmt: skip
-    """An estimation example.
-
-    Parameters
-    ----------
-    estimation : table
-        The true system and its records.
-    runs : tables
-        Estimators, or variants, on it; the first is the main one.
-    estimator : table
-        What the estimators of all runs begin with.
-    claims, figures : tables
-        What is said and drawn of it.
-    open : tables
-        What its source leaves open.
-    title, id, source, notes : str
-        As of any experiment.
-    """
-    return title
+    name: Annotated[str, "What it is called; claims refer to it."]
+    like: Annotated[
+        str,
+        "An earlier run whose tables it begins with, in place of those of the file.",
+    ] = ""
+    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
+    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
+    correction: Annotated[
+        str,
+        "What this run reads differently from the source.",
+    ] = ""
 
 
-VALUE = Table(_estimation_value, forms={"estimation": TRIAL, "estimator": ESTIMATOR})
-RUN = Table(_estimation_run, forms={"estimation": TRIAL, "estimator": ESTIMATOR})
-ESTIMATION_FILE = Table(
-    _estimation_file,
-    forms={
-        "estimation": TRIAL,
-        "estimator": ESTIMATOR,
-        "runs": ListOf(RUN, 1, needed="an array of tables, [[runs]]"),
-        "claims": ListOf(CLAIM, needed="an array of tables, [[claims]]"),
-        "open": opens(VALUE),
-        "figures": ListOf(FIGURE, needed="an array of tables, [[figures]]"),
-    },
-)
+RUN = Table(EstimationRun)
+
+
+@attrs.frozen(eq=False)
+class EstimationValue:
+    """One of the values that a reader would try."""
+
+    name: Annotated[str, "What it is called."]
+    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
+    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
+
+
+@attrs.frozen(eq=False)
+class EstimationFile:
+    """An estimation example."""
+
+    estimation: Annotated[Raw, TRIAL, "The true system and its records."]
+    runs: Annotated[
+        list[EstimationRun],
+        ListOf(RUN, 1, needed="an array of tables, [[runs]]", named="run"),
+        "Estimators, or variants, on it; the first is the main one.",
+    ]
+    estimator: Annotated[
+        Raw | None,
+        ESTIMATOR,
+        "What the estimators of all runs begin with.",
+    ] = None
+    claims: Annotated[
+        list[Any],
+        ListOf(CLAIM, needed="an array of tables, [[claims]]"),
+        "What is said and drawn of it.",
+    ] = attrs.field(factory=list)
+    figures: Annotated[
+        list[FigureRequest],
+        ListOf(FIGURE, needed="an array of tables, [[figures]]"),
+        "What is said and drawn of it.",
+    ] = attrs.field(factory=list)
+    open: Annotated[
+        list[Any],
+        opens(Table(EstimationValue)),
+        "What its source leaves open, and what was chosen.",
+    ] = attrs.field(factory=list)
+    title: Annotated[str, AS_ELSEWHERE] = ""
+    id: Annotated[str, AS_ELSEWHERE] = ""
+    source: Annotated[str, AS_ELSEWHERE] = ""
+    notes: Annotated[str, AS_ELSEWHERE] = ""
+
+
+ESTIMATION_FILE = Table(EstimationFile)
 
 
 def is_estimation(table: Raw) -> bool:
@@ -117,14 +121,16 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("8.3").reduced(1))
     >>> verification.verdicts[0].verdict
     'not reproduced'
     """
-    read = ESTIMATION_FILE.read(table, Place(file)).arguments
+    read: EstimationFile = ESTIMATION_FILE.read(table, Place(file))
     raw: dict[str, dict[str, Any]] = {}
     studies: dict[str, EstimationStudy] = {}
+    errors = Errors()
     for run in table["runs"]:
         name = str(run["name"])
         if name in studies:
@@ -135,13 +141,13 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
             key: form.joined(base.get(key, {}), run.get(key, {}))
             for key, form in (("estimation", TRIAL), ("estimator", ESTIMATOR))
         }
-        studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
+        with errors:
+            studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
+    errors.raise_any()
     _require_budget(studies, budget)
     items = OpenItems.of(table.get("open", ()))
     claims = [
-        claim
-        for part in read.get("claims", ())
-        for claim in claims_of(part, tuple(studies), items, check_of)
+        claim for part in read.claims for claim in claims_of(part, tuple(studies), items, check_of)
     ]
     completions = {}
     for of_run, values in completed_runs(claims, items):
@@ -152,31 +158,32 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
             }
         name = completion_name(of_run, values)
         completions[name] = _study(name, tables, file, studies[of_run].correction)
-    text = {key: read.get(key, "") for key in ("title", "id", "source", "notes")}
     return Experiment(
-        id=text["id"] or Path(file).stem,
-        title=text["title"],
-        source=text["source"],
-        notes=text["notes"].strip(),
+        id=read.id or Path(file).stem,
+        title=read.title,
+        source=read.source,
+        notes=read.notes.strip(),
         runs={},
         studies=studies,
         claims=claims,
         open=items.items,
         completions=completions,
-        figures=[estimation_figure(part, list(studies)) for part in read.get("figures", ())],
+        figures=[estimation_figure(figure, list(studies)) for figure in read.figures],
         description={"truth": _words(table["estimation"])},
     )
 
 
 def _study(name: str, raw: Raw, file: str, correction: str) -> EstimationStudy:
-    notes = (f"run {name!r}",)
-    trial_part = TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
-    estimator_part = ESTIMATOR.table.read(raw["estimator"], Place(file, "estimator", notes=notes))
-    try:
-        trial: Trial = trial_part.build()
-        estimator = estimator_part.build()
-    except CompensatorError as error:
-        raise type(error)(f"run {name!r}: {error}") from None
+    notes, errors = (f"run {name!r}",), Errors()
+    trial: Trial | None = None
+    estimator: Estimation | None = None
+    with errors:
+        trial = TRIAL.table.read(raw["estimation"], Place(file, "estimation", notes=notes))
+    with errors:
+        estimator = ESTIMATOR.table.read(raw["estimator"], Place(file, "estimator", notes=notes))
+    errors.raise_any()
+    assert trial is not None
+    assert estimator is not None
     return EstimationStudy(
         name, trial.system, estimator, trial.steps, trial.seed, trial.seeds, correction
     )

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
-from numpy.typing import ArrayLike
+import attrs
 
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.experiments.estimation.filters import JointFilter
 from rcac_numeric.experiments.estimation.refinements import controlled, refined
 from rcac_numeric.experiments.estimation.runs import Estimation
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem
-from rcac_numeric.experiments.format.by_key import ByKey
-from rcac_numeric.experiments.format.deferred import Deferred
 from rcac_numeric.experiments.format.lists import ListOf, Row
-from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.parts import Shorthand, resolved
+from rcac_numeric.experiments.format.tables import ByKey, Deferred, Kinds, Table
 from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Real
 from rcac_numeric.signals.signal import Signal
 from rcac_numeric.signals.waveforms import Harmonic, Ramp, Step, WhiteNoise
@@ -36,58 +34,95 @@ class Trial(NamedTuple):
     seeds: int
 
 
-def _trial(
-    A: ArrayLike,
-    D_1: ArrayLike,
-    C: ArrayLike,
-    truth: Sequence[tuple[int, float]],
-    steps: int,
-    seed: int = 0,
-    seeds: int = 1,
-    A_then: ArrayLike | None = None,
-    D_1_then: ArrayLike | None = None,
-    w: Signal | None = None,
-    bias: float = 0.0,
-    deviation: float = 0.0,
-    x_0: ArrayLike | None = None,
-) -> Trial:
-    """The true system x(k+1) = A(k) x + D_1(k) w, y = C x + v, and how often it is recorded.
-
-    Parameters
-    ----------
-    A, D_1 : matrix
-        At the first value of the parameter; D_1 is where the known input acts, or the control.
-    C : matrix
-        What is measured.
-    truth : pairs [step, value]
-        What is to be estimated: linear between the steps, constant after the last.
-    steps : int
-        Length of a record.
-    seed, seeds : int
-        The first seed, and how many there are from it on.
-    A_then, D_1_then : matrix
-        At the last value of the parameter, linear in it; as at first where they are left out.
-    w : signal
-        The known input: `{ white_noise = 10 }` with its standard deviation, `{ ramp = 0.1 }`,
-        `{ step = 1 }` or `{ harmonic = 1, omega = 0.1 }`; white noise of deviation 1 by default.
-    bias, deviation : number
-        Mean and standard deviation of the sensor noise v.
-    x_0 : list of numbers
-        x(0); zero where it is left out.
-    """
-    system = TrueSystem(A, D_1, C, truth, A_then, D_1_then, w, bias, deviation, x_0)
-    return Trial(system, steps, seed, seeds)
+AT_FIRST = "At the first value of the parameter; D_1 is where the known input acts, or the control."
+AT_LAST = "At the last value of the parameter, linear in it; as at first where they are left out."
+SEEDS = "The first seed, and how many there are from it on."
+NOISE = "Mean and standard deviation of the sensor noise v."
+COURSE = ListOf(Row((Integer(), Real()), "a pair [step, value]"), 1)
 
 
-def _estimator(kind: Estimation) -> Estimation:
-    """An estimator of the parameter.
+@attrs.frozen(eq=False)
+class TrialTable(Shorthand):
+    """The true system x(k+1) = A(k) x + D_1(k) w, y = C x + v, and how often it is recorded."""
 
-    Parameters
-    ----------
-    kind : str
-        Which estimator.
-    """
-    return kind
+    A: Annotated[Array, AT_FIRST]
+    D_1: Annotated[Array, AT_FIRST]
+    C: Annotated[Array, "What is measured."]
+    truth: Annotated[
+        list[tuple[int, float]],
+        COURSE,
+        "What is to be estimated: linear between the steps, constant after the last.",
+    ]
+    steps: Annotated[int, Integer(1), "Length of a record."]
+    seed: Annotated[int, SEEDS] = 0
+    seeds: Annotated[int, Integer(1), SEEDS] = 1
+    A_then: Annotated[Array | None, AT_LAST] = None
+    D_1_then: Annotated[Array | None, AT_LAST] = None
+    w: Annotated[
+        Signal | None,
+        EXCITATION,
+        "The known input: `{ white_noise = 10 }` with its standard deviation, `{ ramp = 0.1 }`, "
+        "`{ step = 1 }` or `{ harmonic = 1, omega = 0.1 }`; white noise of deviation 1 by "
+        "default.",
+    ] = None
+    bias: Annotated[float, NOISE] = 0.0
+    deviation: Annotated[float, NOISE] = 0.0
+    x_0: Annotated[Array | None, "x(0); zero where it is left out."] = None
+
+    def made(self) -> Trial:
+        """The true system, and how it is recorded."""
+        system = TrueSystem(
+            self.A, self.D_1, self.C, self.truth, self.A_then, self.D_1_then, self.w, self.bias,
+            self.deviation, self.x_0,
+        )  # fmt: skip
+        return Trial(system, self.steps, self.seed, self.seeds)
+
+
+OF_MODEL = "Of the model."
+
+
+@attrs.frozen(eq=False)
+class Filter(Shorthand):
+    """A filter of [x; p] with x(k+1) = (A + p A_p) x + D_1 w and y = C x, p taken as constant."""
+
+    kind: ClassVar[str]
+
+    A: Annotated[Array, "Of the model, without the parameter."]
+    A_p: Annotated[Array, "The derivative of A with respect to the parameter."]
+    D_1: Annotated[Array, OF_MODEL]
+    C: Annotated[Array, OF_MODEL]
+    Q: Annotated[
+        Array,
+        "Covariance of the noise of [x; p]: a matrix, its diagonal, or a number for a multiple of"
+        " I.",
+    ]
+    R: Annotated[Array, "Covariance of the noise of y."]
+    x_0: Annotated[Array | None, "What is believed of [x; p] at first."] = None
+    P_0: Annotated[float | Array, Numbers(), "Its covariance."] = 1.0
+    alpha: Annotated[float | None, "Of the UKF, see {py:class}`rcac_numeric.estimation.UKF`."] = (
+        None
+    )
+
+    def made(self) -> JointFilter:
+        """The filter."""
+        return JointFilter(
+            self.kind, self.A, self.A_p, self.D_1, self.C, self.Q, self.R, self.x_0, self.P_0,
+            self.alpha,
+        )  # fmt: skip
+
+
+@attrs.frozen(eq=False)
+class ExtendedFilter(Filter):
+    """A filter of [x; p] with x(k+1) = (A + p A_p) x + D_1 w and y = C x, p taken as constant."""
+
+    kind = "ekf"
+
+
+@attrs.frozen(eq=False)
+class UnscentedFilter(Filter):
+    """A filter of [x; p] with x(k+1) = (A + p A_p) x + D_1 w and y = C x, p taken as constant."""
+
+    kind = "ukf"
 
 
 MATRICES: dict[str, Form] = dict.fromkeys(
@@ -98,38 +133,29 @@ MATRICES: dict[str, Form] = dict.fromkeys(
 STEPS = {"delays": ListOf(Integer(1), 1), "window": Integer(1, 100_000), "d": Integer(1)}
 
 
-def _known(*names: str) -> dict[str, Form]:
-    return {name: form for name, form in MATRICES.items() if name in names}
-
-
-TRIAL = Deferred(
-    Table(
-        _trial,
-        forms={
-            **_known("A", "D_1", "C", "A_then", "D_1_then", "x_0"),
-            "truth": ListOf(Row((Integer(), Real()), "a pair [step, value]"), 1),
-            "w": EXCITATION,
-            "steps": Integer(1),
-            "seeds": Integer(1),
-        },
-    )
-)
-
-
-def _filter(kind: str) -> Table[JointFilter]:
-    make = partial(JointFilter, kind)
-    make.__doc__, make.__qualname__ = JointFilter.__doc__, kind  # type: ignore[attr-defined]
-    forms = _known("A", "A_p", "D_1", "C", "Q", "R", "x_0", "P_0")
-    return Table(make, forms={**forms, "alpha": Real()})
-
-
 KINDS: dict[str, Table[Any]] = {
-    "ekf": _filter("ekf"),
-    "ukf": _filter("ukf"),
+    "ekf": Table(ExtendedFilter),
+    "ukf": Table(UnscentedFilter),
     "rcmr": Table(refined, forms={**MATRICES, **STEPS, "k_update": Integer()}),
     "indirect": Table(
         controlled,
         forms={**MATRICES, **STEPS, "k_update": Integer(), "V_1": Real(), "V_2": Real()},
     ),
 }
-ESTIMATOR: Deferred = Deferred(Table(_estimator, forms={"kind": Kinds(KINDS)}))
+ESTIMATORS: Kinds[Any] = Kinds(KINDS)
+
+
+@attrs.frozen(eq=False)
+class Estimator(Shorthand):
+    """An estimator of the parameter."""
+
+    kind: Annotated[Any, ESTIMATORS, "Which estimator."]
+
+    def made(self) -> Estimation:
+        """The estimator."""
+        estimation: Estimation = resolved(self.kind, None)
+        return estimation
+
+
+TRIAL = Deferred(Table(TrialTable))
+ESTIMATOR = Deferred(Table(Estimator))

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
+
+import attrs
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.experiments.format.values import Exact, Sign
+
+Entry = Annotated[Any, Exact()]
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False, slots=False)
 class ExactSystem(Value):
     """A plant, as matrices or as a transfer function, or two polynomials.
 
@@ -32,13 +36,13 @@ class ExactSystem(Value):
     (4)/(s**2 + 4*s + 3)
     """
 
-    A: Any = None
-    B: Any = None
-    C: Any = None
-    G: Any = None
-    feedback: int = -1
-    a: Any = None
-    b: Any = None
+    A: Entry = None
+    B: Entry = None
+    C: Entry = None
+    G: Entry = None
+    feedback: Annotated[int, Sign()] = -1
+    a: Entry = None
+    b: Entry = None
 
     @property
     def plant(self) -> exact.Realisation:

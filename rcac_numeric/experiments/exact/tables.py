@@ -2,51 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
+
+import attrs
 
 from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
 from rcac_numeric.experiments.exact.system import ExactSystem
 from rcac_numeric.experiments.format.parts import Part
-from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.format.values import Exact, Form, Integer, Schema
-
-
-class Sign(Form):
-    """+1 or -1."""
-
-    words = "1 or -1"
-
-    def read(self, value: object, place: Place) -> int:
-        """As an int."""
-        if isinstance(value, bool) or value not in (1, -1) or not isinstance(value, int):
-            raise place.refuse(value, self.words)
-        return value
-
-    def schema(self) -> Schema:
-        """One of the two."""
-        return {"enum": [1, -1]}
-
-
-def _exact_check(statement: Any) -> Any:
-    """A statement that is decided exactly.
-
-    Parameters
-    ----------
-    statement : str
-        What is stated.
-    """
-    return statement
-
+from rcac_numeric.experiments.format.values import Exact, Form, Integer
 
 FORMS: dict[str, Form] = {
     "poles": Exact(), "regulator": Exact(), "observer": Exact(), "n_c": Integer(),
     "decimals": Integer(), "forms": Integer(), "numerator_degree": Integer(),
 }  # fmt: skip
-SYSTEM: Table[ExactSystem] = Table(
-    ExactSystem,
-    forms={**dict.fromkeys(("A", "B", "C", "G", "a", "b"), Exact()), "feedback": Sign()},
-)
+SYSTEM = Table(ExactSystem)
 
 
 def _statements() -> Kinds[Any]:
@@ -62,10 +32,18 @@ def _statements() -> Kinds[Any]:
     return Kinds(tables)
 
 
-CHECK: Table[Any] = Table(_exact_check, forms={"statement": _statements()})
+STATEMENT_KINDS = _statements()
 
 
-def exact_check_of(part: Part[Any], system: ExactSystem) -> ExactCheck:
-    """The check that a table makes."""
-    statement = part.arguments["statement"]
-    return ExactCheck(statement.make.__name__, system, statement.arguments)
+@attrs.frozen(eq=False)
+class StatementTable:
+    """A statement that is decided exactly."""
+
+    statement: Annotated[Part[Any], STATEMENT_KINDS, "What is stated."]
+
+    def of(self, system: ExactSystem) -> ExactCheck:
+        """The check of a system."""
+        return ExactCheck(self.statement.make.__name__, system, self.statement.arguments)
+
+
+CHECK = Table(StatementTable)

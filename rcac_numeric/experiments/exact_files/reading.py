@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import attrs
 
 from rcac_numeric.experiments.exact.system import ExactSystem
-from rcac_numeric.experiments.exact.tables import CHECK, SYSTEM, exact_check_of
+from rcac_numeric.experiments.exact.tables import CHECK
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.parts import Part
@@ -16,29 +18,27 @@ from rcac_numeric.experiments.format.tables import Table
 from rcac_numeric.experiments.judging.claim import Claim
 from rcac_numeric.experiments.judging.reading import OpenItems, claim_table, claims_of
 
-
-def _exact_file(
-    exact: Any, claims: Any, title: str = "", id: str = "", source: str = "", notes: str = ""
-) -> str:
-    """An exact example.
-
-    Parameters
-    ----------
-    exact : table
-        What its statements are about.
-    claims : tables
-        What is said of it.
-    title, id, source, notes : str
-        As of any experiment.
-    """
-    return title
-
-
 CLAIM: Table[Any] = claim_table(CHECK, runs=False)
-EXACT_FILE: Table[str] = Table(
-    _exact_file,
-    forms={"exact": SYSTEM, "claims": ListOf(CLAIM, 1, needed="an array of tables, [[claims]]")},
-)
+AS_ELSEWHERE = "As of any experiment."
+
+
+@attrs.frozen(eq=False)
+class ExactFile:
+    """An exact example."""
+
+    exact: Annotated[ExactSystem, "What its statements are about."]
+    claims: Annotated[
+        list[Any],
+        ListOf(CLAIM, 1, needed="an array of tables, [[claims]]"),
+        "What is said of it.",
+    ]
+    title: Annotated[str, AS_ELSEWHERE] = ""
+    id: Annotated[str, AS_ELSEWHERE] = ""
+    source: Annotated[str, AS_ELSEWHERE] = ""
+    notes: Annotated[str, AS_ELSEWHERE] = ""
+
+
+EXACT_FILE = Table(ExactFile)
 
 
 def is_exact(table: Mapping[str, Any]) -> bool:
@@ -56,27 +56,25 @@ def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("B.2"))
     >>> verification.results, [v.verdict for v in verification.verdicts]
     ({}, ['reproduced', 'reproduced'])
     """
-    read = EXACT_FILE.read(table, Place(file)).arguments
-    system: ExactSystem = read["exact"].build()
-    text = {key: read.get(key, "") for key in ("title", "id", "source", "notes")}
-    words = {name: _words(value) for name, value in table["exact"].items()}
+    read: ExactFile = EXACT_FILE.read(table, Place(file))
 
     def made(part: Part[Any]) -> list[Claim]:
-        return claims_of(part, (), OpenItems((), {}), lambda one, _: exact_check_of(one, system))
+        return claims_of(part, (), OpenItems((), {}), lambda one, _: one.of(read.exact))
 
     return Experiment(
-        id=text["id"] or Path(file).stem,
-        title=text["title"],
-        source=text["source"],
-        notes=text["notes"].strip(),
+        id=read.id or Path(file).stem,
+        title=read.title,
+        source=read.source,
+        notes=read.notes.strip(),
         runs={},
-        claims=tuple(claim for part in read["claims"] for claim in made(part)),
-        description=words,
+        claims=[claim for part in read.claims for claim in made(part)],
+        description={name: _words(value) for name, value in table["exact"].items()},
     )
 
 

@@ -4,26 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import attrs
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.estimation_files.reading import estimation_experiment, is_estimation
 from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
-from rcac_numeric.experiments.figure_requests import FIGURE, require_drawable
+from rcac_numeric.experiments.figure_requests import FIGURE, FigureRequest, require_drawable
 from rcac_numeric.experiments.files.claims import CLAIM, STANDARD_CLAIMS
 from rcac_numeric.experiments.files.documents import named, read_file, require_plain
 from rcac_numeric.experiments.files.runs import (
-    FORMS,
+    CONTROLLERS,
+    OPEN_VALUE,
     OVERRIDE,
     TABLES,
+    Override,
     RunTables,
     read_run,
     words_of,
+    wrong_tables,
 )
 from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.places import Place, brief
+from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
 from rcac_numeric.experiments.judging.reading import (
     OpenItems,
@@ -36,80 +41,58 @@ from rcac_numeric.experiments.judging.reading import (
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 
+NUMBER_AND_SOURCE = (
+    "Its number, the name of the file where it is left out; and where it comes from."
+)
 # How much of a table's own words a report repeats.
 LONGEST_WORDS = 400
 
 
-def _file(
-    plant: Any, title: str = "", id: str = "", source: str = "", notes: str = "",
-    signals: Any = None, target: Any = None, controller: Any = None, controllers: Any = None,
-    saturation: Any = None, run: Any = None, runs: Any = None, claims: Any = None,
-    figures: Any = None, open: Any = None,
-) -> str:  # fmt: skip
-    """An experiment.
+@attrs.frozen(eq=False)
+class File:
+    """An experiment."""
 
-    Parameters
-    ----------
-    plant : table
-        What is controlled.
-    title : str
-        What it is about, in a line.
-    id, source : str
-        Its number, the name of the file where it is left out; and where it comes from.
-    notes : str
-        What a reader of the report should know.
-    signals : table
-        The exogenous input w.
-    target : table
-        The target model G_f.
-    controller : table
-        The controller.
-    controllers : tables
-        Several controllers whose outputs are added.
-    saturation : table
-        Bounds of the control.
-    run : table
-        How long it runs, and how.
-    runs : tables
-        Several runs, the first being the main one.
-    claims : tables
-        What is said of it, and what decides whether it holds.
-    figures : tables
-        What is drawn of it; a sheet on the main run where they are left out.
-    open : tables
-        What its source leaves open, and what was chosen.
-    """
-    return title
-
-
-def _value(
-    name: str, plant: Any = None, signals: Any = None, target: Any = None, controller: Any = None,
-    controllers: Any = None, saturation: Any = None, run: Any = None,
-) -> str:  # fmt: skip
-    """One of the values that a reader would try.
-
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    plant, signals, target, controller, saturation, run : tables
-        What it changes.
-    controllers : tables
-        In place of [[controllers]].
-    """
-    return name
+    plant: Annotated[Raw, TABLES["plant"], "What is controlled."]
+    title: Annotated[str, "What it is about, in a line."] = ""
+    id: Annotated[str, NUMBER_AND_SOURCE] = ""
+    source: Annotated[str, NUMBER_AND_SOURCE] = ""
+    notes: Annotated[str, "What a reader of the report should know."] = ""
+    signals: Annotated[Raw | None, TABLES["signals"], "The exogenous input w."] = None
+    target: Annotated[Raw | None, TABLES["target"], "The target model G_f."] = None
+    controller: Annotated[Raw | None, TABLES["controller"], "The controller."] = None
+    controllers: Annotated[
+        list[Raw] | None,
+        CONTROLLERS,
+        "Several controllers whose outputs are added.",
+    ] = None
+    saturation: Annotated[Raw | None, TABLES["saturation"], "Bounds of the control."] = None
+    run: Annotated[Raw | None, TABLES["run"], "How long it runs, and how."] = None
+    runs: Annotated[
+        list[Override] | None,
+        ListOf(OVERRIDE, needed="an array of tables, [[runs]]", named="run"),
+        "Several runs, the first being the main one.",
+    ] = None
+    claims: Annotated[
+        list[Any],
+        ListOf(CLAIM, needed="an array of tables, [[claims]]"),
+        "What is said of it, and what decides whether it holds.",
+    ] = attrs.field(factory=list)
+    figures: Annotated[
+        list[FigureRequest],
+        ListOf(FIGURE, needed="an array of tables, [[figures]]"),
+        "What is drawn of it; a sheet on the main run where they are left out.",
+    ] = attrs.field(factory=list)
+    open: Annotated[
+        list[Any],
+        opens(OPEN_VALUE),
+        "What its source leaves open, and what was chosen.",
+    ] = attrs.field(factory=list)
 
 
-VALUE = Table(_value, forms=FORMS)
-FILE = Table(
-    _file,
-    forms={
-        **FORMS,
-        "runs": ListOf(OVERRIDE, needed="an array of tables, [[runs]]"),
-        "claims": ListOf(CLAIM, needed="an array of tables, [[claims]]"),
-        "figures": ListOf(FIGURE, needed="an array of tables, [[figures]]"),
-        "open": opens(VALUE),
-    },
+FILE = Table(File)
+NO_RUN = (
+    "there is no table [run], which needs the key 'steps'. For a log that ran elsewhere no run is "
+    "needed: check_controller(log, **check_arguments(file))."
 )
 
 
@@ -169,24 +152,17 @@ def _built(table: Raw, file: str, budget: Budget) -> Experiment:
 
 
 def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
-    read = FILE.read(table, Place(file))
-    overrides = table.get("runs") or [{"name": "main"}]
-    if "run" not in table and not any("run" in override for override in overrides):
-        raise InputError(
-            "there is no table [run], which needs the key 'steps'. For a log that ran elsewhere "
-            "no run is needed: check_controller(log, **check_arguments(file))."
-        )
-    runs = [read_run(table, override, file) for override in overrides]
+    read, runs = _read(table, file)
+    overrides = _overrides(table)
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
     items = OpenItems.of(table.get("open", ()))
     claims = [
         claim
-        for part in read.arguments.get("claims", ())
+        for part in read.claims
         for claim in claims_of(part, names, items, check_of, STANDARD_CLAIMS)
     ]
-    figures = [part.build() for part in read.arguments.get("figures", ())]
     common = runs[0].plant.build()
     plants = [
         run.plant.build() if "plant" in override else common
@@ -194,31 +170,62 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     ]
     pairs = list(zip(runs, plants, strict=True))
     budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
-    made = {run.name: _made(run, plant, len(pairs) > 1) for run, plant in pairs}
+    made, errors = {}, Errors()
+    for run, plant in pairs:
+        with errors:
+            made[run.name] = _made(run, plant, len(pairs) > 1)
+    for figure in read.figures:
+        with errors:
+            require_drawable(figure, names)
+    errors.raise_any()
     of_run = dict(zip(names, overrides, strict=True))
     completions = {}
     for base, values in completed_runs(claims, items):
         changes = [items.tables[value] for value in values]
-        run = read_run(
-            table, _override_of(completion_name(base, values), of_run[base], changes), file
-        )
+        name = completion_name(base, values)
+        completed = read_run(table, _override_of(name, of_run[base], changes), file)
+        assert completed is not None, "no table of it is wrong"
         is_other = any("plant" in change for change in changes)
-        plant = run.plant.build() if is_other else made[base].plant
-        budget.require_operations(run.cost(plant, budget))
-        completions[run.name] = _made(run, plant, True)
-    text = {key: read.arguments.get(key, "") for key in ("title", "id", "source", "notes")}
+        plant = completed.plant.build() if is_other else made[base].plant
+        budget.require_operations(completed.cost(plant, budget))
+        completions[name] = _made(completed, plant, True)
     return Experiment(
-        id=text["id"] or Path(file).stem,
-        title=text["title"],
-        source=text["source"],
-        notes=text["notes"].strip(),
+        id=read.id or Path(file).stem,
+        title=read.title,
+        source=read.source,
+        notes=read.notes.strip(),
         runs=made,
         claims=claims,
         open=items.items,
         completions=completions,
-        figures=[require_drawable(figure, names) for figure in figures],
+        figures=read.figures,
         description=_description(table),
     )
+
+
+def _read(table: Raw, file: str) -> tuple[File, list[RunTables]]:
+    """The file and its runs; everything that is wrong with any of its tables is said at once."""
+    errors, runs, wrong = Errors(), [], frozenset[str]()
+    try:
+        read = FILE.read(table, Place(file))
+    except CompensatorError as error:
+        errors.add(error)
+        wrong = wrong_tables(table, file)
+        if "runs" in wrong or not FILE.all_keys().keys() >= table.keys():
+            raise  # a table that seems to be missing may be the one whose name is misspelt
+    if "run" not in table and not any("run" in override for override in _overrides(table)):
+        errors.add(InputError(NO_RUN))
+        errors.raise_any()
+    for override in _overrides(table):
+        with errors:
+            if (run := read_run(table, override, file, wrong)) is not None:
+                runs.append(run)
+    errors.raise_any()
+    return read, runs
+
+
+def _overrides(table: Raw) -> list[Raw]:
+    return table.get("runs") or [{"name": "main"}]
 
 
 def _override_of(name: str, override: Raw, changes: Sequence[Raw]) -> dict[str, Any]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any, Literal
+
+import attrs
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
@@ -16,17 +18,22 @@ from rcac_numeric.controllers.normalization import Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.compatibility import AnyController
-from rcac_numeric.experiments.files.structures import STRUCTURES, sizes_of
-from rcac_numeric.experiments.files.targets import TARGET
+from rcac_numeric.experiments.files.structures import STRUCTURES
+from rcac_numeric.experiments.files.targets import TARGET, Target
 from rcac_numeric.experiments.files.updates import UPDATES
-from rcac_numeric.experiments.format.deferred import Deferred
 from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf, Row
-from rcac_numeric.experiments.format.parts import Later, Part
-from rcac_numeric.experiments.format.places import Place
-from rcac_numeric.experiments.format.tables import Kind, Kinds, Raw, Table, Variant
+from rcac_numeric.experiments.format.parts import Part, Shorthand, Unresolved
+from rcac_numeric.experiments.format.places import Errors, Place
+from rcac_numeric.experiments.format.tables import (
+    Deferred,
+    Kind,
+    Kinds,
+    Raw,
+    Table,
+    Variant,
+)
 from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Real, Schema
 from rcac_numeric.h2.lqg import lqg
-from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.model import TargetModel
@@ -49,52 +56,50 @@ class _Interval(Form):
 
 NOISE = MapOf(Numbers())
 BOUND = Row((Real(), Real()), "[low, high]")
-OF_BOUNDS = {"gains": MapOf(BOUND)}
 
 
-def _lqg(
-    form: str = "predictor",
-    noise: dict[str, Any] | None = None,
-    k_w: int = 0,
-    *,
-    whole_plant: Plant | PlantSchedule,
-) -> FixedController:
-    """The [LQG](lqg.md) controller of the plant, which adapts nothing.
+@attrs.frozen(eq=False)
+class Lqg(Unresolved):
+    """The [LQG](lqg.md) controller of the plant, which adapts nothing."""
 
-    Parameters
-    ----------
-    form : {"predictor", "filter"}
-        Whether u(k) uses y(k-1) at the latest, or y(k) too.
-    noise : table
-        Intensities by block or channel of w, `{ d = 1, v = 0.25 }`; 1 for every channel where it
-        is left out.
-    k_w : int
-        First step at which it is in the loop.
-    """
-    if isinstance(whole_plant, PlantSchedule):
-        raise InputError('structure = "lqg" is designed for one plant; this one changes.')
-    compensator = lqg(whole_plant, noise=noise, form=form).compensator
-    return FixedController(compensator, k_w=k_w)
+    form: Annotated[
+        Literal["predictor", "filter"],
+        "Whether u(k) uses y(k-1) at the latest, or y(k) too.",
+    ] = "predictor"
+    noise: Annotated[
+        dict[str, Any] | None,
+        NOISE,
+        "Intensities by block or channel of w, `{ d = 1, v = 0.25 }`; 1 for every channel where "
+        "it is left out.",
+    ] = None
+    k_w: Annotated[int, "First step at which it is in the loop."] = 0
+
+    def of(self, plant: Plant | PlantSchedule, **others: Any) -> FixedController:
+        """The controller of this plant, which no target model decides."""
+        if isinstance(plant, PlantSchedule):
+            raise InputError('structure = "lqg" is designed for one plant; this one changes.')
+        compensator = lqg(plant, noise=self.noise, form=self.form).compensator
+        return FixedController(compensator, k_w=self.k_w)
 
 
 # In place of a structure: the whole table is then of a controller that adapts nothing.
-FIXED: dict[str, Kind[Any]] = {
-    "lqg": Kind(Variant(Table(_lqg, given=["whole_plant"], forms={"noise": NOISE})), is_whole=True)
-}
+FIXED: dict[str, Kind[Any]] = {"lqg": Kind(Variant(Lqg), is_whole=True)}
 STRUCTURES_AND_FIXED: Kinds[Any] = Kinds({**STRUCTURES.kinds, **FIXED}, default=STRUCTURES.default)
 
 
-def _fixed(past_u: Any, past_y: Any) -> Compensator:
-    """A fixed compensator (2.28).
+@attrs.frozen(eq=False)
+class Fixed(Shorthand):
+    """A fixed compensator (2.28)."""
 
-    Parameters
-    ----------
-    past_u : array, shape (n_c, l_u, l_u)
-        past_u[i-1] is P_i.
-    past_y : array, shape (n_c + 1, l_u, l_y)
-        past_y[i] is Q_i; past_y[0] is zero for a strictly proper compensator.
-    """
-    return Compensator(past_u, past_y)
+    past_u: Annotated[Array, "past_u[i-1] is P_i."]
+    past_y: Annotated[
+        Array,
+        "past_y[i] is Q_i; past_y[0] is zero for a strictly proper compensator.",
+    ]
+
+    def made(self) -> Compensator:
+        """The compensator."""
+        return Compensator(self.past_u, self.past_y)
 
 
 WEIGHT = Either(Table(SignalWeight), Numbers())
@@ -105,8 +110,8 @@ FORMS: Mapping[str, Form] = {
     "R_u": WEIGHT,
     "R_u_unfiltered": Numbers(),
     "z_normalization": Table(Normalization),
-    "bounds": Table(CoefficientBounds, forms=OF_BOUNDS),
-    "fixed": Table(Compensator),
+    "bounds": Table(CoefficientBounds, forms={"gains": MapOf(BOUND)}),
+    "fixed": Table(Fixed),
     "theta_0": Numbers(),
     "k_w": Integer(),
     "k_update": Integer(),
@@ -127,19 +132,18 @@ DOCS = {
 }
 
 
-def _several(shared_u: bool = False) -> bool:
-    """What several controllers have in common.
+@attrs.frozen
+class Several:
+    """What several controllers have in common."""
 
-    Parameters
-    ----------
-    shared_u : bool
-        Of [[controllers]]: every regressor holds the sum of all outputs in place of its own;
-        with saturation that is needed.
-    """
-    return shared_u
+    shared_u: Annotated[
+        bool,
+        "Of [[controllers]]: every regressor holds the sum of all outputs in place of its own; "
+        "with saturation that is needed.",
+    ] = False
 
 
-SEVERAL = Table(_several)
+SEVERAL = Table(Several)
 CONTROLLER = Deferred(
     Table(
         ControllerSettings,
@@ -147,6 +151,7 @@ CONTROLLER = Deferred(
         forms=FORMS,
         docs=DOCS,
         elsewhere=(SEVERAL, "only [[controllers]] read"),
+        is_later=True,
     )
 )
 ONE_OF_SEVERAL = Deferred(
@@ -155,25 +160,26 @@ ONE_OF_SEVERAL = Deferred(
         given=["learning"],
         forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
         docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
+        is_later=True,
     )
 )
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False)
 class ControllerSpecification(Value):
     """The controllers of a run.
 
     Attributes
     ----------
-    parts : tuple of Part
-        One for each controller.
-    target : Part, optional
+    parts : tuple
+        One for each controller: its settings but for the plant, or `Lqg`.
+    target : Target, optional
         The target model of the only controller; several have their own.
     shared_u : bool
     """
 
-    parts: tuple[Part[Any], ...]
-    target: Part[TargetModel] | None
+    parts: tuple[Part[ControllerSettings] | Lqg, ...]
+    target: Target | None
     shared_u: bool = False
 
     def build(self, plant: Plant | PlantSchedule) -> tuple[AnyController, TargetModel | None]:
@@ -181,15 +187,13 @@ class ControllerSpecification(Value):
 
         What a target model takes from the plant is taken from the plant at step 0.
         """
-        first = Later(lambda: plant_at(plant, 0))
-        # What is learnt is said by a target model; the constructor's other way has no key.
-        context = {"plant": first, "whole_plant": plant, "learning": None, **sizes_of(plant)}
         if self.target is None:
-            settings = [part.build(**context) for part in self.parts]
+            settings: list[Any] = [part.of(plant) for part in self.parts]
             return Decentralized(settings, shared_u=self.shared_u), None
-        target = self.target.build(**context)
-        controller = self.parts[0].build(target=target, **context)
-        return controller, target if isinstance(controller, FixedController) else None
+        target = self.target.of(plant)
+        controller = self.parts[0].of(plant, target=target)
+        is_fixed = isinstance(controller, FixedController)
+        return controller, target if is_fixed else None  # type: ignore[return-value]
 
 
 NO_TARGET = (
@@ -209,17 +213,25 @@ def read_controllers(
     if not several:
         if not target:
             raise InputError(NO_TARGET)
-        of_target = TARGET.table.read(target, Place(file, "target", notes=note))
-        return ControllerSpecification((CONTROLLER.table.read(common, here),), of_target)
+        errors, of_target = Errors(), None
+        read: tuple[Any, ...] = ()
+        with errors:
+            of_target = TARGET.table.read(target, Place(file, "target", notes=note))
+        with errors:
+            read = (CONTROLLER.table.read(common, here),)
+        errors.raise_any()
+        return ControllerSpecification(read, of_target)
     shared = {key.name for key in SEVERAL.keys}
-    beside = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
+    beside: Several = SEVERAL.read({k: v for k, v in common.items() if k in shared}, here)
     base = {key: value for key, value in common.items() if key not in shared}
-    parts = []
+    parts, errors = [], Errors()
     for number, own in enumerate(several, 1):
         joined = ONE_OF_SEVERAL.joined(base, own)
         place = Place(file, "controllers", notes=(f"no. {number}", *note))
         joined_target = TARGET.joined(target, joined.pop("target", {}))
-        part = ONE_OF_SEVERAL.table.read({**joined, "target": {}}, place)
-        own_target = TARGET.table.read(joined_target, place.at("target").inside())
-        parts.append(replace(part, arguments={**part.arguments, "target": own_target}))
-    return ControllerSpecification(tuple(parts), None, beside.build())
+        with errors:
+            part = ONE_OF_SEVERAL.table.read({**joined, "target": {}}, place)
+            part.arguments["target"] = TARGET.table.read(joined_target, place.at("target").inside())
+            parts.append(part)
+    errors.raise_any()
+    return ControllerSpecification(tuple(parts), None, beside.shared_u)

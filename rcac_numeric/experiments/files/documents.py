@@ -6,12 +6,13 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Mapping
+from decimal import Decimal
 from pathlib import Path
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.files import require_readable
-from rcac_numeric.experiments.format.places import DEEPEST, brief, shortened
+from rcac_numeric.experiments.format.places import DEEPEST, Refused, brief, shortened
 
 Raw = dict[str, Any]
 
@@ -54,7 +55,7 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
     try:
         decoded = text.decode()
         _require_short_keys(decoded, str(path))
-        table = tomllib.loads(decoded)
+        table = parsed(decoded)
     except InputError:
         raise
     except RecursionError:
@@ -63,6 +64,23 @@ def read_file(path: str | Path) -> tuple[Raw, str]:
         raise InputError(f"{path} is not valid TOML: {error}.") from None
     require_plain(table, str(path))
     return table, str(path)
+
+
+def parsed(text: str) -> Raw:
+    r"""The tables of a TOML text; a number with more digits than float64 keeps them all.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.files.documents import parsed
+    >>> parsed("a = 0.1\\nb = 0.10000000000000000555")
+    {'a': 0.1, 'b': Decimal('0.10000000000000000555')}
+    """
+    return tomllib.loads(text, parse_float=_number)
+
+
+def _number(digits: str) -> float | Decimal:
+    exact, rounded = Decimal(digits), float(digits)
+    return exact if exact.is_finite() and exact != Decimal(repr(rounded)) else rounded
 
 
 def _require_short_keys(text: str, file: str) -> None:
@@ -107,6 +125,8 @@ def require_plain(table: Raw, file: str) -> None:
 
 def named(error: CompensatorError, file: str) -> CompensatorError:
     """The same error with the file's name in front, and of bearable length."""
+    if isinstance(error, Refused):
+        return InputError(error.named(file))
     text = str(error)
     return type(error)(shortened(text if text.startswith(file) else f"{file}: {text}"))
 

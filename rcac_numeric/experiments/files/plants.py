@@ -2,222 +2,379 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Any
+from abc import ABC, abstractmethod
+from dataclasses import replace
+from typing import Annotated, Any, Literal
+
+import attrs
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError, NotCoprimeError
-from rcac_numeric.experiments.format.deferred import Deferred
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.parts import Part
-from rcac_numeric.experiments.format.places import Place
-from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant, require_table
-from rcac_numeric.experiments.format.values import Exact, Flag, Integer, Numbers
-from rcac_numeric.plants.gallery import by_name
+from rcac_numeric.experiments.format.places import Errors, Place
+from rcac_numeric.experiments.format.tables import (
+    Deferred,
+    Kind,
+    Kinds,
+    Table,
+    Variant,
+    require_table,
+)
+from rcac_numeric.experiments.format.values import Exact, Integer
 from rcac_numeric.plants.gallery.aircraft import aircraft_plant, aircraft_transition
-from rcac_numeric.plants.gallery.limited_margins import no_guaranteed_margins_standard
+from rcac_numeric.plants.gallery.boost_converter import BoostConverter
+from rcac_numeric.plants.gallery.cart_pendulum import CartPendulum
+from rcac_numeric.plants.gallery.continuous import ContinuousPlant
+from rcac_numeric.plants.gallery.limited_margins import (
+    limited_delay_margin,
+    no_guaranteed_margins_standard,
+)
+from rcac_numeric.plants.gallery.mass_spring import MassSpringDamper
+from rcac_numeric.plants.gallery.rohrs import rohrs_plant
 from rcac_numeric.plants.linear import MATRICES, Plant
 from rcac_numeric.plants.problems import from_problem, servo_plant, standard_plant
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 # A delay is written out as states where the loop is analysed.
 LONGEST_DELAY = 200
-ENTRIES = {name: Exact() for name in ("G", *MATRICES)}
+ENTRIES = ("G", *MATRICES)
+Entry = Annotated[Any, Exact()]
 
 
-def _standard_of_G(G: Any) -> Plant:
-    """The standard problem of a transfer function: y = z and w matched with u, (2.15).
+class PlantKind(ABC):
+    """A plant, by its transfer function, its matrices or its name."""
 
-    Parameters
-    ----------
-    G : transfer function
-        In q. Of the servo problem also one row of several, [["G_1", "G_2"]], for a plant with
-        several inputs.
-    """
-    _require_coprime(G)
-    return standard_plant(G)
+    @abstractmethod
+    def made(self) -> Plant | PlantSchedule:
+        """The plant."""
 
 
-def _standard(
-    A: Any, B: Any, D_1: Any, C: Any, D_0: Any = None, D_2: Any = None, E_1: Any = None,
-    E_2: Any = None, E_0: Any = None,
-) -> Plant:  # fmt: skip
-    """The standard problem (2.1)-(2.3).
-
-    Parameters
-    ----------
-    A, B, D_1 : matrices
-        Of x(k+1) = A x + B u + D_1 w.
-    C, D_0, D_2 : matrices
-        Of y = C x + D_0 u + D_2 w; D_0 and D_2 are zero where they are left out.
-    E_1, E_2, E_0 : matrices
-        Of z = E_1 x + E_2 u + E_0 w; E_1 is C, E_2 and E_0 are zero where they are left out.
-    """
-    matrices = {"D_0": D_0, "D_2": D_2, "E_1": C if E_1 is None else E_1, "E_2": E_2, "E_0": E_0}
-    return from_problem(exact.StandardProblem(A=A, B=B, D_1=D_1, C=C, **matrices))
+TRANSFER_FUNCTION = (
+    'In q. Of the servo problem also one row of several, [["G_1", "G_2"]], for a plant with '
+    "several inputs."
+)
+OF_STATE = "Of x(k+1) = A x + B u + D_1 w."
+OF_Y = "Of y = C x + D_0 u + D_2 w; D_0 and D_2 are zero where they are left out."
+OF_Z = "Of z = E_1 x + E_2 u + E_0 w; E_1 is C, E_2 and E_0 are zero where they are left out."
+OF_SERVO_STATE = "Of (2.16); D_1 is B where it is left out."
+OF_SERVO_Y = "Of (2.17); D_0 is zero where it is left out."
+PERFORMANCE = "Whether z is e_n, which is measured, or e_0, without the noise v."
 
 
-def _servo_of_G(G: Any, performance: str = "measured") -> Plant:
-    """The servo problem (2.16)-(2.20) of a transfer function, d and u colocated.
+@attrs.frozen(eq=False)
+class StandardOfG(PlantKind):
+    """The standard problem of a transfer function: y = z and w matched with u, (2.15)."""
 
-    Parameters
-    ----------
-    G : transfer function
-        In q. Of the servo problem also one row of several, [["G_1", "G_2"]], for a plant with
-        several inputs.
-    performance : {"measured", "true"}
-        Whether z is e_n, which is measured, or e_0, without the noise v.
-    """
-    if not isinstance(G, list):
-        _require_coprime(G)
-    return servo_plant(G, performance=performance)
+    G: Annotated[Entry, TRANSFER_FUNCTION]
+
+    def made(self) -> Plant:
+        """The plant."""
+        _require_coprime(self.G)
+        return standard_plant(self.G)
 
 
-def _servo(
-    A: Any, B: Any, C: Any, D_1: Any = None, D_0: Any = None, performance: str = "measured"
-) -> Plant:
-    """The servo problem (2.16)-(2.20), with w = [r; d; v] and y = z = e_n.
+@attrs.frozen(eq=False)
+class Standard(PlantKind):
+    """The standard problem (2.1)-(2.3)."""
 
-    Parameters
-    ----------
-    A, B, D_1 : matrices
-        Of (2.16); D_1 is B where it is left out.
-    C, D_0 : matrices
-        Of (2.17); D_0 is zero where it is left out.
-    performance : {"measured", "true"}
-        As with G.
-    """
-    matrices = {k: v for k, v in (("D_1", D_1), ("D_0", D_0)) if v is not None}
-    return servo_plant(A=A, B=B, C=C, performance=performance, **matrices)
+    A: Annotated[Entry, OF_STATE]
+    B: Annotated[Entry, OF_STATE]
+    D_1: Annotated[Entry, OF_STATE]
+    C: Annotated[Entry, OF_Y]
+    D_0: Annotated[Entry, OF_Y] = None
+    D_2: Annotated[Entry, OF_Y] = None
+    E_1: Annotated[Entry, OF_Z] = None
+    E_2: Annotated[Entry, OF_Z] = None
+    E_0: Annotated[Entry, OF_Z] = None
+
+    def made(self) -> Plant:
+        """The plant."""
+        matrices = attrs.asdict(self, recurse=False)
+        matrices["E_1"] = self.C if self.E_1 is None else self.E_1
+        return from_problem(exact.StandardProblem(**matrices))
 
 
-PROBLEMS: Kinds[Plant | PlantSchedule] = Kinds(
+@attrs.frozen(eq=False)
+class ServoOfG(PlantKind):
+    """The servo problem (2.16)-(2.20) of a transfer function, d and u colocated."""
+
+    G: Annotated[Entry, TRANSFER_FUNCTION]
+    performance: Annotated[Literal["measured", "true"], PERFORMANCE] = "measured"
+
+    def made(self) -> Plant:
+        """The plant."""
+        if not isinstance(self.G, list):
+            _require_coprime(self.G)
+        return servo_plant(self.G, performance=self.performance)
+
+
+@attrs.frozen(eq=False)
+class Servo(PlantKind):
+    """The servo problem (2.16)-(2.20), with w = [r; d; v] and y = z = e_n."""
+
+    A: Annotated[Entry, OF_SERVO_STATE]
+    B: Annotated[Entry, OF_SERVO_STATE]
+    C: Annotated[Entry, OF_SERVO_Y]
+    D_1: Annotated[Entry, OF_SERVO_STATE] = None
+    D_0: Annotated[Entry, OF_SERVO_Y] = None
+    performance: Annotated[Literal["measured", "true"], PERFORMANCE] = "measured"
+
+    def made(self) -> Plant:
+        """The plant."""
+        given = {name: m for name in ("D_1", "D_0") if (m := getattr(self, name)) is not None}
+        return servo_plant(A=self.A, B=self.B, C=self.C, performance=self.performance, **given)
+
+
+# Plants with names.
+CONDITION = "(3.1) or (3.2)."
+MEASURED = (
+    "y = z = r - phi; r - x with four commands; or, with one command for the roll angle, "
+    "(3.5)-(3.7): z_i(k) = x_i(k-1) - x_i(k) for the other three states, which become states."
+)
+SOURCE = "The zero-order hold rounded once; (3.3), (3.4) with two digits put right; or as printed."
+TIMES = (
+    "In s, multiples of 0.1 s; the text has 250 s and 10 s, and 1 s where it discusses figure 3.9."
+)
+PERIOD = "Sampling period, s."
+LOOP = "The servo problem (2.16)-(2.27) with d at the input, or y = z with w at the input, (2.15)."
+Measured = Literal["roll angle", "state", "dummy commands"]
+Source = Literal["sampled", "corrected", "printed"]
+Loop = Literal["servo", "standard"]
+
+
+@attrs.frozen
+class Aircraft(PlantKind):
+    """The servo problem of the aircraft at 0.1 s: output feedback or full-state feedback."""
+
+    condition: Annotated[Literal["nominal", "off-nominal"], CONDITION] = "nominal"
+    measured: Annotated[Measured, MEASURED] = "roll angle"
+    source: Annotated[Source, SOURCE] = "sampled"
+
+    def made(self) -> Plant:
+        """The plant."""
+        return aircraft_plant(self.condition, self.measured, self.source)
+
+
+@attrs.frozen
+class AircraftTransition(PlantKind):
+    """The aircraft on its way from nominal to off-nominal, section 3.2."""
+
+    start: Annotated[float, TIMES] = 250.0
+    duration: Annotated[float, TIMES] = 10.0
+    measured: Annotated[Measured, MEASURED] = "roll angle"
+    source: Annotated[Source, SOURCE] = "sampled"
+
+    def made(self) -> PlantSchedule:
+        """The plant."""
+        return aircraft_transition(self.start, self.duration, self.measured, self.source)
+
+
+OF_BOOST = "In H, F and ohm."
+
+
+@attrs.frozen
+class SampledBoostConverter(PlantKind):
+    """The boost converter near a duty cycle, from duty cycle to output voltage."""
+
+    h: Annotated[float, PERIOD]
+    duty: Annotated[float, "Duty cycle about which it is linearised."] = 0.5
+    supply: Annotated[float, "Supply voltage, V."] = 12.0
+    inductance: Annotated[float, OF_BOOST] = 1e-4
+    capacitance: Annotated[float, OF_BOOST] = 1e-4
+    resistance: Annotated[float, OF_BOOST] = 10.0
+    loop: Annotated[Loop, LOOP] = "servo"
+
+    def made(self) -> Plant:
+        """The plant."""
+        plant = BoostConverter(self.supply, self.inductance, self.capacitance, self.resistance)
+        return _in_loop(plant.linearised(plant.operating_point(self.duty)), self.h, self.loop)
+
+
+OF_MASS = "In kg."
+
+
+@attrs.frozen
+class SampledCartPendulum(PlantKind):
+    """The pendulum on a cart at rest, from force to position."""
+
+    h: Annotated[float, PERIOD]
+    kind: Annotated[Literal["upright", "hanging"], "Where the pendulum rests."] = "upright"
+    cart_mass: Annotated[float, OF_MASS] = 0.5
+    pendulum_mass: Annotated[float, OF_MASS] = 0.2
+    friction: Annotated[float, "Of the cart, N s/m."] = 0.1
+    length: Annotated[float, "From the pivot to the centre of mass, m."] = 0.3
+    inertia: Annotated[float, "About the centre of mass, kg m^2."] = 0.006
+    gravity: Annotated[float, "In m/s^2."] = 9.8
+    loop: Annotated[Loop, LOOP] = "servo"
+
+    def made(self) -> Plant:
+        """The plant."""
+        plant = CartPendulum(
+            self.cart_mass, self.pendulum_mass, self.friction, self.length, self.inertia,
+            self.gravity,
+        )  # fmt: skip
+        return _in_loop(plant.linearised(plant.operating_point(self.kind)), self.h, self.loop)
+
+
+@attrs.frozen
+class SampledDelayLimited(PlantKind):
+    """The plant (1.3)-(1.4) with a limited delay margin, sampled."""
+
+    h: Annotated[float, PERIOD] = 0.1
+    loop: Annotated[Loop, LOOP] = "servo"
+
+    def made(self) -> Plant:
+        """The plant."""
+        return _in_loop(limited_delay_margin(), self.h, self.loop)
+
+
+OF_MASS_SPRING = "In kg, N s/m and N/m."
+
+
+@attrs.frozen
+class SampledMassSpringDamper(PlantKind):
+    """The mass-spring-damper of (8.64), from force to velocity, by a zero-order hold."""
+
+    h: Annotated[float, PERIOD]
+    mass: Annotated[float, OF_MASS_SPRING] = 1.0
+    damping: Annotated[float, OF_MASS_SPRING] = 5.0
+    stiffness: Annotated[float, OF_MASS_SPRING] = 10.0
+    loop: Annotated[Loop, LOOP] = "servo"
+
+    def made(self) -> Plant:
+        """The plant."""
+        plant = MassSpringDamper(self.mass, self.damping, self.stiffness)
+        return _in_loop(plant.continuous(), self.h, self.loop)
+
+
+@attrs.frozen
+class NoGuaranteedMargins(PlantKind):
+    """The standard problem of (1.1)-(1.2), sampled; section 5.5 has h = 0.01 s."""
+
+    h: Annotated[float, PERIOD] = 0.01
+
+    def made(self) -> Plant:
+        """The plant."""
+        return no_guaranteed_margins_standard(self.h)
+
+
+@attrs.frozen
+class SampledRohrs(PlantKind):
+    """Rohrs's plant T(s) of (1.7), sampled."""
+
+    h: Annotated[float, PERIOD]
+    loop: Annotated[Loop, LOOP] = "servo"
+
+    def made(self) -> Plant:
+        """The plant."""
+        return _in_loop(rohrs_plant(), self.h, self.loop)
+
+
+PROBLEMS: Kinds[PlantKind] = Kinds(
     {
-        "standard": Kind(
-            Variant(Table(_standard_of_G, forms=ENTRIES), "G"),
-            Variant(Table(_standard, forms=ENTRIES)),
-        ),
-        "servo": Kind(
-            Variant(Table(_servo_of_G, forms=ENTRIES), "G"),
-            Variant(Table(_servo, forms=ENTRIES)),
-        ),
-        # Plants with names.
-        "aircraft": aircraft_plant,
-        "aircraft transition": aircraft_transition,
-        "boost converter": by_name.sampled_boost_converter,
-        "cart pendulum": by_name.sampled_cart_pendulum,
-        "limited delay margin": by_name.sampled_delay_limited,
-        "mass-spring-damper": by_name.sampled_mass_spring_damper,
-        "no guaranteed margins": no_guaranteed_margins_standard,
-        "rohrs": by_name.sampled_rohrs_plant,
+        "standard": Kind(Variant(StandardOfG, "G"), Variant(Standard)),
+        "servo": Kind(Variant(ServoOfG, "G"), Variant(Servo)),
+        "aircraft": Aircraft,
+        "aircraft transition": AircraftTransition,
+        "boost converter": SampledBoostConverter,
+        "cart pendulum": SampledCartPendulum,
+        "limited delay margin": SampledDelayLimited,
+        "mass-spring-damper": SampledMassSpringDamper,
+        "no guaranteed margins": NoGuaranteedMargins,
+        "rohrs": SampledRohrs,
     }
 )
+NEW_MATRIX = "The new ones. The state is kept, so that C and E_1 alone move the zeros."
 
 
-@dataclass(frozen=True)
+@attrs.frozen(eq=False)
 class Change:
-    """What the plant is from a step on; what is not named stays as it was.
+    """What the plant is from a step on; what is not named stays as it was."""
 
-    Parameters
-    ----------
-    start : int
-        The step; a change at step 0 says what holds from the beginning, such as a delay.
-    gain : number
-        u acts this many times as strongly as B and the direct terms of [plant] say.
-    delay : int
-        u acts this many steps late; what was sent before the change is kept.
-    ramp : bool
-        The matrices move linearly and reach those of the next change at its start.
-    state_map : matrix
-        x <- state_map x at `start`; needed where the order changes.
-    G : transfer function
-        The new plant.
-    A, B, C, D_0, D_1, D_2, E_0, E_1, E_2 : matrices
-        The new ones. The state is kept, so that C and E_1 alone move the zeros.
-    """
-
-    start: int
-    gain: Any = None
-    delay: int | None = None
-    ramp: bool = False
-    state_map: Any = None
-    G: Any = None
-    A: Any = None
-    B: Any = None
-    C: Any = None
-    D_0: Any = None
-    D_1: Any = None
-    D_2: Any = None
-    E_0: Any = None
-    E_1: Any = None
-    E_2: Any = None
+    start: Annotated[
+        int,
+        "The step; a change at step 0 says what holds from the beginning, such as a delay.",
+    ]
+    gain: Annotated[
+        Entry,
+        "u acts this many times as strongly as B and the direct terms of [plant] say.",
+    ] = None
+    delay: Annotated[
+        int | None,
+        Integer(at_most=LONGEST_DELAY),
+        "u acts this many steps late; what was sent before the change is kept.",
+    ] = None
+    ramp: Annotated[
+        bool,
+        "The matrices move linearly and reach those of the next change at its start.",
+    ] = False
+    state_map: Annotated[
+        Array | None,
+        "x <- state_map x at `start`; needed where the order changes.",
+    ] = None
+    G: Annotated[Entry, "The new plant."] = None
+    A: Annotated[Entry, NEW_MATRIX] = None
+    B: Annotated[Entry, NEW_MATRIX] = None
+    C: Annotated[Entry, NEW_MATRIX] = None
+    D_0: Annotated[Entry, NEW_MATRIX] = None
+    D_1: Annotated[Entry, NEW_MATRIX] = None
+    D_2: Annotated[Entry, NEW_MATRIX] = None
+    E_0: Annotated[Entry, NEW_MATRIX] = None
+    E_1: Annotated[Entry, NEW_MATRIX] = None
+    E_2: Annotated[Entry, NEW_MATRIX] = None
 
 
-CHANGE = Table(
-    Change,
-    forms={
-        **ENTRIES,
-        "gain": Exact(),
-        "delay": Integer(at_most=LONGEST_DELAY),
-        "ramp": Flag(),
-        "state_map": Numbers(),
-    },
-)
+CHANGE = Table(Change)
 
 
-def _plant(
-    problem: Plant | PlantSchedule, changes: Any = None, sample_time: Any = None
-) -> Plant | PlantSchedule:
-    """A plant.
+@attrs.frozen(eq=False)
+class PlantTable:
+    """A plant."""
 
-    Parameters
-    ----------
-    problem : str
-        Which problem the transfer function or the matrices are of, or a plant by its name.
-    changes : tables
-        How the plant changes while it runs.
-    sample_time : number
-        One step in seconds: reports give times too, and controllers go out with it.
-    """
-    if sample_time is None:
-        return problem
-    if isinstance(problem, PlantSchedule):
-        changed = [replace(c, plant=_timed(c.plant, sample_time)) for c in problem.changes]
-        return PlantSchedule(changed)
-    return _timed(problem, sample_time)
+    problem: Annotated[
+        PlantKind,
+        PROBLEMS,
+        "Which problem the transfer function or the matrices are of, or a plant by its name.",
+    ]
+    changes: Annotated[
+        list[Change] | None,
+        ListOf(CHANGE),
+        "How the plant changes while it runs.",
+    ] = None
+    sample_time: Annotated[
+        Entry,
+        "One step in seconds: reports give times too, and controllers go out with it.",
+    ] = None
 
-
-def _timed(plant: Plant, sample_time: Any) -> Plant:
-    """The plant with a sample time, of its exact data too."""
-    if isinstance(sample_time, list):
-        raise InputError(f"[plant] sample_time = {sample_time} must be one number, in seconds.")
-    period = exact.exact_number(sample_time)
-    if not (period.is_Rational and 0 < float(period) < float("inf")):
-        raise InputError(f"[plant] sample_time = {sample_time!r} must be positive, in seconds.")
-    known = None if plant.exact is None else replace(plant.exact, sample_time=period)
-    return replace(plant, exact=known, sample_time=float(period))
+    def made(self) -> Plant | PlantSchedule:
+        """The plant, its changes left out."""
+        plant = self.problem.made()
+        if self.sample_time is None:
+            return plant
+        if isinstance(plant, PlantSchedule):
+            changed = [replace(c, plant=_timed(c.plant, self.sample_time)) for c in plant.changes]
+            return PlantSchedule(changed)
+        return _timed(plant, self.sample_time)
 
 
-PLANT = Deferred(
-    Table(_plant, forms={"problem": PROBLEMS, "changes": ListOf(CHANGE), "sample_time": Exact()}),
-    is_replaced=True,
-)
+PLANT = Deferred(Table(PlantTable), is_replaced=True)
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False)
 class PlantSpecification:
     """A plant and what becomes of it, each change with the plant that it leads to."""
 
-    first: Part[Plant | PlantSchedule]
-    changes: tuple[tuple[Change, Part[Plant | PlantSchedule]], ...] | None
+    first: PlantTable
+    changes: tuple[tuple[Change, PlantTable], ...] | None
 
     def build(self) -> Plant | PlantSchedule:
         """The plant; with changes a schedule, each of them going on from the one before."""
         if self.changes is None:
-            return self.first.build()
-        made = [PlantChange(start=0, plant=_unchanging(self.first.build()))]
+            return self.first.made()
+        made = [PlantChange(start=0, plant=_unchanging(self.first.made()))]
         gain, delay = 1, 0
-        for index, (change, part) in enumerate(self.changes):
+        for index, (change, table) in enumerate(self.changes):
             gain = gain if change.gain is None else change.gain
             delay = delay if change.delay is None else change.delay
             if index == 0 and change.start == 0:
@@ -225,7 +382,7 @@ class PlantSpecification:
             made.append(
                 PlantChange(
                     start=change.start,
-                    plant=_amplified(_unchanging(part.build()), gain),
+                    plant=_amplified(_unchanging(table.made()), gain),
                     ramp=change.ramp,
                     state_map=change.state_map,
                     delay=delay,
@@ -238,19 +395,36 @@ def read_plant(value: object, place: Place) -> PlantSpecification:
     """What [plant] says; a change takes what it does not name from what is before it."""
     table = require_table(value, place)
     own = {key: entry for key, entry in table.items() if key != "changes"}
-    first = PLANT.table.read(own, place)
+    first: PlantTable = PLANT.table.read(own, place)
     if "changes" not in table:
         return PlantSpecification(first, None)
-    changes = []
-    parts = ListOf(CHANGE).read(table["changes"], place.at("changes"))
-    for number, (part, entry) in enumerate(zip(parts, table["changes"], strict=True), 1):
+    changes, errors = [], Errors()
+    read = ListOf(CHANGE).read(table["changes"], place.at("changes"))
+    for number, (change, entry) in enumerate(zip(read, table["changes"], strict=True), 1):
         given = {key: value for key, value in entry.items() if key in ENTRIES}
         if "G" in given or ("G" in own and given):
             own = {key: value for key, value in own.items() if key not in ENTRIES}
         own = {**own, **given}
-        here = place.at("changes").entry(number).inside()
-        changes.append((part.build(), PLANT.table.read(own, here)))
+        here = place.at("changes").entry(f"no. {number}").inside()
+        with errors:
+            changes.append((change, PLANT.table.read(own, here)))
+    errors.raise_any()
     return PlantSpecification(first, tuple(changes))
+
+
+def _in_loop(plant: ContinuousPlant, h: float, loop: Loop) -> Plant:
+    return plant.servo(h) if loop == "servo" else plant.sampled(h)
+
+
+def _timed(plant: Plant, sample_time: Any) -> Plant:
+    """The plant with a sample time, of its exact data too."""
+    if isinstance(sample_time, list):
+        raise InputError(f"[plant] sample_time = {sample_time} must be one number, in seconds.")
+    period = exact.exact_number(sample_time)
+    if not (period.is_Rational and 0 < float(period) < float("inf")):
+        raise InputError(f"[plant] sample_time = {sample_time!r} must be positive, in seconds.")
+    known = None if plant.exact is None else replace(plant.exact, sample_time=period)
+    return replace(plant, exact=known, sample_time=float(period))
 
 
 def _unchanging(plant: Plant | PlantSchedule) -> Plant:

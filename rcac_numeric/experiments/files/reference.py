@@ -8,13 +8,13 @@ from rcac_numeric.experiments.estimation_files.claims import CHECK as ESTIMATION
 from rcac_numeric.experiments.estimation_files.reading import RUN
 from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL
 from rcac_numeric.experiments.figure_requests import FIGURE
-from rcac_numeric.experiments.files.builder import FILE, VALUE
+from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
 from rcac_numeric.experiments.files.controllers import CONTROLLER
 from rcac_numeric.experiments.files.plants import CHANGE, PLANT, PROBLEMS
-from rcac_numeric.experiments.files.runs import COURSE, OVERRIDE, SATURATION
+from rcac_numeric.experiments.files.runs import COURSE, OPEN_VALUE, OVERRIDE, SATURATION
 from rcac_numeric.experiments.files.signals import SIGNAL, SIGNALS
-from rcac_numeric.experiments.files.structures import DERIVED
+from rcac_numeric.experiments.files.structures import Derived
 from rcac_numeric.experiments.files.targets import TARGETS
 from rcac_numeric.experiments.files.updates import UPDATES
 from rcac_numeric.experiments.format.markdown import (
@@ -46,13 +46,13 @@ def reference_tables() -> dict[str, str]:
         "signals": keys_table(SIGNALS),
         "a signal": by_key_table(SIGNAL),
         "controller": keys_table(CONTROLLER.table),
-        "controller.derived": keys_table(DERIVED),
+        "controller.derived": keys_table(Table(Derived)),
         "saturation": keys_table(SATURATION.table),
         "run": keys_table(COURSE.table),
         "runs": keys_table(OVERRIDE),
         "claims": keys_table(CLAIM),
         "claims.checks": keys_table(CHECK),
-        "open": keys_table(open_table(VALUE)),
+        "open": keys_table(open_table(OPEN_VALUE)),
         "figures": keys_table(FIGURE),
     }
     spread: dict[str, tuple[str, Kinds[Any]]] = {

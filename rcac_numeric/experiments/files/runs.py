@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from collections.abc import Collection, Mapping
+from typing import Annotated, Any, Literal
 
+import attrs
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.engine.compatibility import controllers_of, require_fit
 from rcac_numeric.engine.reference.run import require_supported
 from rcac_numeric.experiments.budgets import Budget
@@ -22,84 +23,66 @@ from rcac_numeric.experiments.files.controllers import (
     CONTROLLER,
     ONE_OF_SEVERAL,
     ControllerSpecification,
+    Lqg,
     read_controllers,
 )
 from rcac_numeric.experiments.files.plants import PLANT, PlantSpecification, read_plant
-from rcac_numeric.experiments.files.signals import SIGNALS, signals_of
-from rcac_numeric.experiments.files.structures import sizes_of
+from rcac_numeric.experiments.files.signals import SIGNALS, Signals
 from rcac_numeric.experiments.files.targets import TARGET
 from rcac_numeric.experiments.files.updates import UPDATES
-from rcac_numeric.experiments.format.deferred import Deferred
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.parts import Part
-from rcac_numeric.experiments.format.places import Place
-from rcac_numeric.experiments.format.tables import Raw, Table
-from rcac_numeric.experiments.format.values import Choice, Form, Integer, Numbers
+from rcac_numeric.experiments.format.places import Errors, Place
+from rcac_numeric.experiments.format.tables import Deferred, Raw, Table
+from rcac_numeric.experiments.format.values import Integer
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
 
-ARITHMETICS = ("ud", "covariance", "reference")
 
-
-@dataclass(frozen=True)
+@attrs.frozen(eq=False)
 class Course:
-    """How a run is run.
+    """How a run is run."""
 
-    Parameters
-    ----------
-    steps : int
-        Length of the run.
-    seed : int
-        Of the noise.
-    stride : int
-        theta is kept at every stride-th step.
-    arithmetic : str
-        Of the recursive update: "ud", "covariance" or "reference", which is certified with 250
-        digits, see [arithmetic](arithmetic.md). As `update` says where it is left out.
-    repetitions : int
-        How often it is run; for other than the first time w is changed by `perturbation`.
-    perturbation : number
-        The relative change of w, to see whether the outcome hangs on the last bits.
-    expected : {"completed", "diverged", "mixed"}
-        "diverged" for a run that is there to show a divergence; "mixed" where only some of its
-        seeds or repetitions diverge.
-    seeds : int
-        With how many seeds it is run, `seed` and those after it; in place of repetitions.
-    x_0 : list of numbers
-        The initial state, zero where it is left out; `perturbation` changes it too.
-    x_0_deviation : number
-        The standard deviation of what each seed adds to the initial state.
-    """
+    steps: Annotated[int, Integer(1), "Length of the run."]
+    seed: Annotated[int, "Of the noise."] = 0
+    stride: Annotated[int, Integer(1), "theta is kept at every stride-th step."] = 1
+    arithmetic: Annotated[
+        Literal["ud", "covariance", "reference"] | None,
+        'Of the recursive update: "ud", "covariance" or "reference", which is certified with 250 '
+        "digits, see [arithmetic](arithmetic.md). As `update` says where it is left out.",
+    ] = None
+    repetitions: Annotated[
+        int,
+        Integer(1),
+        "How often it is run; for other than the first time w is changed by `perturbation`.",
+    ] = 1
+    perturbation: Annotated[
+        float,
+        "The relative change of w, to see whether the outcome hangs on the last bits.",
+    ] = 0.0
+    expected: Annotated[
+        Literal["completed", "diverged", "mixed"],
+        '"diverged" for a run that is there to show a divergence; "mixed" where only some of its '
+        "seeds or repetitions diverge.",
+    ] = "completed"
+    seeds: Annotated[
+        int,
+        Integer(1),
+        "With how many seeds it is run, `seed` and those after it; in place of repetitions.",
+    ] = 1
+    x_0: Annotated[
+        Array | None,
+        "The initial state, zero where it is left out; `perturbation` changes it too.",
+    ] = None
+    x_0_deviation: Annotated[
+        float,
+        "The standard deviation of what each seed adds to the initial state.",
+    ] = 0.0
 
-    steps: int
-    seed: int = 0
-    stride: int = 1
-    arithmetic: str | None = None
-    repetitions: int = 1
-    perturbation: float = 0.0
-    expected: str = "completed"
-    seeds: int = 1
-    x_0: Any = None
-    x_0_deviation: float = 0.0
 
-
-COURSE = Deferred(
-    Table(
-        Course,
-        forms={
-            "steps": Integer(1),
-            "stride": Integer(1),
-            "repetitions": Integer(1),
-            "seeds": Integer(1),
-            "x_0": Numbers(),
-            "arithmetic": Choice(ARITHMETICS),
-        },
-    )
-)
-SATURATION = Deferred(
-    Table(Saturation, forms={"low": Numbers(), "high": Numbers(), "rate": Numbers()})
-)
+COURSE = Deferred(Table(Course))
+SATURATION = Deferred(Table(Saturation))
 # What a run may override, and how.
 TABLES: dict[str, Deferred] = {
     "plant": PLANT,
@@ -109,46 +92,60 @@ TABLES: dict[str, Deferred] = {
     "saturation": SATURATION,
     "run": COURSE,
 }
-FORMS: dict[str, Form] = {
-    **TABLES,
-    "controllers": ListOf(ONE_OF_SEVERAL, needed="an array of tables, [[controllers]]"),
-}
+CONTROLLERS = ListOf(ONE_OF_SEVERAL, needed="an array of tables, [[controllers]]")
 
 
-def _override(
-    name: str, plant: Any = None, signals: Any = None, target: Any = None, controller: Any = None,
-    controllers: Any = None, saturation: Any = None, run: Any = None, correction: str = "",
-) -> str:  # fmt: skip
-    """One of several runs: its name, and what it changes.
-
-    Parameters
-    ----------
-    name : str
-        What it is called; claims refer to it.
-    plant, signals, target, controller, saturation, run : tables
-        What differs from the table of that name.
-    controllers : tables
-        In place of [[controllers]].
-    correction : str
-        What this variant reads differently from the source, or adds to it.
-    """
-    return name
+DIFFERS = "What differs from the table of that name."
 
 
-OVERRIDE = Table(_override, forms=FORMS)
+@attrs.frozen(eq=False)
+class Override:
+    """One of several runs: its name, and what it changes."""
+
+    name: Annotated[str, "What it is called; claims refer to it."]
+    plant: Annotated[Raw | None, PLANT, DIFFERS] = None
+    signals: Annotated[Raw | None, TABLES["signals"], DIFFERS] = None
+    target: Annotated[Raw | None, TARGET, DIFFERS] = None
+    controller: Annotated[Raw | None, CONTROLLER, DIFFERS] = None
+    controllers: Annotated[list[Raw] | None, CONTROLLERS, "In place of [[controllers]]."] = None
+    saturation: Annotated[Raw | None, SATURATION, DIFFERS] = None
+    run: Annotated[Raw | None, COURSE, DIFFERS] = None
+    correction: Annotated[
+        str,
+        "What this variant reads differently from the source, or adds to it.",
+    ] = ""
 
 
-@dataclass(frozen=True, eq=False)
+OVERRIDE = Table(Override)
+
+
+@attrs.frozen(eq=False)
+class OpenValue:
+    """One of the values that a reader would try."""
+
+    name: Annotated[str, "What it is called."]
+    plant: Annotated[Raw | None, PLANT, DIFFERS] = None
+    signals: Annotated[Raw | None, TABLES["signals"], DIFFERS] = None
+    target: Annotated[Raw | None, TARGET, DIFFERS] = None
+    controller: Annotated[Raw | None, CONTROLLER, DIFFERS] = None
+    controllers: Annotated[list[Raw] | None, CONTROLLERS, "In place of [[controllers]]."] = None
+    saturation: Annotated[Raw | None, SATURATION, DIFFERS] = None
+    run: Annotated[Raw | None, COURSE, DIFFERS] = None
+
+
+OPEN_VALUE = Table(OpenValue)
+
+
+@attrs.frozen(eq=False)
 class RunTables(Value):
     """One run as its file describes it, every value read and nothing made."""
 
     name: str
     plant: PlantSpecification
-    signals: Part[Any]
+    signals: Signals
     controller: ControllerSpecification
-    saturation: Part[Saturation] | None
+    saturation: Saturation | None
     course: Course
-    folder: Path
     correction: str = ""
 
     def cost(self, plant: Plant | PlantSchedule, budget: Budget) -> float:
@@ -179,14 +176,14 @@ class RunTables(Value):
             name=self.name,
             plant=plant,
             settings=controller,
-            signals=signals_of(self.signals, plant, self.folder),
+            signals=self.signals.of(plant),
             steps=course.steps,
             seed=course.seed,
             stride=course.stride,
             reference=course.arithmetic == "reference",
             repetitions=course.repetitions,
             perturbation=course.perturbation,
-            saturation=None if self.saturation is None else self.saturation.build(),
+            saturation=self.saturation,
             expected=course.expected,
             target=target,
             seeds=course.seeds,
@@ -198,67 +195,99 @@ class RunTables(Value):
         return made
 
 
-def read_run(base: Raw, override: Raw, file: str) -> RunTables:
-    """The tables of a file joined with what a run overrides, each read once."""
+def wrong_tables(table: Raw, file: str) -> frozenset[str]:
+    """The names of the tables of a file, or of an override in it, that cannot be read as they are.
+
+    "runs" is among them where the overrides are no tables with names.
+    """
+    overrides = table.get("runs") or []
+    if not isinstance(overrides, list) or not all(
+        isinstance(one, Mapping) and isinstance(one.get("name"), str) for one in overrides
+    ):
+        return frozenset({"runs"})
+    wrong = set()
+    for key, form in {**TABLES, "controllers": CONTROLLERS}.items():
+        for where in (table, *overrides):
+            try:
+                if key in where:
+                    form.read(where[key], Place(file, key=key))
+            except CompensatorError:
+                wrong.add(key)
+    return frozenset(wrong)
+
+
+def read_run(base: Raw, override: Raw, file: str, wrong: Collection[str] = ()) -> RunTables | None:
+    """The tables of a file joined with what a run overrides, each read once.
+
+    Tables that are known to be `wrong` are left out, and there is no run then; what else is wrong
+    is said.
+    """
     name = str(override["name"])
+    errors = Errors()
+    read: dict[str, Any] = {"saturation": None}
     joined = {
-        key: form.joined(base.get(key, {}), override.get(key, {})) for key, form in TABLES.items()
+        key: form.joined(base.get(key, {}), override.get(key, {}))
+        for key, form in TABLES.items()
+        if key not in wrong
     }
-    several = override.get("controllers", base.get("controllers", []))
 
     def place(table: str) -> Place:
         return Place(file, table, notes=(f"run {name!r}",) if table in override else ())
 
-    plant = read_plant(joined["plant"], place("plant"))
-    course = COURSE.table.read(joined["run"], place("run")).build()
-    common = joined["controller"]
-    if course.arithmetic in UPDATES.kinds:  # what [run] says of the update
-        common = {"update": course.arithmetic, **common}
-    note = place("controller").notes or place("target").notes or place("controllers").notes
-    controller = read_controllers(common, joined["target"], several, note, file)
-    for part in controller.parts:
-        _require_agreement(part, course.arithmetic, place("controller"))
-    return RunTables(
-        name=name,
-        plant=plant,
-        signals=SIGNALS.read(joined["signals"], place("signals")),
-        controller=controller,
-        saturation=SATURATION.table.read(joined["saturation"], place("saturation"))
-        if "saturation" in base or "saturation" in override
-        else None,
-        course=course,
-        folder=Path(file).parent,
-        correction=str(override.get("correction", "")),
-    )
+    with errors:
+        if "plant" in joined:
+            read["plant"] = read_plant(joined["plant"], place("plant"))
+    with errors:
+        if "signals" in joined:
+            read["signals"] = SIGNALS.read(joined["signals"], place("signals"))
+    with errors:
+        if "saturation" in joined and ("saturation" in base or "saturation" in override):
+            read["saturation"] = SATURATION.table.read(joined["saturation"], place("saturation"))
+    with errors:
+        if "run" in joined:
+            read["course"] = COURSE.table.read(joined["run"], place("run"))
+    course: Course | None = read.get("course")
+    with errors:
+        if not {"controller", "target", "controllers"} & set(wrong):
+            common = joined["controller"]
+            if course is not None and course.arithmetic in UPDATES.kinds:  # it says the update too
+                common = {"update": course.arithmetic, **common}
+            several = override.get("controllers", base.get("controllers", []))
+            note = place("controller").notes or place("target").notes or place("controllers").notes
+            controller = read_controllers(common, joined["target"], several, note, file)
+            if course is not None:
+                for part in controller.parts:
+                    _require_agreement(part, course.arithmetic, place("controller"))
+            read["controller"] = controller
+    errors.raise_any()
+    if wrong:
+        return None
+    return RunTables(name=name, correction=str(override.get("correction", "")), **read)
 
 
-def _require_agreement(part: Part[Any], arithmetic: str | None, place: Place) -> None:
+def _require_agreement(part: Part[Any] | Lqg, arithmetic: str | None, place: Place) -> None:
     """[run] and the controller must agree on how the update is computed."""
-    update = _name_of_update(part)
+    update = _update(part)
     wanted = {"reference": "ud"}.get(arithmetic or "", arithmetic)
-    if update is not None and arithmetic is not None and update != wanted:
+    if update is not None and arithmetic is not None and update.name != wanted:
         raise InputError(
-            f"[run] arithmetic = {arithmetic!r} and {place.where} update = {update!r} contradict "
-            "each other; arithmetic is how the recursive update is computed."
+            f"[run] arithmetic = {arithmetic!r} and {place.where} update = {update.name!r} "
+            "contradict each other; arithmetic is how the recursive update is computed."
         )
 
 
-def _name_of_update(part: Part[Any]) -> str | None:
-    chosen = part.arguments.get("update")
-    if chosen is None:
-        return None
-    return next(n for n, k in UPDATES.kinds.items() if k.variants[0].table.make is chosen.make)
+def _update(part: Part[Any] | Lqg) -> Update | None:
+    """The update of a controller that adapts."""
+    return part.arguments["update"] if isinstance(part, Part) else None
 
 
-def _structure(part: Part[Any], plant: Plant | PlantSchedule) -> Structure | None:
+def _structure(part: Part[Any] | Lqg, plant: Plant | PlantSchedule) -> Structure | None:
     """The structure of a controller that adapts."""
-    chosen = part.arguments.get("structure")
-    return None if chosen is None else chosen.build(**sizes_of(plant))
+    return part.arguments["structure"].of(plant) if isinstance(part, Part) else None
 
 
-def _window(part: Part[Any]) -> int:
-    chosen = part.arguments.get("update")
-    return 0 if chosen is None else int(chosen.arguments.get("window", 0))
+def _window(part: Part[Any] | Lqg) -> int:
+    return int(getattr(_update(part), "window", 0))
 
 
 def words_of(table: Mapping[str, Any]) -> str:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.experiments.format.by_key import ByKey
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.experiments.format.lists import ListOf, Row
-from rcac_numeric.experiments.format.parts import Part
+from rcac_numeric.experiments.format.parts import Shorthand
 from rcac_numeric.experiments.format.places import Place, brief
-from rcac_numeric.experiments.format.tables import Table
+from rcac_numeric.experiments.format.tables import ByKey, Table
 from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schema, Text
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -27,8 +28,10 @@ class _Record(Form):
     words = "a list of numbers, or the path of a .csv or .npy file"
 
     def read(self, value: object, place: Place) -> Any:
-        """By what it is."""
-        return (Text() if isinstance(value, str) else Numbers()).read(value, place)
+        """By what it is; a path begins in the folder of the file that names it."""
+        if not isinstance(value, str):
+            return Numbers().read(value, place)
+        return _within(Path(place.file).parent, value), value
 
     def schema(self) -> Schema:
         """Either."""
@@ -54,7 +57,7 @@ class _OneOrSeveral(Form):
 
     words = "a signal, or a list of one for each component"
 
-    def read(self, value: object, place: Place) -> list[Part[Signal]]:
+    def read(self, value: object, place: Place) -> list[Signal]:
         """As a list."""
         entries = value if isinstance(value, list) else [value]
         return ListOf(SIGNAL).read(entries, place)
@@ -64,22 +67,29 @@ class _OneOrSeveral(Form):
         return {"anyOf": [SIGNAL.schema(), ListOf(SIGNAL).schema()]}
 
 
-def _recorded(record: Any, column: Any = None, *, folder: Path) -> Signal:
-    """One value for each step; a longer run is refused.
+@attrs.frozen(eq=False)
+class RecordedHere(Shorthand):
+    """One value for each step; a longer run is refused."""
 
-    Parameters
-    ----------
-    record : list of numbers, or str
-        The values, or a .csv or .npy file in the folder of the TOML file or below it.
-    column : int or str
-        Index from 0, or name, of a column of that file; the first where it is left out.
-    """
-    if isinstance(record, str):
-        values = read_recording(_within(folder, record), 0 if column is None else column)
-        return Recorded(values, record)
-    if column is not None:
-        raise InputError("[signals]: column is for a file; recorded is a list here.")
-    return Recorded(record)
+    record: Annotated[
+        Array | tuple[Path, str],
+        _Record(),
+        "The values, or a .csv or .npy file in the folder of the TOML file or below it.",
+    ]
+    column: Annotated[
+        int | str | None,
+        _Column(),
+        "Index from 0, or name, of a column of that file; the first where it is left out.",
+    ] = None
+
+    def made(self) -> Signal:
+        """The record."""
+        if isinstance(self.record, tuple):
+            path, name = self.record
+            return Recorded(read_recording(path, 0 if self.column is None else self.column), name)
+        if self.column is not None:
+            raise InputError("[signals]: column is for a file; recorded is a list here.")
+        return Recorded(self.record)
 
 
 def _within(folder: Path, record: str) -> Path:
@@ -95,17 +105,6 @@ def _within(folder: Path, record: str) -> Path:
             "experiment file opens records in its own folder alone; put a copy there."
         )
     return path
-
-
-def _sum(parts: list[Signal]) -> Signal:
-    """A sum of signals, added in their order.
-
-    Parameters
-    ----------
-    parts : list of signals
-        The signals that are added.
-    """
-    return Sum(tuple(parts))
 
 
 SIGNAL: ByKey[Signal] = ByKey("a signal", number=Step)
@@ -125,49 +124,38 @@ SIGNAL.register(
         )
     },
 )
-SIGNAL.register("sum", _sum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
-SIGNAL.register(
-    "recorded", _recorded, given=["folder"], forms={"record": _Record(), "column": _Column()}
-)
+SIGNAL.register("sum", Sum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
+SIGNAL.register("recorded", RecordedHere)
+OF_SERVO = "Of the servo problem: command, disturbance, sensor noise."
 
 
-def _blocks(
-    w: list[Signal] | None = None,
-    r: list[Signal] | None = None,
-    d: list[Signal] | None = None,
-    v: list[Signal] | None = None,
-) -> Mapping[str, list[Signal]]:
-    """The signals of each block of the exogenous input.
+@attrs.frozen(eq=False)
+class Signals:
+    """The signals of each block of the exogenous input."""
 
-    Parameters
-    ----------
-    w : signals
-        Of the standard problem.
-    r, d, v : signals
-        Of the servo problem: command, disturbance, sensor noise.
-    """
-    named = {"w": w, "r": r, "d": d, "v": v}
-    return {name: parts for name, parts in named.items() if parts is not None}
+    w: Annotated[list[Signal] | None, _OneOrSeveral(), "Of the standard problem."] = None
+    r: Annotated[list[Signal] | None, _OneOrSeveral(), OF_SERVO] = None
+    d: Annotated[list[Signal] | None, _OneOrSeveral(), OF_SERVO] = None
+    v: Annotated[list[Signal] | None, _OneOrSeveral(), OF_SERVO] = None
+
+    def of(self, plant: Plant | PlantSchedule) -> tuple[Signal, ...]:
+        """One signal for each channel of w; a block that the file does not name is zero."""
+        given = {name: parts for name in "wrdv" if (parts := getattr(self, name)) is not None}
+        for name in given:
+            if name not in plant.blocks:
+                raise InputError(
+                    f"[signals] sets {name!r}; this plant's exogenous input has "
+                    f"{', '.join(plant.blocks)}."
+                )
+        channels: list[Signal] = []
+        for name, width in plant.blocks.items():
+            parts = given.get(name, [Step(0.0)] * width)
+            if len(parts) != width:
+                raise InputError(
+                    f"[signals] {name} has {len(parts)} components; {width} are needed."
+                )
+            channels += parts
+        return tuple(channels)
 
 
-SIGNALS = Table(_blocks, forms=dict.fromkeys("wrdv", _OneOrSeveral()))
-
-
-def signals_of(
-    part: Part[Mapping[str, list[Signal]]], plant: Plant | PlantSchedule, folder: Path
-) -> tuple[Signal, ...]:
-    """One signal for each channel of w; a block that the file does not name is zero."""
-    given = part.build(folder=folder)
-    for name in given:
-        if name not in plant.blocks:
-            raise InputError(
-                f"[signals] sets {name!r}; this plant's exogenous input has "
-                f"{', '.join(plant.blocks)}."
-            )
-    channels: list[Signal] = []
-    for name, width in plant.blocks.items():
-        parts = given.get(name, [Step(0.0)] * width)
-        if len(parts) != width:
-            raise InputError(f"[signals] {name} has {len(parts)} components; {width} are needed.")
-        channels += parts
-    return tuple(channels)
+SIGNALS = Table(Signals)

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from abc import abstractmethod
+from typing import Annotated, Any
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.experiments.format.deferred import Deferred
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.experiments.format.lists import ListOf, OneOrMore, Row
+from rcac_numeric.experiments.format.parts import Unresolved
 from rcac_numeric.experiments.format.places import Place
-from rcac_numeric.experiments.format.tables import Kind, Kinds, Table, Variant
+from rcac_numeric.experiments.format.tables import Deferred, Kind, Kinds, Table, Variant
 from rcac_numeric.experiments.format.values import Choice, Exact, Integer, Numbers
+from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.data_driven import INPUTS, LITERAL, DataDriven
 from rcac_numeric.targets.directions.zero_directions import (
     DirectionInformation,
@@ -24,134 +30,202 @@ from rcac_numeric.targets.modelling import ModellingInformation, modelling_infor
 from rcac_numeric.targets.output_subspaces import output_subspace_target
 from rcac_numeric.targets.pole_placement import fir_target, pole_placement_target
 
-
-def _fir(
-    plant: Plant, d_zu: int | None = None, H: Any = None, nmp_zeros: list[Any] | None = None
-) -> TargetModel:
-    """The FIR target model (2.49), or (2.50) where there are NMP zeros.
-
-    Parameters
-    ----------
-    d_zu : int
-        What RCAC is told of the relative degree of G_zu; that of the plant where it is left out.
-    H : number
-        Of its leading coefficient; likewise. For the servo problem G_zu = -G_u, so that it is
-        minus the leading coefficient of G.
-    nmp_zeros : list of numbers
-        Of its zeros on or outside the unit circle; likewise.
-    """
-    return fir_target(_told(plant, d_zu, H, nmp_zeros))
+# Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
+LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 200, 600, 80, 20, 20
 
 
-def _pole_placement(
-    plant: Plant,
-    poles: Any,
-    d_zu: int | None = None,
-    H: Any = None,
-    nmp_zeros: list[Any] | None = None,
-) -> TargetModel:
-    """The pole-placement target model (4.38), or (4.39) where there are NMP zeros.
+class TargetKind(Unresolved):
+    """A target model, but for what it takes from the plant."""
 
-    Parameters
-    ----------
-    poles : list of roots, or str
-        The roots of D_p, or D_p itself.
-    """
-    return pole_placement_target(_told(plant, d_zu, H, nmp_zeros), poles)
+    def of(self, plant: Plant | PlantSchedule) -> TargetModel:
+        """The target model for this plant, for what it is at step 0."""
+        return self.made(plant_at(plant, 0))
+
+    @abstractmethod
+    def made(self, plant: Plant) -> TargetModel:
+        """The target model for a plant that does not change."""
 
 
-def _markov_of_plant(plant: Plant, n_bar: int) -> TargetModel:
-    """The Markov-parameter target model of section 2.4.5, a truncation of (2.51).
-
-    Parameters
-    ----------
-    n_bar : int
-        Index of the last Markov parameter that is kept.
-    """
-    return markov_target(plant, n_bar)
-
-
-def _markov(plant: Plant, markov_parameters: Any, n_bar: int | None = None) -> TargetModel:
-    """The target model of section 2.4.5 with Markov parameters of your own.
-
-    Parameters
-    ----------
-    markov_parameters : array
-        H_0, H_1, ... in place of the plant's: numbers, or l_z x l_u matrices.
-    n_bar : int
-        Index of the last one that is kept; all of them where it is left out.
-    """
-    return _with_relative_degree_of(plant, markov_target(markov_parameters, n_bar))
+RELATIVE_DEGREE = (
+    "What RCAC is told of the relative degree of G_zu; that of the plant where it is left out."
+)
+LEADING = (
+    "Of its leading coefficient; likewise. For the servo problem G_zu = -G_u, so that it is minus"
+    " the leading coefficient of G."
+)
+NMP_ZEROS = "Of its zeros on or outside the unit circle; likewise."
 
 
-def _filter(plant: Plant, G_f: Any) -> TargetModel:
-    """Any filter.
+@attrs.frozen
+class Fir(TargetKind):
+    """The FIR target model (2.49), or (2.50) where there are NMP zeros."""
 
-    Parameters
-    ----------
-    G_f : transfer function
-        In q, with the relative degree of G_zu and no pole outside the unit circle.
-    """
-    return _with_relative_degree_of(plant, target_model(G_f))
+    d_zu: Annotated[int | None, RELATIVE_DEGREE] = None
+    H: Annotated[Any, Exact(), LEADING] = None
+    nmp_zeros: Annotated[list[Any] | None, ListOf(Exact()), NMP_ZEROS] = None
 
+    def made(self, plant: Plant) -> TargetModel:
+        """From what is said, and the plant for the rest."""
+        return fir_target(self.information(plant))
 
-def _coefficients(plant: Plant, numerator: Any, denominator: Any = None) -> TargetModel:
-    """Any filter, by its coefficients.
-
-    Parameters
-    ----------
-    numerator : list of numbers or of l_z x l_u matrices
-        In place of G_f: a coefficient for each power of q^{-1}.
-    denominator : list of numbers or of l_z x l_z matrices
-        Likewise; the first one is the identity. 1 where it is left out.
-    """
-    return _with_relative_degree_of(plant, TargetModel(numerator, denominator))
-
-
-def _high_authority(plant: Plant) -> TargetModel:
-    """The target model of high-authority LQG, (4.24) corrected; scalar u, w, y and z."""
-    return high_authority_target_model(plant)
-
-
-def _output_subspace(plant: Plant) -> TargetModel:
-    """The FIR target model of section 3.3, for more performance variables than inputs."""
-    return output_subspace_target(plant)
-
-
-def _zero_directions(plant: Plant, taps: int | None = None, squaring: Any = None) -> TargetModel:
-    """The FIR target model with the plant's NMP zeros in their directions.
-
-    Parameters
-    ----------
-    taps : int
-        Number of coefficients behind the leading one; the least that is enough where it is left
-        out.
-    squaring : array
-        S with u = S v, for a plant with more control inputs than performance variables.
-    """
-    if plant.n > LARGEST_DIRECTED:
-        raise InputError(
-            f"the plant has {plant.n} states; zero directions are found up to {LARGEST_DIRECTED}. "
-            'Use model = "markov".'
+    def information(self, plant: Plant) -> ModellingInformation:
+        """What the file says of G_zu; the rest is taken from the plant."""
+        zeros = None if self.nmp_zeros is None else tuple(self.nmp_zeros)
+        if self.d_zu is not None and self.H is not None:
+            return ModellingInformation(self.d_zu, self.H, zeros or ())
+        known = _information(plant)
+        return ModellingInformation(
+            known.d_zu if self.d_zu is None else self.d_zu,
+            known.H if self.H is None else self.H,
+            known.nmp_zeros if zeros is None else zeros,
         )
-    return zero_direction_target(plant, taps, squaring)
 
 
-def _said_zero_directions(
-    plant: Plant, H: Any, zeros: Any, delays: Any = 1, taps: int | None = None
-) -> TargetModel:
-    """The same with H, zeros and directions of your own.
+@attrs.frozen
+class PolePlacement(Fir):
+    """The pole-placement target model (4.38), or (4.39) where there are NMP zeros."""
 
-    Parameters
-    ----------
-    H : array
-        The first coefficient that is not zero of every row of G_zu.
-    zeros : list of [z0, [eta_1, eta_2, ...]]
-        NMP zeros and their left directions, eta' G_zu(z0) = 0; of a complex pair one.
-    delays : int, or list of int
-        Relative degree of G_zu, or of each of its rows.
-    """
-    return zero_direction_target(DirectionInformation(H, zeros, delays), taps)
+    poles: Annotated[Any, Exact(), "The roots of D_p, or D_p itself."]
+    d_zu: Annotated[int | None, RELATIVE_DEGREE] = None
+    H: Annotated[Any, Exact(), LEADING] = None
+    nmp_zeros: Annotated[list[Any] | None, ListOf(Exact()), NMP_ZEROS] = None
+
+    def made(self, plant: Plant) -> TargetModel:
+        """From what is said, and the plant for the rest."""
+        return pole_placement_target(self.information(plant), self.poles)
+
+
+@attrs.frozen
+class MarkovOfPlant(TargetKind):
+    """The Markov-parameter target model of section 2.4.5, a truncation of (2.51)."""
+
+    n_bar: Annotated[
+        int,
+        Integer(at_most=LARGEST_N_BAR),
+        "Index of the last Markov parameter that is kept.",
+    ]
+
+    def made(self, plant: Plant) -> TargetModel:
+        """With the plant's Markov parameters."""
+        return markov_target(plant, self.n_bar)
+
+
+@attrs.frozen(eq=False)
+class Markov(TargetKind):
+    """The target model of section 2.4.5 with Markov parameters of your own."""
+
+    markov_parameters: Annotated[
+        Array,
+        "H_0, H_1, ... in place of the plant's: numbers, or l_z x l_u matrices.",
+    ]
+    n_bar: Annotated[
+        int | None,
+        "Index of the last one that is kept; all of them where it is left out.",
+    ] = None
+
+    def made(self, plant: Plant) -> TargetModel:
+        """With the plant's relative degree."""
+        return _with_relative_degree_of(plant, markov_target(self.markov_parameters, self.n_bar))
+
+
+@attrs.frozen
+class Filter(TargetKind):
+    """Any filter."""
+
+    G_f: Annotated[
+        Any,
+        Exact(),
+        "In q, with the relative degree of G_zu and no pole outside the unit circle.",
+    ]
+
+    def made(self, plant: Plant) -> TargetModel:
+        """With the plant's relative degree."""
+        return _with_relative_degree_of(plant, target_model(self.G_f))
+
+
+@attrs.frozen(eq=False)
+class Coefficients(TargetKind):
+    """Any filter, by its coefficients."""
+
+    numerator: Annotated[Array, "In place of G_f: a coefficient for each power of q^{-1}."]
+    denominator: Annotated[
+        Array | None,
+        Numbers(LARGEST_ORDER + 1),
+        "Likewise; the first one is the identity. 1 where it is left out.",
+    ] = None
+
+    def made(self, plant: Plant) -> TargetModel:
+        """With the plant's relative degree."""
+        return _with_relative_degree_of(plant, TargetModel(self.numerator, self.denominator))
+
+
+@attrs.frozen
+class HighAuthority(TargetKind):
+    """The target model of high-authority LQG, (4.24) corrected; scalar u, w, y and z."""
+
+    def made(self, plant: Plant) -> TargetModel:
+        """From the plant."""
+        return high_authority_target_model(plant)
+
+
+@attrs.frozen
+class OutputSubspace(TargetKind):
+    """The FIR target model of section 3.3, for more performance variables than inputs."""
+
+    def made(self, plant: Plant) -> TargetModel:
+        """From the plant."""
+        return output_subspace_target(plant)
+
+
+NUMBER_OF_TAPS = (
+    "Number of coefficients behind the leading one; the least that is enough where it is left out."
+)
+
+
+@attrs.frozen(eq=False)
+class ZeroDirections(TargetKind):
+    """The FIR target model with the plant's NMP zeros in their directions."""
+
+    taps: Annotated[int | None, Integer(at_most=LARGEST_TAPS), NUMBER_OF_TAPS] = None
+    squaring: Annotated[
+        Array | None,
+        "S with u = S v, for a plant with more control inputs than performance variables.",
+    ] = None
+
+    def made(self, plant: Plant) -> TargetModel:
+        """From the plant."""
+        if plant.n > LARGEST_DIRECTED:
+            raise InputError(
+                f"the plant has {plant.n} states; zero directions are found up to "
+                f'{LARGEST_DIRECTED}. Use model = "markov".'
+            )
+        return zero_direction_target(plant, self.taps, self.squaring)
+
+
+ZEROS = ListOf(Row((Exact(), ListOf(Exact(), 1)), "[z0, [eta_1, ...]]"))
+
+
+@attrs.frozen(eq=False)
+class GivenDirections(TargetKind):
+    """The same with H, zeros and directions of your own."""
+
+    H: Annotated[Array, "The first coefficient that is not zero of every row of G_zu."]
+    zeros: Annotated[
+        list[Any],
+        ZEROS,
+        "NMP zeros and their left directions, eta' G_zu(z0) = 0; of a complex pair one.",
+    ]
+    delays: Annotated[
+        int | list[int],
+        OneOrMore(Integer(at_most=10_000)),
+        "Relative degree of G_zu, or of each of its rows.",
+    ] = 1
+    taps: Annotated[int | None, Integer(at_most=LARGEST_TAPS), NUMBER_OF_TAPS] = None
+
+    def made(self, plant: Plant) -> TargetModel:
+        """Whatever the plant is."""
+        information = DirectionInformation(self.H, self.zeros, self.delays)
+        return zero_direction_target(information, self.taps)
 
 
 class _LearntFrom(Choice):
@@ -162,96 +236,32 @@ class _LearntFrom(Choice):
         return str(value) if value in LITERAL else super().read(value, place)
 
 
-# Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
-LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 200, 600, 80, 20, 20
-TOLD = {"H": Exact(), "nmp_zeros": ListOf(Exact())}
-GIVEN = ("plant",)
-
-TARGETS: Kinds[TargetModel | DataDriven] = Kinds(
+TARGETS: Kinds[TargetKind | DataDriven] = Kinds(
     {
-        "fir": Table(_fir, given=GIVEN, forms=TOLD),
-        "pole placement": Table(_pole_placement, given=GIVEN, forms={**TOLD, "poles": Exact()}),
-        "markov": Kind(
-            Variant(
-                Table(_markov, given=GIVEN, forms={"markov_parameters": Numbers()}),
-                "markov_parameters",
-            ),
-            Variant(
-                Table(
-                    _markov_of_plant,
-                    given=GIVEN,
-                    forms={"n_bar": Integer(at_most=LARGEST_N_BAR)},
-                )
-            ),
-        ),
-        "high authority": _high_authority,
-        "output subspace": _output_subspace,
+        "fir": Fir,
+        "pole placement": PolePlacement,
+        "markov": Kind(Variant(Markov, "markov_parameters"), Variant(MarkovOfPlant)),
+        "high authority": HighAuthority,
+        "output subspace": OutputSubspace,
         "data driven": Table(DataDriven, forms={"input": _LearntFrom(INPUTS)}),
-        "zero directions": Kind(
-            Variant(
-                Table(
-                    _said_zero_directions,
-                    given=GIVEN,
-                    forms={
-                        "H": Numbers(),
-                        "zeros": ListOf(Row((Exact(), ListOf(Exact(), 1)), "[z0, [eta_1, ...]]")),
-                        "delays": OneOrMore(Integer(at_most=10_000)),
-                        "taps": Integer(at_most=LARGEST_TAPS),
-                    },
-                ),
-                "zeros",
-            ),
-            Variant(
-                Table(
-                    _zero_directions,
-                    given=GIVEN,
-                    forms={"taps": Integer(at_most=LARGEST_TAPS), "squaring": Numbers()},
-                )
-            ),
-        ),
-        "filter": Kind(
-            Variant(
-                Table(
-                    _coefficients,
-                    given=GIVEN,
-                    forms={"numerator": Numbers(), "denominator": Numbers(LARGEST_ORDER + 1)},
-                ),
-                "numerator",
-            ),
-            Variant(Table(_filter, given=GIVEN, forms={"G_f": Exact()})),
-        ),
-    },
-    given=GIVEN,
+        "zero directions": Kind(Variant(GivenDirections, "zeros"), Variant(ZeroDirections)),
+        "filter": Kind(Variant(Coefficients, "numerator"), Variant(Filter)),
+    }
 )
 
 
-def _target(model: TargetModel | DataDriven) -> TargetModel | DataDriven:
-    """The target model G_f.
+@attrs.frozen(eq=False)
+class Target(Unresolved):
+    """The target model G_f."""
 
-    Parameters
-    ----------
-    model : str
-        Which target model.
-    """
-    return model
+    model: Annotated[TargetKind | DataDriven, TARGETS, "Which target model."]
 
-
-TARGET = Deferred(Table(_target, forms={"model": TARGETS}), is_replaced=True)
+    def of(self, plant: Plant | PlantSchedule) -> TargetModel | DataDriven:
+        """The target model for this plant, or how it is learnt."""
+        return self.model if isinstance(self.model, DataDriven) else self.model.of(plant)
 
 
-def _told(
-    plant: Plant, d_zu: int | None, H: Any, nmp_zeros: list[Any] | None
-) -> ModellingInformation:
-    """What the file says of G_zu; the rest is taken from the plant."""
-    zeros = None if nmp_zeros is None else tuple(nmp_zeros)
-    if d_zu is not None and H is not None:
-        return ModellingInformation(d_zu, H, zeros or ())
-    known = _information(plant)
-    return ModellingInformation(
-        known.d_zu if d_zu is None else d_zu,
-        known.H if H is None else H,
-        known.nmp_zeros if zeros is None else zeros,
-    )
+TARGET = Deferred(Table(Target), is_replaced=True)
 
 
 def _information(plant: Plant) -> ModellingInformation:

@@ -2,100 +2,112 @@
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
+from typing import Annotated, Any, ClassVar
+
+import attrs
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.updates.forgetting import (
     Forgetting,
     ScheduledForgetting,
     SubspaceForgetting,
     VariableRateForgetting,
+    forgetting_factor,
 )
 from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
+from rcac_numeric.controllers.updates.update import weight
 from rcac_numeric.engine.compiled.updates import ARGUMENTS
 from rcac_numeric.experiments.format.lists import ByStep
-from rcac_numeric.experiments.format.signatures import summary_of
+from rcac_numeric.experiments.format.parts import Shorthand
 from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.format.values import Numbers, Real
 
+FACTOR = Real(forgetting_factor)
 
-def _recursive(kind: type[UD] | type[Covariance]) -> Table[Any]:
-    """The keys of an update whose four ways of forgetting are four keys in a file."""
 
-    def make(
-        R_theta: Any,
-        *,
-        lambda_: float = 1.0,
-        lambda_changes: dict[int, float] | None = None,
-        forgetting: VariableRateForgetting | None = None,
-        subspace_lambda: float | None = None,
-        process_noise: Any = None,
-        reset: CovarianceReset | None = None,
-        stop_where_unsupported: bool = False,
-    ) -> UD | Covariance:
-        """Put the sentence of the update here.
+@attrs.frozen(eq=False)
+class Recursive(Shorthand):
+    """An update by recursive least squares, whose four ways of forgetting are four keys."""
 
-        Parameters
-        ----------
-        R_theta : number or matrix
-            Weight of theta - theta(0); P(0) is its inverse.
-        lambda_ : number
-            Forgetting factor, in (0, 1].
-        lambda_changes : list of [step, lambda]
-            lambda from each step on.
-        forgetting : table
-            lambda falls while z is larger than of late: `{ short = 10, long = 100, gain = 0.1 }`.
-        subspace_lambda : number
-            lambda of subspace forgetting, which does not wind up; for "ud".
-        process_noise : number or matrix
-            Q of (2.46), added to P after every update.
-        reset : table
-            When P is set back to P(0): `{ at = [2000] }`.
-        stop_where_unsupported : bool
-            The run ends at the first update that rounding decides.
-        """
-        return kind(
-            R_theta,
-            lambda_=_forgetting(lambda_, lambda_changes, forgetting, subspace_lambda),
-            process_noise=process_noise,
-            reset=reset,
-            stop_where_unsupported=stop_where_unsupported,
+    kind: ClassVar[type[UD] | type[Covariance]]
+
+    R_theta: Annotated[
+        float | Array,
+        Numbers(check=partial(weight, definite=True)),
+        "Weight of theta - theta(0); P(0) is its inverse.",
+    ]
+    lambda_: Annotated[float, FACTOR, "Forgetting factor, in (0, 1]."] = 1.0
+    lambda_changes: Annotated[
+        dict[int, float] | None,
+        ByStep(FACTOR),
+        "lambda from each step on.",
+    ] = None
+    forgetting: Annotated[
+        VariableRateForgetting | None,
+        "lambda falls while z is larger than of late: `{ short = 10, long = 100, gain = 0.1 }`.",
+    ] = None
+    subspace_lambda: Annotated[
+        float | None,
+        FACTOR,
+        'lambda of subspace forgetting, which does not wind up; for "ud".',
+    ] = None
+    process_noise: Annotated[
+        float | Array | None,
+        Numbers(check=weight),
+        "Q of (2.46), added to P after every update.",
+    ] = None
+    reset: Annotated[
+        CovarianceReset | None,
+        Table(CovarianceReset, docs=dict.fromkeys(("short", "long"), "Steps of `growth`.")),
+        "When P is set back to P(0): `{ at = [2000] }`.",
+    ] = None
+    stop_where_unsupported: Annotated[
+        bool,
+        "The run ends at the first update that rounding decides.",
+    ] = False
+
+    def made(self) -> UD | Covariance:
+        """The update."""
+        return self.kind(
+            self.R_theta,
+            lambda_=self._forgetting(),
+            process_noise=self.process_noise,
+            reset=self.reset,
+            stop_where_unsupported=self.stop_where_unsupported,
         )
 
-    sentence = "Put the sentence of the update here."
-    make.__doc__ = (make.__doc__ or "").replace(sentence, summary_of(kind))
-    return Table(make, forms=RECURSIVE)
-
-
-RECURSIVE = {
-    "R_theta": Numbers(),
-    "lambda_changes": ByStep(Real()),
-    "forgetting": Table(VariableRateForgetting),
-    "process_noise": Numbers(),
-    "reset": Table(CovarianceReset, docs=dict.fromkeys(("short", "long"), "Steps of `growth`.")),
-}
-
-# Every update that the engine runs, by its own name; its signature says which keys it has.
-UPDATES: Kinds[Any] = Kinds(
-    {kind.name: kind for kind in ARGUMENTS}
-    | {kind.name: _recursive(kind) for kind in (UD, Covariance)},
-    default=UD.name,
-)
-
-
-def _forgetting(
-    lambda_: float,
-    changes: dict[int, float] | None,
-    rule: VariableRateForgetting | None,
-    subspace_lambda: float | None,
-) -> float | Forgetting:
-    """The one way of forgetting that the four keys together say."""
-    special = rule if subspace_lambda is None else SubspaceForgetting(subspace_lambda)
-    if special is not None:
-        if lambda_ != 1 or changes or (rule is not None and special is not rule):
+    def _forgetting(self) -> float | Forgetting:
+        """The one way of forgetting that the four keys together say."""
+        rule, subspace, changes = self.forgetting, self.subspace_lambda, self.lambda_changes
+        if rule is None and subspace is None:
+            return ScheduledForgetting(changes, self.lambda_) if changes else self.lambda_
+        if self.lambda_ != 1 or changes or (rule is not None and subspace is not None):
             raise InputError(
                 "give one of forgetting, subspace_lambda, and lambda with its changes, not two."
             )
-        return special
-    return ScheduledForgetting(changes, lambda_) if changes else lambda_
+        return SubspaceForgetting(subspace) if rule is None else rule  # type: ignore[arg-type]
+
+
+@attrs.frozen(eq=False)
+class RecursiveUD(Recursive):
+    """The recursion (2.42)-(2.45) with P = U D U' factorised (Bierman); the one to use."""
+
+    kind = UD
+
+
+@attrs.frozen(eq=False)
+class RecursiveCovariance(Recursive):
+    """The recursion (2.42)-(2.45) with P as printed, which is what published work ran."""
+
+    kind = Covariance
+
+
+# Every update that the engine runs, by its own name; its fields say which keys it has.
+UPDATES: Kinds[Any] = Kinds(
+    {one.name: one for one in ARGUMENTS}
+    | {UD.name: RecursiveUD, Covariance.name: RecursiveCovariance},
+    default=UD.name,
+)

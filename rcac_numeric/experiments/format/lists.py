@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from rcac_numeric.experiments.format.places import Place, brief
+from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.values import Form, Integer, Schema
 
 
@@ -17,6 +17,7 @@ class ListOf(Form):
     entry: Form
     at_least: int = 0  # 0 or 1
     needed: str = "a list"
+    named: str = ""  # what entries with a name are, such as run; otherwise they have numbers
 
     @property
     def words(self) -> str:
@@ -29,11 +30,23 @@ class ListOf(Form):
             raise place.refuse(value, self.needed)
         if self.at_least and not value:
             raise place.refuse(value, f"{self.needed}, not an empty one")
-        many = len(value) > 1
-        return [
-            self.entry.read(entry, place.entry(i if many and isinstance(entry, Mapping) else 0))
-            for i, entry in enumerate(value, 1)
-        ]
+        many, errors, read = len(value) > 1, Errors(), []
+        for i, entry in enumerate(value, 1):
+            with errors:
+                read.append(
+                    self.entry.read(entry, place.entry(self._note(entry, i if many else 0)))
+                )
+        errors.raise_any()
+        return read
+
+    def _note(self, entry: object, number: int) -> str:
+        """What tells an entry from the others: its name, or its number, where it is a table."""
+        if not isinstance(entry, Mapping):
+            return ""
+        name = entry.get("name") if self.named else None
+        if isinstance(name, str):
+            return f"{self.named} {brief(name)}"
+        return f"no. {number}" if number else ""
 
     def schema(self) -> Schema:
         """An array."""
@@ -59,7 +72,12 @@ class Row(Form):
         if not isinstance(value, list) or not least <= len(value) <= len(self.entries):
             raise place.error(f"{place} has the entry {brief(value)}; {self.shown} is needed.")
         inside = place.entry()
-        return tuple(form.read(v, inside) for form, v in zip(self.entries, value, strict=False))
+        errors, read = Errors(), []
+        for form, entry in zip(self.entries, value, strict=False):
+            with errors:
+                read.append(form.read(entry, inside))
+        errors.raise_any()
+        return tuple(read)
 
     def schema(self) -> Schema:
         """An array with a form for each place."""
@@ -87,8 +105,12 @@ class MapOf(Form):
         """As a dict."""
         if not isinstance(value, Mapping):
             raise place.refuse(value, "a table")
-        inside = place.inside()
-        return {key: self.entry.read(v, inside.at(key)) for key, v in value.items()}
+        inside, errors, read = place.inside(), Errors(), {}
+        for key, entry in value.items():
+            with errors:
+                read[key] = self.entry.read(entry, inside.at(key))
+        errors.raise_any()
+        return read
 
     def schema(self) -> Schema:
         """An object."""

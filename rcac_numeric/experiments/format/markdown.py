@@ -6,9 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from rcac_numeric.experiments.format.by_key import ByKey
 from rcac_numeric.experiments.format.signatures import Key
-from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.tables import ByKey, Kinds, Table
 
 MARKERS = re.compile(r"(<!-- table: (?P<name>[^\n]*?) -->\n).*?(\n<!-- end of table -->)", re.S)
 
@@ -102,7 +101,7 @@ def _default(key: Key) -> str:
         return f'`"{key.form.default}"`' if key.form.default else "needed"
     if key.is_required:
         return "needed"
-    if key.default is None or key.default in ("", ()):
+    if key.default is None or key.default in ("", (), [], {}):
         return ""
     if isinstance(key.default, bool):
         return f"`{str(key.default).lower()}`"

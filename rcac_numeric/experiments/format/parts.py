@@ -1,62 +1,66 @@
-"""What a table asks to be made, before it is made."""
+"""What a table asks to be made, before everything that it needs is known."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Any, Generic, TypeVar
+
+import attrs
 
 from rcac_numeric.arrays.values import Value
 
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class Later:
-    """What `Part.build` is given, found only if some part asks for it."""
+class Unresolved(ABC):
+    """A specification that says all but the plant; `of` makes what is asked for."""
 
-    find: Callable[[], Any]
+    @abstractmethod
+    def of(self, plant: Any) -> Any:
+        """What it is for this plant."""
 
 
-@dataclass(frozen=True, eq=False)
-class Part(Value, Generic[T]):
-    """What a table asks to be made: a function, and its arguments read and typed.
+class Shorthand(ABC):
+    """A table that stands for an object with other fields than the table has keys."""
+
+    @abstractmethod
+    def made(self) -> Any:
+        """The object."""
+
+
+def resolved(value: Any, plant: Any) -> Any:
+    """A value with every specification in it resolved for a plant."""
+    if isinstance(value, Unresolved):
+        return value.of(plant)
+    if isinstance(value, list | tuple):
+        return type(value)(resolved(entry, plant) for entry in value)
+    if isinstance(value, dict):
+        return {key: resolved(entry, plant) for key, entry in value.items()}
+    return value
+
+
+@attrs.frozen(eq=False)
+class Part(Value, Unresolved, Generic[T]):
+    """A function or class, and the arguments that a table has for it, read and typed.
 
     Attributes
     ----------
     make : callable
     arguments : dict from parameters to values
-        Other parts among them.
-    given : tuple of str
-        Parameters that do not stand in the file.
+        Specifications among them.
 
     Examples
     --------
-    >>> from rcac_numeric import Piecewise, Step
+    >>> from rcac_numeric import Step
     >>> from rcac_numeric.experiments.format.parts import Part
-    >>> step = Part(Step, {"height": 2.0})
-    >>> Part(Piecewise, {"pieces": [(3, step)]}).build().description
-    'step(2) from 3'
+    >>> Part(Step, {"height": 2.0}).of(None, start=3)
+    Step(height=2.0, start=3)
     """
 
     make: Callable[..., T]
     arguments: dict[str, Any]
-    given: tuple[str, ...] = ()
 
-    def build(self, **context: Any) -> T:
-        """Make it; `context` holds what does not stand in the file, for inner parts too."""
-        built = {name: _built(value, context) for name, value in self.arguments.items()}
-        for name in self.given:
-            value = context[name]
-            built[name] = value.find() if isinstance(value, Later) else value
-        return self.make(**built)
-
-
-def _built(value: Any, context: Mapping[str, Any]) -> Any:
-    if isinstance(value, Part):
-        return value.build(**context)
-    if isinstance(value, list | tuple):
-        return type(value)(_built(entry, context) for entry in value)
-    if isinstance(value, dict):
-        return {key: _built(entry, context) for key, entry in value.items()}
-    return value
+    def of(self, plant: Any, **others: Any) -> T:
+        """Make it; `others` are arguments that do not stand in the file."""
+        return self.make(**resolved(self.arguments, plant), **others)

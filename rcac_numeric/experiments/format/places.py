@@ -4,14 +4,31 @@ from __future__ import annotations
 
 import difflib
 import reprlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from decimal import Decimal
+from types import TracebackType
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import CompensatorError, InputError
 
 DEEPEST = 30
 LONGEST_MESSAGE = 1500
-_BRIEF = reprlib.Repr()
+LONGEST_OF_SEVERAL = 700
+
+
+class _Brief(reprlib.Repr):
+    """Short, and as TOML writes what Python writes otherwise."""
+
+    def repr_Decimal(self, value: Decimal, level: int) -> str:
+        """The digits alone."""
+        return str(value)
+
+    def repr_bool(self, value: bool, level: int) -> str:
+        """In small letters."""
+        return str(value).lower()
+
+
+_BRIEF = _Brief()
 _BRIEF.maxlevel, _BRIEF.maxdict, _BRIEF.maxlist, _BRIEF.maxtuple = 4, 6, 8, 8
 _BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 100
 
@@ -33,6 +50,76 @@ def shortened(text: str) -> str:
     if len(text) <= LONGEST_MESSAGE:
         return text
     return f"{text[: LONGEST_MESSAGE - 60]} ... ({len(text)} characters in all)"
+
+
+class Refused(InputError):
+    """Everything that is wrong with a file, each error with its place."""
+
+    def __init__(self, text: str, errors: Sequence[CompensatorError] = ()) -> None:
+        super().__init__(text)
+        self.errors = tuple(errors)
+
+    def named(self, file: str) -> str:
+        """What is wrong, one after another, as far as a reader can bear."""
+        texts = [_of_several(error, file) for error in self.errors]
+        text = f"{file}: {len(texts)} errors."
+        for number, one in enumerate(texts, 1):
+            line = f"\n{number}. {one}"
+            if len(text) + len(line) > LONGEST_MESSAGE - 60:
+                return f"{text}\n... and {len(texts) - number + 1} more."
+            text += line
+        return text
+
+
+def _of_several(error: CompensatorError, file: str) -> str:
+    text = str(error).removeprefix(f"{file}: ")
+    if len(text) > LONGEST_OF_SEVERAL:
+        return f"{text[: LONGEST_OF_SEVERAL - 4]} ..."
+    return text
+
+
+class Errors:
+    """Collects errors, so that all of them can be said at once.
+
+    Examples
+    --------
+    >>> from compensator_theory import InputError
+    >>> from rcac_numeric.experiments.format.places import Errors
+    >>> errors = Errors()
+    >>> for word in ("first", "second"):
+    ...     with errors:
+    ...         raise InputError(word)
+    >>> [str(error) for error in errors.errors]
+    ['first', 'second']
+    """
+
+    def __init__(self) -> None:
+        self.errors: list[CompensatorError] = []
+
+    def __enter__(self) -> Errors:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> bool:  # fmt: skip
+        if not isinstance(error, CompensatorError):
+            return False
+        self.add(error)
+        return True
+
+    def add(self, error: CompensatorError) -> None:
+        """One more, or those that it consists of; what was said already is not said again."""
+        known = {str(one) for one in self.errors}
+        parts = error.errors if isinstance(error, Refused) else (error,)
+        self.errors += [one for one in parts if str(one) not in known]
+
+    def raise_any(self) -> None:
+        """Raise what was collected, if anything was."""
+        if len(self.errors) == 1:
+            raise self.errors[0] from None
+        if self.errors:
+            raise Refused("\n".join(map(str, self.errors)), self.errors) from None
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
@@ -84,10 +171,9 @@ class Place:
         name = f"{self.table}.{self.key}" if self.table and self.key else self.table or self.key
         return replace(self._deeper(), table=name, key="")
 
-    def entry(self, number: int = 0) -> Place:
-        """An entry of the list under this key; `number` counts tables from 1."""
-        numbered = (f"no. {number}", *self.notes) if number else self.notes
-        return replace(self._deeper(), notes=numbered)
+    def entry(self, note: str = "") -> Place:
+        """An entry of the list under this key; `note` tells it from the others."""
+        return replace(self._deeper(), notes=(note, *self.notes) if note else self.notes)
 
     def error(self, message: str) -> InputError:
         """An error that names the file."""

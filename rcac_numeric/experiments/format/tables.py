@@ -1,42 +1,169 @@
-"""Tables of a file: each declared by the function or class that its keys are arguments of."""
+"""Tables of a file, each a class of typed fields: one reader, one schema, one list of keys.
+
+A table is read from the fields of an attrs class. The annotation says which form a value has
+(`Literal` for a choice of words, a form in `Annotated` where a type alone does not say it) and what
+it means: a text in `Annotated`, or else the section Parameters of a public class's docstring. The
+default says whether the key may be left out. Functions that a file names, such as the measures of
+claims, are read in the same way from their signatures, as a `Part` that is called later.
+"""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Generic, TypeVar
+from types import NoneType, UnionType
+from typing import (
+    Annotated,
+    Any,
+    Generic,
+    Literal,
+    TypeVar,
+    Union,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+)  # fmt: skip
 
-from compensator_theory.errors import InputError
-from rcac_numeric.experiments.format.parts import Part
-from rcac_numeric.experiments.format.places import Place, brief, did_you_mean
-from rcac_numeric.experiments.format.signatures import Key, keys_of, summary_of
-from rcac_numeric.experiments.format.values import Form, Schema
+import attrs
+import numpy as np
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf
+from rcac_numeric.experiments.format.parts import Part, Shorthand
+from rcac_numeric.experiments.format.places import Errors, Place, brief, did_you_mean
+from rcac_numeric.experiments.format.signatures import Key, keys_of, parameters_in, summary_of
+from rcac_numeric.experiments.format.values import (
+    Choice,
+    Flag,
+    Form,
+    Integer,
+    Numbers,
+    Real,
+    Schema,
+    Text,
+    is_number,
+)  # fmt: skip
 
 T = TypeVar("T")
 Raw = Mapping[str, Any]
+FORMS: dict[Any, Form] = {
+    int: Integer(), float: Real(), str: Text(), bool: Flag(), np.ndarray: Numbers(),
+}  # fmt: skip
 
 
-class Table(Form, Generic[T]):
-    """A table whose keys are the parameters of a function or class.
+def keys_of_class(
+    cls: type[Any], forms: Mapping[str, Form] | None = None, given: Collection[str] = ()
+) -> tuple[Key, ...]:
+    """The keys of an attrs class, in the order of its fields.
 
     Parameters
     ----------
-    make : callable
-        Its signature says which keys there are, which are needed and what the others default to;
-        its docstring what they mean.
+    cls : class
+    forms : mapping from fields
+        What their annotations do not say.
+    given : collection of str
+        Fields that do not stand in the file.
+
+    Examples
+    --------
+    >>> import attrs
+    >>> from typing import Annotated, Literal
+    >>> from rcac_numeric.experiments.format.tables import keys_of_class
+    >>> @attrs.frozen
+    ... class Pid:
+    ...     terms: Annotated[Literal["P", "PI"], "Which terms."] = "PI"
+    >>> [(key.name, key.form.words, key.default, key.doc) for key in keys_of_class(Pid)]
+    [('terms', 'one of P, PI', 'PI', 'Which terms.')]
+    """
+    described = parameters_in(cls.__doc__ or "")
+    hints = get_type_hints(cls, include_extras=True)
+    keys = []
+    for one in attrs.fields(cls):
+        if not one.init or one.name in given:
+            continue
+        try:
+            form = (forms or {}).get(one.name) or form_of(hints[one.name])
+        except TypeError as error:
+            raise TypeError(f"{cls.__qualname__}: {error} for {one.name}") from None
+        default = one.default.factory() if isinstance(one.default, attrs.Factory) else one.default  # type: ignore[arg-type]
+        is_required = default is attrs.NOTHING
+        keys.append(
+            Key(
+                name=one.name.rstrip("_"),
+                parameter=one.name,
+                form=form,
+                is_required=is_required,
+                default=None if is_required else default,
+                doc=_words_of(hints[one.name]) or described.get(one.name, ("", ""))[1],
+            )
+        )
+    return tuple(keys)
+
+
+def _words_of(hint: Any) -> str:
+    """The text in an annotation such as Annotated[int, "Order, at least 1."]."""
+    parts = get_args(hint)[1:] if get_origin(hint) is Annotated else ()
+    return next((part for part in parts if isinstance(part, str)), "")
+
+
+def form_of(hint: Any) -> Form:
+    """How a value of a type is read.
+
+    Raises
+    ------
+    TypeError
+        Where the type does not say it; Annotated[type, form] does.
+    """
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        declared = next((one for one in inner[1:] if isinstance(one, Form)), None)
+        return declared or form_of(inner[0])
+    if origin in (Union, UnionType):
+        kinds = [one for one in inner if one is not NoneType]
+        tables = [one for one in kinds if attrs.has(one)]
+        others = [one for one in kinds if one not in tables]
+        if any(get_origin(one) is np.ndarray for one in others):
+            others = [np.ndarray]  # a number stands for an array where both may be
+        if len(tables) + len(others) == 1:
+            return form_of((*tables, *others)[0])
+        if len(tables) == len(others) == 1:
+            return Either(Table(tables[0]), form_of(others[0]))
+    elif origin is Literal and all(isinstance(word, str) for word in inner):
+        return Choice(inner)
+    elif origin in (tuple, list, Sequence) and inner[1:] in ((), (Ellipsis,)):
+        return ListOf(form_of(inner[0]))
+    elif origin in (dict, Mapping):
+        return (ByStep if inner[0] is int else MapOf)(form_of(inner[1]))
+    elif isinstance(hint, type) and attrs.has(hint):
+        return Table(hint)
+    elif (known := FORMS.get(origin or hint)) is not None:
+        return known
+    raise TypeError(f"no form is known of {hint}")
+
+
+class Table(Form, Generic[T]):
+    """A table whose keys are the fields of an attrs class, or the parameters of a function.
+
+    Parameters
+    ----------
+    make : class or callable
+        What is made of it. Of a function a `Part`, to be called later.
     given : sequence of str
-        Parameters that do not stand in the file; a plant for instance.
-    forms, names, docs : mappings from parameters
-        Forms that the annotation does not say; keys that are called otherwise in the file;
-        descriptions that belong to the file alone.
+        Fields or parameters that do not stand in the file. Those of a class keep their defaults.
+    forms, names, docs : mappings from fields
+        Forms, names of keys and descriptions that belong to this table alone.
     elsewhere : pair of Table and str, optional
         Keys that may stand here too, and who alone reads them.
+    is_later : bool
+        Whether a class, too, is a `Part`, since some of its fields do not stand in the file.
 
     Notes
     -----
-    A parameter whose form is a `Kinds` is spread over the table: its key names the kind, and the
-    keys of that kind stand beside it.
+    A field whose form is a `Kinds` is spread over the table: its key names the kind, and the keys
+    of that kind stand beside it.
 
     Examples
     --------
@@ -44,7 +171,7 @@ class Table(Form, Generic[T]):
     >>> from rcac_numeric.experiments.format.places import Place
     >>> from rcac_numeric.experiments.format.tables import Table
     >>> place = Place("case.toml", "signals.r")
-    >>> Table(Step).read({"height": 2}, place).build()
+    >>> Table(Step).read({"height": 2}, place)
     Step(height=2.0, start=0)
     >>> Table(Step).read({"hight": 2}, place)
     Traceback (most recent call last):
@@ -62,19 +189,31 @@ class Table(Form, Generic[T]):
         names: Mapping[str, str] | None = None,
         docs: Mapping[str, str] | None = None,
         elsewhere: tuple[Table[Any], str] | None = None,
+        is_later: bool = False,
     ) -> None:
         self.make, self.given, self.elsewhere = make, tuple(given), elsewhere
+        self.is_later = is_later or not self.is_class
         self._forms, self._names, self._docs = forms or {}, names or {}, docs or {}
+
+    @property
+    def is_class(self) -> bool:
+        """Whether the keys are the fields of a class."""
+        return _is_class(self.make)
 
     @cached_property
     def keys(self) -> tuple[Key, ...]:
-        """The keys, in the order of the parameters."""
-        return keys_of(
-            self.make,
-            given=frozenset(self.given),
-            forms=self._forms,
-            names=self._names,
-            docs=self._docs,
+        """The keys, in the order of the fields."""
+        forms, names, docs = self._forms, self._names, self._docs
+        if not self.is_class:
+            given = frozenset(self.given)
+            return keys_of(self.make, given=given, forms=forms, names=names, docs=docs)
+        return tuple(
+            replace(
+                key,
+                name=names.get(key.parameter, key.name),
+                doc=docs.get(key.parameter, key.doc),
+            )
+            for key in keys_of_class(cast(type[Any], self.make), forms, self.given)
         )
 
     @property
@@ -94,58 +233,89 @@ class Table(Form, Generic[T]):
 
     def all_keys(self) -> dict[str, list[Key]]:
         """Every key that may stand in the table, those of all kinds too."""
-        found: dict[str, list[Key]] = {}
+        every: dict[str, list[Key]] = {}
         for key in self.keys:
-            found.setdefault(key.name, []).append(key)
+            every.setdefault(key.name, []).append(key)
             if isinstance(key.form, Kinds):
                 for table in key.form.tables():
                     for name, inner in table.all_keys().items():
-                        found.setdefault(name, []).extend(inner)
+                        every.setdefault(name, []).extend(inner)
         if self.elsewhere is not None:
-            found.update(self.elsewhere[0].all_keys())
-        return found
+            every.update(self.elsewhere[0].all_keys())
+        return every
 
-    def read(self, value: object, place: Place) -> Part[T]:
-        """What is to be made: all keys known, none missing, each of its form."""
+    def read(self, value: object, place: Place) -> Any:
+        """What the table describes: all keys known, none missing, each of its form.
+
+        Raises
+        ------
+        CompensatorError
+            With everything that is wrong.
+        """
         here = place.inside() if place.key else place
         table = require_table(value, here)
-        self.require_known(table, here)
-        chosen = {name: kinds.choose(name, table, here) for name, kinds in self.kinds.items()}
+        errors = Errors()
+        with errors:
+            self.require_known(table, here)
+        is_known = not errors.errors
+        chosen: dict[str, Kind[Any]] = {}
+        for name, kinds in self.kinds.items():
+            with errors:
+                chosen[name] = kinds.choose(name, table, here)
         for selector, kind in chosen.items():
-            if kind.is_whole:
+            if kind.is_whole and is_known:
                 return kind.read_whole(selector, table, here)
-        self._require_read(table, chosen, here)
-        arguments: dict[str, Any] = {}
+        if len(chosen) == len(self.kinds):
+            with errors:
+                self._require_read(table, chosen, here)
+        values: dict[str, Any] = {}
         for key in self.keys:
-            if key.name in chosen:
-                arguments[key.parameter] = chosen[key.name].read_beside(table, here)
-            elif key.name in table:
-                arguments[key.parameter] = key.form.read(table[key.name], here.at(key.name))
-            elif key.is_required:
-                raise here.error(f"{here.where} needs the key {key.name!r}.")
-        return Part(self.make, arguments, self.given)
+            with errors:
+                if key.name in chosen:
+                    values[key.parameter] = chosen[key.name].read_beside(table, here, is_known)
+                elif key.name in table:
+                    values[key.parameter] = key.form.read(table[key.name], here.at(key.name))
+                elif key.is_required and is_known and not isinstance(key.form, Kinds):
+                    raise here.error(f"{here.where} needs the key {key.name!r}.")
+        errors.raise_any()
+        return self._made(values, here)
+
+    def _made(self, values: dict[str, Any], here: Place) -> Any:
+        if self.is_later:
+            return Part(self.make, values)
+        try:
+            made: Any = self.make(**values)
+            return made.made() if isinstance(made, Shorthand) else made
+        except CompensatorError as error:
+            text = str(error)
+            said = text if here.where in text or not here.table else f"{here.where}: {text}"
+            raise type(error)(f"{here.file}: {said}") from None
 
     def require_known(self, table: Raw, here: Place) -> None:
-        """Refuse a key that neither this table nor a kind that is spread over it has."""
-        known = self.all_keys()
+        """Refuse keys that neither this table nor a kind that is spread over it has."""
+        known, errors = self.all_keys(), Errors()
+        every = f" Known keys: {', '.join(sorted(known))}."
         for name in table:
             if name not in known:
-                raise here.error(
-                    f"unknown key {brief(name)} in {here.where}.{did_you_mean(name, known)} "
-                    f"Known keys: {', '.join(sorted(known))}."
-                )
+                text = f"unknown key {brief(name)} in {here.where}.{did_you_mean(name, known)}"
+                errors.add(here.error(text + every))
+                every = ""
+        errors.raise_any()
 
     def _require_read(self, table: Raw, chosen: Mapping[str, Kind[Any]], here: Place) -> None:
-        """Refuse a key that another kind than the chosen one reads."""
-        own = {key.name for key in self.keys}
-        if self.elsewhere is not None:
-            for name in table.keys() & self.elsewhere[0].all_keys():
-                raise here.error(f"{here.where} sets {name!r}, which {self.elsewhere[1]}.")
+        """Refuse keys that other kinds than the chosen ones read."""
+        errors = Errors()
+        known, own = self.all_keys(), {key.name for key in self.keys}
+        beside = {} if self.elsewhere is None else self.elsewhere[0].all_keys()
         allowed = own.union(*(kind.variant(table).names for kind in chosen.values()))
         for name in table:
-            if name not in allowed:
+            if name in beside and self.elsewhere is not None:
+                said = f"{here.where} sets {name!r}, which {self.elsewhere[1]}."
+                errors.add(here.error(said))
+            elif name not in allowed and name in known:
                 selector = next(s for s, kinds in self.kinds.items() if kinds.has(name))
-                raise chosen[selector].unread(name, selector, table, here)
+                errors.add(chosen[selector].unread(name, selector, table, here))
+        errors.raise_any()
 
     def schema(self) -> Schema:
         """Properties with their descriptions, in any combination."""
@@ -162,8 +332,9 @@ class Table(Form, Generic[T]):
 class Variant(Generic[T]):
     """One way to write a kind: the keys that go with `marker`, where that key is there."""
 
-    def __init__(self, table: Table[T], marker: str = "") -> None:
-        self.table, self.marker = table, marker
+    def __init__(self, table: Table[T] | type[T], marker: str = "") -> None:
+        self.table = table if isinstance(table, Table) else Table(table)
+        self.marker = marker
 
     @property
     def names(self) -> set[str]:
@@ -184,17 +355,24 @@ class Kind(Generic[T]):
         """The variant that a table is written as."""
         return next((v for v in self.variants if v.marker in table), self.variants[-1])
 
-    def read_beside(self, table: Raw, here: Place) -> Part[T]:
+    def read_beside(self, table: Raw, here: Place, is_known: bool = True) -> Any:
         """The keys of this kind out of the table that it is spread over."""
         variant = self.variant(table)
-        return variant.table.read({k: v for k, v in table.items() if k in variant.names}, here)
+        own = {key: value for key, value in table.items() if key in variant.names}
+        if not is_known:  # a key that seems to be missing may be the one that is misspelt
+            for key in variant.table.keys:
+                if key.is_required and key.name not in own:
+                    return None
+        return variant.table.read(own, here)
 
-    def read_whole(self, selector: str, table: Raw, here: Place) -> Part[T]:
+    def read_whole(self, selector: str, table: Raw, here: Place) -> Any:
         """The whole table, without the key that chose this kind."""
         own = {key: value for key, value in table.items() if key != selector}
+        errors = Errors()
         for name in own:
             if name not in self.variant(own).names:
-                raise self.unread(name, selector, own, here)
+                errors.add(self.unread(name, selector, own, here))
+        errors.raise_any()
         return self.variant(own).table.read(own, here)
 
     def unread(self, name: str, selector: str, table: Raw, here: Place) -> InputError:
@@ -213,20 +391,11 @@ class Kinds(Form, Generic[T]):
 
     Parameters
     ----------
-    kinds : mapping from names to functions, tables or kinds
-        A function is enough where its signature says how its parameters are read.
+    kinds : mapping from names to classes, functions, tables or kinds
     default : str, optional
         The kind where the file names none.
     given : sequence of str
         The parameters of functions that do not stand in the file.
-
-    Examples
-    --------
-    >>> from rcac_numeric import fir, iir
-    >>> from rcac_numeric.experiments.format.tables import Kinds
-    >>> structures = Kinds({"iir": iir, "fir": fir}, default="iir", given=["l_u", "l_y"])
-    >>> sorted(structures.kinds["fir"].variants[0].names)
-    ['k_c', 'n_c']
     """
 
     def __init__(
@@ -253,6 +422,15 @@ class Kinds(Form, Generic[T]):
         """Whether some kind reads this key."""
         return any(name in table.all_keys() for table in self.tables())
 
+    def name_of(self, made: object) -> str:
+        """The name of the kind that something was read as."""
+        return next(
+            name
+            for name, kind in self.kinds.items()
+            for variant in kind.variants
+            if type(made) is variant.table.make
+        )
+
     def choose(self, selector: str, table: Raw, here: Place) -> Kind[T]:
         """The kind that a table names."""
         name = table.get(selector, self.default)
@@ -262,16 +440,163 @@ class Kinds(Form, Generic[T]):
 
     def read(self, value: object, place: Place) -> str:
         """The name of a kind."""
-        if not isinstance(value, str):
-            raise place.refuse(value, "a string")
-        if value not in self.kinds:
-            hint = did_you_mean(value, self.kinds)
-            raise place.error(f"{place} = {brief(value)} is not known; choose {self.words}.{hint}")
-        return value
+        return Choice(tuple(self.kinds)).read(value, place)
 
     def schema(self) -> Schema:
         """An enumeration of the names."""
         return {"enum": list(self.kinds)}
+
+
+class ByKey(Form, Generic[T]):
+    """A table in which one key names the kind, its value being the first field.
+
+    Parameters
+    ----------
+    what : str
+        What it is, with its article.
+    number : class
+        What a number alone stands for.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Pulse, Step
+    >>> from rcac_numeric.experiments.format.places import Place
+    >>> from rcac_numeric.experiments.format.tables import ByKey
+    >>> signal = ByKey("a signal", number=Step)
+    >>> signal.register("pulse", Pulse)
+    >>> signal.read({"pulse": 2, "length": 5}, Place("case.toml", "signals", "r"))
+    Pulse(height=2.0, start=0, length=5)
+    """
+
+    def __init__(self, what: str, *, number: Callable[[float], T]) -> None:
+        self.what, self.number = what, number
+        self.kinds: dict[str, Table[T]] = {}
+
+    def register(self, name: str, make: Callable[..., Any], **options: Any) -> None:
+        """Let a key name this kind; its value is the first field of `make`."""
+        table = Table(make, **options)
+        table._names = {table.keys[0].parameter: name}
+        del table.keys
+        self.kinds[name] = table
+
+    @property
+    def words(self) -> str:
+        """A number, or the keys that name a kind."""
+        return f"{self.what}; use a number, or a table with one of {', '.join(self.kinds)}"
+
+    def read(self, value: object, place: Place) -> Any:
+        """What is described."""
+        if is_number(value):
+            return self.number(Real().read(value, place))
+        if not isinstance(value, Mapping):
+            raise place.error(f"{place} = {brief(value)} is not {self.words}.")
+        named = [name for name in self.kinds if name in value]
+        for name in named:
+            others = [other for other in named if not self._reads(name, other)]
+            if not others:
+                return self.kinds[name].read(value, place)
+        if named:
+            raise place.error(
+                f"{place} = {brief(dict(value))} is {' and '.join(named)} at once; give one of them"
+                f"{', or their sum' if 'sum' in self.kinds else ''}."
+            )
+        hint = next((h for key in value if (h := did_you_mean(key, self.kinds))), "")
+        raise place.error(f"{place} = {brief(dict(value))} is not {self.words}.{hint}")
+
+    def _reads(self, name: str, key: str) -> bool:
+        return any(key == one.name for one in self.kinds[name].keys)
+
+    def schema(self) -> Schema:
+        """A reference: a kind may hold others."""
+        return {"$ref": f"#/$defs/{self.what.split()[-1]}"}
+
+    def definition(self) -> Schema:
+        """What the reference stands for."""
+        tables = [
+            {**table.schema(), "required": [key.name for key in table.keys if key.is_required]}
+            for table in self.kinds.values()
+        ]
+        return {"anyOf": [{"type": "number"}, *tables]}
+
+
+@dataclass(frozen=True)
+class Deferred(Form):
+    """A table that is joined with others before it is read.
+
+    Where it stands its keys must be known and its values of the right form; which keys go together
+    and which are missing is known once it is joined.
+
+    Attributes
+    ----------
+    table : Table
+    is_replaced : bool
+        Whether a table that names a kind replaces the one before it as a whole.
+    """
+
+    table: Table[Any]
+    is_replaced: bool = False
+
+    @property
+    def words(self) -> str:
+        """Those of the table."""
+        return self.table.words
+
+    def read(self, value: object, place: Place) -> dict[str, Any]:
+        """As it stands."""
+        inside, errors = place.inside(), Errors()
+        table = dict(require_table(value, inside))
+        with errors:
+            self.table.require_known(table, inside)
+        keys = self.table.all_keys()
+        for name, entry in table.items():
+            with errors:
+                _require_form([key.form for key in keys.get(name, ())], entry, inside.at(name))
+        errors.raise_any()
+        return table
+
+    def schema(self) -> Schema:
+        """That of the table."""
+        return self.table.schema()
+
+    def joined(self, base: Raw, override: Raw) -> dict[str, Any]:
+        """`base` with the entries of `override`, inner tables joined likewise.
+
+        Where `override` names another kind, keys that only the old kind reads are left out: they
+        would mean nothing to the new one.
+        """
+        kept = dict(base)
+        for selector, kinds in self.table.kinds.items():
+            kind = kinds.kinds.get(str(override.get(selector)))
+            if kind is None or override[selector] == base.get(selector, kinds.default):
+                if selector in override and self.is_replaced:
+                    kept = {}
+                continue
+            read = {name for variant in kind.variants for name in variant.names}
+            own = {key.name for key in self.table.keys}
+            kept = {
+                name: value
+                for name, value in kept.items()
+                if not self.is_replaced
+                and (name in read or not (kind.is_whole or (kinds.has(name) and name not in own)))
+            }
+        return merged(kept, override)
+
+
+def merged(base: Mapping[str, Any], override: Mapping[str, Any]) -> dict[str, Any]:
+    """`base` with the entries of `override`, table by table.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.format.tables import merged
+    >>> merged({"a": {"b": 1, "c": 2}, "d": 3}, {"a": {"c": 4}})
+    {'a': {'b': 1, 'c': 4}, 'd': 3}
+    """
+    result = dict(base)
+    for key, value in override.items():
+        old = result.get(key)
+        is_joined = isinstance(old, Mapping) and isinstance(value, Mapping)
+        result[key] = merged(old, value) if is_joined else value  # type: ignore[arg-type]
+    return result
 
 
 def require_table(value: object, here: Place) -> Raw:
@@ -281,10 +606,30 @@ def require_table(value: object, here: Place) -> Raw:
     return value
 
 
+def _require_form(forms: Iterable[Form], value: object, place: Place) -> None:
+    """Refuse a value that none of the kinds that have this key could read."""
+    refusal: CompensatorError | None = None
+    for form in forms:
+        try:
+            form.read(value, place)
+        except CompensatorError as error:
+            refusal = refusal or error
+        else:
+            return
+    if refusal is not None:
+        raise refusal
+
+
+def _is_class(make: Any) -> bool:
+    return isinstance(make, type) and attrs.has(make)
+
+
 def _kind(kind: Callable[..., T] | Table[T] | Kind[T], given: Sequence[str]) -> Kind[T]:
     if isinstance(kind, Kind):
         return kind
     if isinstance(kind, Table):
         return Kind(Variant(kind))
+    if _is_class(kind):
+        return Kind(Variant(Table(kind)))
     parameters = inspect.signature(kind).parameters
     return Kind(Variant(Table(kind, given=[name for name in given if name in parameters])))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any
 
 import compensator_theory as exact
@@ -14,6 +16,18 @@ from rcac_numeric.experiments.format.places import Place, brief, did_you_mean
 Schema = dict[str, Any]
 LARGEST = 2**62
 DEEPEST_ARRAY = 3
+
+
+def is_number(value: object) -> bool:
+    """Whether a value stands for a real number; true and false do not."""
+    return isinstance(value, int | float | Decimal) and not isinstance(value, bool)
+
+
+def as_float(value: Any) -> Any:
+    """Decimals, also those in lists, as the float64 that is nearest; the rest as it is."""
+    if isinstance(value, Decimal):
+        return float(value)
+    return [as_float(entry) for entry in value] if isinstance(value, list) else value
 
 
 class Form(ABC):
@@ -64,6 +78,8 @@ class Integer(Form):
 class Real(Form):
     """A real number, or a string such as "pi/8", which is evaluated exactly and rounded once."""
 
+    check: Callable[[float, str], float] | None = None  # given the place as the number's name
+
     words = 'a number, or a string such as "pi/8"'
 
     def read(self, value: object, place: Place) -> float:
@@ -75,8 +91,11 @@ class Real(Form):
                 raise place.error(f"{place} = {brief(value)}: {error}") from None
             if not (expression.is_number and expression.is_real):
                 raise place.error(f"{place} = {brief(value)} is not a real number.")
-            return number(float(expression), str(place))
-        return number(value, str(place))
+            value = float(expression)
+        if not is_number(value):
+            raise place.error(f"{place} must be a real number, not {brief(value)}.")
+        read = number(as_float(value), str(place))
+        return read if self.check is None else self.check(read, str(place))
 
     def schema(self) -> Schema:
         """A number or a string."""
@@ -147,6 +166,7 @@ class Numbers(Form):
     """A number, or lists of numbers nested up to three deep: a vector, a matrix, several."""
 
     longest: int | None = None  # of the outermost list
+    check: Callable[[Any, str], Any] | None = None  # given the place as the array's name
 
     words = "a number or an array of real numbers"
 
@@ -157,16 +177,39 @@ class Numbers(Form):
             if self.longest is not None and len(value) > self.longest:
                 raise place.error(f"{place} has {len(value)} entries; at most {self.longest} are "
                                   "allowed.")  # fmt: skip
-            if any(isinstance(leaf, bool) for leaf in _leaves(value)):
-                raise place.refuse(value, self.words)
-            return real_array(value, str(place))
-        if isinstance(value, bool) or not isinstance(value, int | float):
+            for leaf in _leaves(value):
+                if not is_number(leaf):
+                    raise place.error(f"{place} = {brief(value)} must be {self.words}; its entry "
+                                      f"{brief(leaf)} is none.")  # fmt: skip
+            if _shape(value) is None:
+                raise place.error(f"{place} = {brief(value)} must be {self.words}; its rows differ "
+                                  "in length.")  # fmt: skip
+            read: Any = real_array(as_float(value), str(place))
+        elif is_number(value):
+            read = number(as_float(value), str(place))
+        else:
             raise place.refuse(value, self.words)
-        return number(value, str(place))
+        return read if self.check is None else self.check(read, str(place))
 
     def schema(self) -> Schema:
         """A number or lists of them."""
         return _nested({"type": "number"})
+
+
+class Sign(Form):
+    """+1 or -1."""
+
+    words = "1 or -1"
+
+    def read(self, value: object, place: Place) -> int:
+        """As an int."""
+        if isinstance(value, bool) or value not in (1, -1) or not isinstance(value, int):
+            raise place.refuse(value, self.words)
+        return value
+
+    def schema(self) -> Schema:
+        """One of the two."""
+        return {"enum": [1, -1]}
 
 
 @dataclass(frozen=True)
@@ -186,7 +229,7 @@ class Exact(Form):
         else:
             flat = [value]
         for leaf in flat:
-            if isinstance(leaf, bool) or not isinstance(leaf, int | float | str):
+            if not (is_number(leaf) or isinstance(leaf, str)):
                 raise place.refuse(value, self.words)
         return value
 
@@ -202,6 +245,16 @@ def _require_depth(value: list[Any], place: Place, needed: str) -> None:
 
 def _depth(value: object) -> int:
     return 1 + max(map(_depth, value), default=0) if isinstance(value, list) else 0
+
+
+def _shape(value: Any) -> tuple[int, ...] | None:
+    """The shape of nested lists; None where rows differ in length."""
+    if not isinstance(value, list):
+        return ()
+    shapes = {_shape(entry) for entry in value}
+    if len(shapes) > 1 or None in shapes:
+        return None
+    return (len(value), *(shapes.pop() or () if shapes else ()))
 
 
 def _leaves(value: list[Any]) -> list[Any]:

@@ -158,7 +158,7 @@ class Claim(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> claim = load_example("5.6").claims[1]
     >>> claim.whose, claim.quote, claim.place
     ('the text', 'using RCAC is 0.31 steps', 'Example 5.6')

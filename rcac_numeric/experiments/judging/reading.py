@@ -358,7 +358,7 @@ def _claim_of(
 ) -> Claim:
     of_run = run or (runs[0] if runs else "")
     checks = tuple(
-        make(check, of_run) if isinstance(check, Part) else check.moved({"": of_run})
+        check.moved({"": of_run}) if isinstance(check, Check) else make(check, of_run)
         for check in said["checks"]
     )
     for check in checks:

@@ -40,7 +40,8 @@ class AnalysedRun(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, target_model
+    >>> from rcac_numeric import target_model
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> AnalysedRun(run).match.worst < 1e-5, AnalysedRun(run, target_model("1/q")).match.worst > 0.1
@@ -55,7 +56,7 @@ class AnalysedRun(Value):
 
         Examples
         --------
-        >>> from rcac_numeric import load_example
+        >>> from rcac_numeric.dissertation import load_example
         >>> whole = load_example("4.7").main_run.execute().first
         >>> whole.until(90).run.steps, whole.until(90).match.worst < 1e-5
         (90, True)

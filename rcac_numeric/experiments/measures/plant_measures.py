@@ -154,7 +154,7 @@ def windows_of(run: Run) -> tuple[IdentifiedWindow, ...]:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.experiments.measures.plant_measures import windows_of
     >>> run = load_example("2.1").main_run.execute().first.run
     >>> len(windows_of(run)) == len(run.u) // 70

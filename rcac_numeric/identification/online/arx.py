@@ -39,7 +39,7 @@ class RecursiveARX(RecursiveRegression):
     Examples
     --------
     >>> import numpy as np, scipy.signal
-    >>> from rcac_numeric import RecursiveARX
+    >>> from rcac_numeric.identification import RecursiveARX
     >>> rng = np.random.default_rng(0)
     >>> u = rng.standard_normal(2000)
     >>> z = scipy.signal.lfilter([0, 1, -1.2], [1, -0.5, 0], u)

@@ -58,7 +58,7 @@ class RecursiveMuMarkov(RecursiveRegression):
     Examples
     --------
     >>> import numpy as np, scipy.signal
-    >>> from rcac_numeric import RecursiveMuMarkov
+    >>> from rcac_numeric.identification import RecursiveMuMarkov
     >>> rng = np.random.default_rng(0)
     >>> u = rng.standard_normal(2000)
     >>> z = scipy.signal.lfilter([0, 1, -1.2], [1, -0.5, 0], u) + 0.1 * rng.standard_normal(2000)

@@ -62,7 +62,7 @@ def aircraft(condition: str = "nominal") -> ContinuousPlant:
 
     Examples
     --------
-    >>> from rcac_numeric import aircraft
+    >>> from rcac_numeric.gallery import aircraft
     >>> aircraft("off-nominal").zeros().round(3)
     array([-1.607+0.j,  1.274+0.j])
     """
@@ -103,7 +103,7 @@ def aircraft_matrices(condition: str = "nominal", source: str = "sampled") -> tu
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import aircraft_matrices
+    >>> from rcac_numeric.gallery import aircraft_matrices
     >>> [round(float(abs(np.linalg.eigvals(aircraft_matrices("off-nominal", source)[0])).max()), 4)
     ...  for source in ("printed", "corrected", "sampled")]
     [1.0838, 0.9975, 0.9977]
@@ -140,7 +140,8 @@ def aircraft_plant(
 
     Examples
     --------
-    >>> from rcac_numeric import aircraft_plant, output_subspace_zeros
+    >>> from rcac_numeric import output_subspace_zeros
+    >>> from rcac_numeric.gallery import aircraft_plant
     >>> plant = aircraft_plant("off-nominal", "dummy commands")
     >>> plant
     Plant(n=7, l_u=1, l_w=2, l_y=4, l_z=4)
@@ -182,7 +183,7 @@ def aircraft_transition(
 
     Examples
     --------
-    >>> from rcac_numeric import aircraft_transition
+    >>> from rcac_numeric.gallery import aircraft_transition
     >>> aircraft_transition()
     PlantSchedule(n=4, l_u=1, l_w=3, l_y=1, l_z=1, changes at 0, 2500, 2600)
     """

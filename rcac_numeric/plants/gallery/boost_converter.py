@@ -39,7 +39,7 @@ class BoostConverter:
 
     Examples
     --------
-    >>> from rcac_numeric import BoostConverter
+    >>> from rcac_numeric.gallery import BoostConverter
     >>> converter = BoostConverter()
     >>> converter.linearised(converter.operating_point(duty=0.5)).zeros()
     array([25000.+0.j])

@@ -46,7 +46,7 @@ class CartPendulum:
 
     Examples
     --------
-    >>> from rcac_numeric import CartPendulum
+    >>> from rcac_numeric.gallery import CartPendulum
     >>> pendulum = CartPendulum()
     >>> upright = pendulum.linearised(pendulum.operating_point("upright"))
     >>> (upright.zeros().round(3) + 0).tolist()

@@ -38,7 +38,7 @@ class ContinuousPlant(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import ContinuousPlant
+    >>> from rcac_numeric.gallery import ContinuousPlant
     >>> lag = ContinuousPlant(A=[[-1.0]], B=[[1.0]], C=[[2.0]], outputs=["speed, m/s"])
     >>> lag.sampled(0.5).A.round(6)
     array([[0.606531]])

@@ -22,7 +22,7 @@ def no_guaranteed_margins() -> ContinuousPlant:
 
     Examples
     --------
-    >>> from rcac_numeric import no_guaranteed_margins
+    >>> from rcac_numeric.gallery import no_guaranteed_margins
     >>> no_guaranteed_margins().zeros(), no_guaranteed_margins().poles()
     (array([0.+0.j]), array([1.+0.j, 1.+0.j]))
     """
@@ -46,7 +46,7 @@ def no_guaranteed_margins_standard(h: float = 0.01) -> Plant:
 
     Examples
     --------
-    >>> from rcac_numeric import no_guaranteed_margins_standard
+    >>> from rcac_numeric.gallery import no_guaranteed_margins_standard
     >>> no_guaranteed_margins_standard()
     Plant(n=2, l_u=1, l_w=2, l_y=1, l_z=1)
     """
@@ -69,7 +69,7 @@ def limited_delay_margin() -> ContinuousPlant:
 
     Examples
     --------
-    >>> from rcac_numeric import limited_delay_margin
+    >>> from rcac_numeric.gallery import limited_delay_margin
     >>> round(float(max(limited_delay_margin().poles().real)), 4)
     0.1081
     """

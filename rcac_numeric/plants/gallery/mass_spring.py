@@ -29,7 +29,7 @@ class MassSpringDamper:
 
     Examples
     --------
-    >>> from rcac_numeric import MassSpringDamper
+    >>> from rcac_numeric.gallery import MassSpringDamper
     >>> MassSpringDamper().continuous().zeros()
     array([0.+0.j])
     """

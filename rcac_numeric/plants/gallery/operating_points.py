@@ -23,7 +23,7 @@ class OperatingPoint(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import BoostConverter
+    >>> from rcac_numeric.gallery import BoostConverter
     >>> BoostConverter().operating_point(duty=0.5).x
     array([ 4.8, 24. ])
     """

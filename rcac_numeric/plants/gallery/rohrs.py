@@ -30,7 +30,7 @@ def rohrs_plant() -> ContinuousPlant:
 
     Examples
     --------
-    >>> from rcac_numeric import rohrs_plant
+    >>> from rcac_numeric.gallery import rohrs_plant
     >>> rohrs_plant().poles().round(6)
     array([-15.+2.j, -15.-2.j,  -1.+0.j])
     """
@@ -66,7 +66,7 @@ def sampling_zeros(plant: ContinuousPlant, periods: Sequence[float]) -> list[Com
 
     Examples
     --------
-    >>> from rcac_numeric import rohrs_plant, sampling_zeros
+    >>> from rcac_numeric.gallery import rohrs_plant, sampling_zeros
     >>> [abs(zeros).max().round(2).item() for zeros in sampling_zeros(rohrs_plant(), [0.01, 0.3])]
     [3.46, 0.6]
     """
@@ -94,7 +94,7 @@ def critical_period(plant: ContinuousPlant, shortest: float, longest: float) -> 
 
     Examples
     --------
-    >>> from rcac_numeric import critical_period, rohrs_plant
+    >>> from rcac_numeric.gallery import critical_period, rohrs_plant
     >>> round(critical_period(rohrs_plant(), 0.05, 0.5), 4)
     0.1991
     """

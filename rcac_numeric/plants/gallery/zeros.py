@@ -64,7 +64,8 @@ def plant_zeros(plant: Plant) -> ComplexArray:
 
     Examples
     --------
-    >>> from rcac_numeric import plant_zeros, standard_plant
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.gallery import plant_zeros
     >>> plant_zeros(standard_plant("(q - 1.5)*(q - 0.2)/(q - 0.5)**3"))
     array([1.5+0.j, 0.2+0.j])
     """
@@ -100,7 +101,7 @@ def zero_path(schedule: PlantSchedule, steps: Sequence[int]) -> ZeroPath:
 
     Examples
     --------
-    >>> from rcac_numeric import aircraft_transition, zero_path
+    >>> from rcac_numeric.gallery import aircraft_transition, zero_path
     >>> path = zero_path(aircraft_transition(), [2500, 2525, 2600])
     >>> path.magnitudes.max(axis=1).round(3)
     array([1.   , 1.004, 1.136])

@@ -88,7 +88,7 @@ def plot_zero_path(path: ZeroPath) -> Figure:
 
     Examples
     --------
-    >>> from rcac_numeric import aircraft_transition, zero_path
+    >>> from rcac_numeric.gallery import aircraft_transition, zero_path
     >>> len(zero_path(aircraft_transition(), [2500, 2550, 2600]).plot().axes)
     2
     """
@@ -110,7 +110,7 @@ def plot_continuous_plant(plant: ContinuousPlant, periods: Sequence[float]) -> F
 
     Examples
     --------
-    >>> from rcac_numeric import rohrs_plant
+    >>> from rcac_numeric.gallery import rohrs_plant
     >>> len(rohrs_plant().plot([0.05, 0.1, 0.2]).axes)
     3
     """

@@ -18,7 +18,7 @@ COLUMNS = 25
 
 
 def plot_stability_region(
-    region: exact.StabilityRegion, first: tuple[float, float], second: tuple[float, float]
+    region: exact.results.StabilityRegion, first: tuple[float, float], second: tuple[float, float]
 ) -> Figure:
     """Shade the pairs of two gains for which all roots are stable.
 
@@ -50,7 +50,7 @@ def plot_stability_region(
     >>> len(figure.axes[0].collections), figure.axes[0].get_xlabel()
     (1, '$k_{p}$')
     """
-    region = instance_of(region, "a stability region", exact.StabilityRegion)
+    region = instance_of(region, "a stability region", exact.results.StabilityRegion)
     low, high = _range(first, "first")
     bottom, top = _range(second, "second")
     figure = Figure(figsize=(6, 4.5), layout="constrained")
@@ -72,7 +72,7 @@ def plot_stability_region(
 
 def _draw_slab(
     axis: Axes,
-    region: exact.StabilityRegion,
+    region: exact.results.StabilityRegion,
     across: tuple[float, float],
     shown: tuple[float, float],
 ) -> None:

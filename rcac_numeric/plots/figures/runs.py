@@ -52,7 +52,8 @@ def plot_runs(
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, plot_runs
+    >>> from rcac_numeric import plot_runs
+    >>> from rcac_numeric.dissertation import load_example
     >>> specs = load_example("2.1").runs
     >>> figure = plot_runs({name: spec.execute().first.run for name, spec in specs.items()})
     >>> figure.axes[0].get_ylabel(), figure.axes[-1].get_xlabel()

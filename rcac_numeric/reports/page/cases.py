@@ -128,7 +128,8 @@ def case_of(verification: Verification) -> Case:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.page.cases import Case, case_of
     >>> case = case_of(verify(load_example("7.1")))
     >>> case.anchor, case.chapter, case.claims[0].verdict, case.pictures

@@ -19,7 +19,7 @@ def single_figures(repetition: AnalysedRun) -> dict[str, Figure]:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.page.single import single_figures
     >>> list(single_figures(load_example("4.7").main_run.execute().first))
     ['Performance z and control u', 'Controller coefficients', 'Closed-loop poles and zeros', \

@@ -17,7 +17,7 @@ def replay_sheet(replayed: ReplayedRun) -> Sheet:
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import Kept, Study, replay_run, run_study
+    >>> from rcac_numeric.sweeps import Kept, Study, replay_run, run_study
     >>> from rcac_numeric.reports.studies.replay import replay_sheet
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 2)"}, "signals": {"w": {"step": 1}},

@@ -21,7 +21,7 @@ def sweep_sheet(overview: SweepOverview) -> Sheet:
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import Kept, Study, run_study, sweep_overview
+    >>> from rcac_numeric.sweeps import Kept, Study, run_study, sweep_overview
     >>> from rcac_numeric.reports.studies.sweep import sweep_sheet
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 2)"}, "signals": {"w": {"step": 1}},

@@ -41,7 +41,7 @@ def export_table(store: str | Path, path: str | Path) -> None:
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> from rcac_numeric import Kept, Study, export_table, run_study
+    >>> from rcac_numeric.sweeps import Kept, Study, export_table, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"}, "signals": {"w": {"step": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},

@@ -101,7 +101,7 @@ def sweep_overview(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import Axis, Kept, Study, run_study, sweep_overview
+    >>> from rcac_numeric.sweeps import Axis, Kept, Study, run_study, sweep_overview
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 2)"},
     ...     "signals": {"w": {"white_noise": 1}},

@@ -117,7 +117,7 @@ def replay_run(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import Kept, Study, replay_run, run_study
+    >>> from rcac_numeric.sweeps import Kept, Study, replay_run, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
     ...     "signals": {"w": {"white_noise": 1}},

@@ -46,7 +46,7 @@ def wilson_interval(
 
     Examples
     --------
-    >>> from rcac_numeric import wilson_interval
+    >>> from rcac_numeric.sweeps import wilson_interval
     >>> low, high = wilson_interval(0, 25)
     >>> float(low), round(float(high), 3)
     (0.0, 0.133)
@@ -134,7 +134,7 @@ def summarise(
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import SweepTable, summarise
+    >>> from rcac_numeric.sweeps import SweepTable, summarise
     >>> table = SweepTable(
     ...     {"run": np.arange(4), "n_c": np.array([1, 1, 2, 2]), "rms": np.array([1., 3., 2., 9.]),
     ...      "outcome": np.array(["completed", "completed", "completed", "diverged"])},

@@ -75,7 +75,7 @@ class SweepTable(Value):
         Examples
         --------
         >>> import numpy as np
-        >>> from rcac_numeric import SweepTable
+        >>> from rcac_numeric.sweeps import SweepTable
         >>> table = SweepTable(
         ...     {"run": np.arange(4), "n_c": np.array([1, 1, 2, 2])}, ("n_c",), ())
         >>> table.where(n_c=2)["run"]
@@ -118,7 +118,7 @@ def read_table(store: str | Path) -> SweepTable:
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import read_table
+    >>> from rcac_numeric.sweeps import read_table
     >>> read_table(tempfile.mkdtemp() + "/nothing.sqlite")
     Traceback (most recent call last):
         ...

@@ -122,7 +122,7 @@ def run_study(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import Axis, Kept, Study, read_table, run_study
+    >>> from rcac_numeric.sweeps import Axis, Kept, Study, read_table, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
     ...     "signals": {"w": {"white_noise": 1}},

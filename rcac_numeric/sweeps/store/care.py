@@ -85,7 +85,7 @@ def check_store(store: str | Path) -> StoreCheck:
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import Kept, Study, check_store, run_study
+    >>> from rcac_numeric.sweeps import Kept, Study, check_store, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"}, "signals": {"w": {"step": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},
@@ -115,7 +115,7 @@ def repair_store(store: str | Path) -> StoreCheck:
     Examples
     --------
     >>> import contextlib, sqlite3, tempfile
-    >>> from rcac_numeric import Kept, Study, read_table, repair_store, run_study
+    >>> from rcac_numeric.sweeps import Kept, Study, read_table, repair_store, run_study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"}, "signals": {"w": {"step": 1}},
     ...     "target": {"model": "fir"}, "controller": {"n_c": 2, "R_theta": 1},

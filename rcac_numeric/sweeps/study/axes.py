@@ -39,7 +39,7 @@ class Axis(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import Axis
+    >>> from rcac_numeric.sweeps import Axis
     >>> Axis("R_theta", [1e-4, 1e-2, 1], sets="controller.R_theta")
     Axis(R_theta: 3 values of controller.R_theta)
     """
@@ -88,7 +88,7 @@ class RandomAxis(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import RandomAxis
+    >>> from rcac_numeric.sweeps import RandomAxis
     >>> phase = RandomAxis("phase", "uniform", [0, 6.28], draws=3, sets="signals.r.phase")
     >>> phase.drawn(seed=1).values == phase.drawn(seed=1).values
     True

@@ -122,6 +122,7 @@ class Cells:
             return Cell(study, coordinates, None, {})
         document = study.document(coordinates)
         tables = read_run(document, {"name": "main"}, study.file)
+        assert tables is not None
         plant = _remembered(self._plants, canonical_json(document["plant"]), tables.plant.build)
         return Cell(study, coordinates, tables.build(plant), {})
 

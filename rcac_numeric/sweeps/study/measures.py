@@ -118,7 +118,7 @@ class Kept(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import Kept
+    >>> from rcac_numeric.sweeps import Kept
     >>> Kept("peak", "error", {"start": 900})
     Kept(error = peak(start=900))
     """

@@ -70,7 +70,7 @@ class Study(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import Axis, Kept, Study
+    >>> from rcac_numeric.sweeps import Axis, Kept, Study
     >>> base = {
     ...     "plant": {"problem": "standard", "G": "1/(q - 0.9)"},
     ...     "signals": {"w": {"white_noise": 1}},

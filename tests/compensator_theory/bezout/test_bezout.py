@@ -6,7 +6,6 @@ from hypothesis import given
 from sympy import Poly
 
 from compensator_theory import (
-    BudgetError,
     InputError,
     bezout_matrix,
     cauchy_index,
@@ -16,6 +15,7 @@ from compensator_theory import (
     resultant,
     subresultants,
 )
+from compensator_theory.errors import BudgetError
 from compensator_theory.matrices.linear_algebra import determinant, rank
 from compensator_theory.strategies import polynomials, rationals
 

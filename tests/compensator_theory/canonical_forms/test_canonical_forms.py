@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 from sympy import Matrix, Poly
 
 from compensator_theory import (
-    BudgetError,
     CompensatorError,
     budget,
     frobenius_form,
@@ -18,6 +17,7 @@ from compensator_theory import (
     popov_form,
     smith_form,
 )
+from compensator_theory.errors import BudgetError
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices

@@ -11,7 +11,6 @@ from sympy.matrices.normalforms import smith_normal_form
 
 import compensator_theory as exact
 from compensator_theory import (
-    BudgetError,
     InputError,
     hankel_matrix,
     mcmillan_degree,
@@ -22,6 +21,7 @@ from compensator_theory import (
     smith_mcmillan_form,
 )
 from compensator_theory.canonical_forms.smith import by_euclid
+from compensator_theory.errors import BudgetError
 from compensator_theory.polynomial_matrices.equivalence import elimination_of
 from compensator_theory.polynomial_matrices.polynomial_matrices import written
 from tests.support.structure_cases import (

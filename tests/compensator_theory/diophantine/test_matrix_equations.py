@@ -8,13 +8,13 @@ from sympy import Matrix, Poly
 
 from compensator_theory import (
     InputError,
-    NoSolutionError,
     coprime_fractions,
     minimal_basis,
     polynomial,
     polynomial_matrix,
     solve_matrix_diophantine,
 )
+from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.linear_algebra import rank
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,

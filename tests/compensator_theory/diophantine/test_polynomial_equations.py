@@ -5,14 +5,9 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    BudgetError,
-    DiophantineSolution,
-    InputError,
-    NoSolutionError,
-    polynomial,
-    solve_diophantine,
-)
+from compensator_theory import InputError, polynomial, solve_diophantine
+from compensator_theory.errors import BudgetError, NoSolutionError
+from compensator_theory.results import DiophantineSolution
 from compensator_theory.strategies import polynomials
 
 s, a, b = sympy.symbols("s a b")

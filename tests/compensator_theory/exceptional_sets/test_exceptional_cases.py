@@ -10,9 +10,11 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import compensator_theory as exact
-from compensator_theory import InputError, exceptional_cases
+from compensator_theory import CompensatorError, InputError, exceptional_cases
+from compensator_theory.exceptional_sets.arguments import substituted
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.linear_algebra import rank, solve_affine
+from compensator_theory.results import NullSpaceGCD
 
 s = sympy.Symbol("s")
 SYMBOLS = a, b, c = sympy.symbols("a b c")
@@ -289,7 +291,7 @@ def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
         placed = exact.place_poles(plant, [-1], feedback=-1)
         return placed, exact.smith_form([["s", entry], [0, "s"]], "s")
 
-    with pytest.raises(exact.FunctionFailedError, match="besides its arguments"):
+    with pytest.raises(exact.errors.FunctionFailedError, match="besides its arguments"):
         exceptional_cases(hidden, "k/(s + a)")
 
 
@@ -313,7 +315,7 @@ def test_bad_input(call, words):
 
 
 def test_an_error_of_the_function_is_named():
-    with pytest.raises(exact.FunctionFailedError, match="place_poles failed: TypeError"):
+    with pytest.raises(exact.errors.FunctionFailedError, match="place_poles failed: TypeError"):
         exceptional_cases(exact.place_poles, "1/(s + a)", [-1])
 
 
@@ -333,3 +335,39 @@ def test_a_zero_that_is_not_simplified_is_a_zero():
     parts = ("a**2 - 2*a*b", "a**2 - b", "b + c", "1")
     assert [len(case.answer.homogeneous) for case in analysed("Sylvester", parts).cases
             if case.status == "answered"] == [0, 1]  # fmt: skip
+
+
+PLAIN = [
+    (exact.mcmillan_degree, ([["1/(s + a)", "b/(s + c)"]], "s"), {}),
+    (exact.mcmillan_degree, ("a*s**2 + (s + b)/(s + c)", "s"), {}),
+    (exact.uncontrollable_polynomial, ([["a", 1], [0, "b"]], [["c"], [1]], "s"), {}),
+    (exact.is_controllable, ([["a", 1], ["b", 0]], [["c", 1], [1, "a"]]), {}),
+    (exact.number_of_common_roots, ("(s - a)*(s - 1)", "(s - b)*(s - c)"), {"variable": "s"}),
+    (exact.number_of_common_roots, ("s**2 + a*s + b", "c*s + 1"), {"variable": "s"}),
+    (exact.regulator_gain, ([["a", 1], ["b", 0]], [["c"], [1]], [-1, -2]), {}),
+    (exact.gcd_from_null_space, ("(s - a)*(s - 1)", "(s - b)*(s - c)", "s"), {}),
+    (exact.resultant, ("s**2 + a*s + b", "s + c"), {"variable": "s"}),
+]
+
+
+@pytest.mark.parametrize(("function", "arguments", "options"), PLAIN)
+@given(values=st.lists(st.integers(-2, 2), min_size=3, max_size=3))
+def test_plain_answers_hold_where_the_cases_say(function, arguments, options, values):
+    """Substituting first is the oracle: numbers, bools and polynomials are generic ones too."""
+    at = dict(zip("abc", values, strict=True))
+    case = exceptional_cases(function, *arguments, **options).at(at)
+    put = {sympy.Symbol(name): sympy.Integer(value) for name, value in at.items()}
+    try:
+        expected = function(*(substituted(argument, put) for argument in arguments), **options)
+    except CompensatorError as error:
+        assert case.status == "refused" and case.error is type(error)
+        return
+    assert case.status == "answered"
+    answer = case.answer
+    if isinstance(answer, NullSpaceGCD):
+        answer, expected = answer.gcd, expected.gcd
+    if isinstance(answer, sympy.Poly):
+        answer, expected = (p.as_expr() for p in (answer, expected))
+    if isinstance(answer, sympy.MatrixBase | sympy.Expr):
+        answer = answer.subs(put)
+    assert answer == expected

@@ -11,12 +11,12 @@ from sympy import Rational
 
 from compensator_theory import (
     CompensatorError,
-    NoSolutionError,
     decide_bounded_real,
     decide_positive_real,
     h_infinity_norm,
     transfer_matrix,
 )
+from compensator_theory.errors import NoSolutionError
 from tests.support.structure_cases import fewer
 
 s = sympy.Symbol("s")

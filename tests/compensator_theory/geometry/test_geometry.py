@@ -11,7 +11,6 @@ from sympy import Matrix, Poly, Rational
 from compensator_theory import (
     CompensatorError,
     InputError,
-    NoSolutionError,
     controlled_invariant_subspaces,
     decentralised_fixed_modes,
     decouple,
@@ -23,6 +22,7 @@ from compensator_theory import (
     polynomial_from_roots,
     smith_mcmillan_form,
 )
+from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices

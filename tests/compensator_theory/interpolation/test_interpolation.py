@@ -8,9 +8,7 @@ from hypothesis import strategies as st
 from sympy import Rational
 
 from compensator_theory import (
-    BudgetError,
     CompensatorError,
-    NoSolutionError,
     budget,
     hankel_matrix,
     laurent_expansion,
@@ -20,6 +18,7 @@ from compensator_theory import (
     partial_realisation,
     transfer_function,
 )
+from compensator_theory.errors import BudgetError, NoSolutionError
 from compensator_theory.strategies import coprime_pairs, rationals, strictly_proper_plants
 from tests.support.structure_cases import fewer, transfer_matrices
 

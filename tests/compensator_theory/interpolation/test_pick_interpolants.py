@@ -10,11 +10,11 @@ from sympy import I, Rational
 from compensator_theory import (
     CompensatorError,
     InputError,
-    NoSolutionError,
     h_infinity_norm,
     nevanlinna_pick,
     transfer_function,
 )
+from compensator_theory.errors import NoSolutionError
 from compensator_theory.interpolation import nevanlinna_pick as module
 from compensator_theory.interpolation.nevanlinna_pick import solve_pick
 from tests.support.bad_inputs import BAD

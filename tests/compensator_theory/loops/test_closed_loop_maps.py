@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    ImproperError,
     InputError,
     StandardProblem,
     closed_loop_polynomial,
@@ -19,6 +18,7 @@ from compensator_theory import (
     standard_problem,
     transfer_function,
 )
+from compensator_theory.errors import ImproperError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import (
     matrices,

@@ -7,8 +7,6 @@ from hypothesis import strategies as st
 from sympy import Rational
 
 from compensator_theory import (
-    BudgetError,
-    ImproperError,
     InputError,
     TransferMatrix,
     budget,
@@ -16,6 +14,7 @@ from compensator_theory import (
     minimal_realisation,
     transfer_matrix,
 )
+from compensator_theory.errors import BudgetError, ImproperError
 from tests.support.structure_cases import transfer_matrices
 
 SIGNS = st.sampled_from([1, -1])

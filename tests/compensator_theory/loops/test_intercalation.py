@@ -9,11 +9,7 @@ from hypothesis import strategies as st
 from sympy import Poly
 
 from compensator_theory import (
-    ImproperError,
     InputError,
-    NoSolutionError,
-    NotReachableTargetError,
-    UnitCircleError,
     closed_loop_polynomial,
     closed_loop_transfer_matrix,
     compensator_polynomials,
@@ -25,6 +21,12 @@ from compensator_theory import (
     split_at_unit_circle,
     standard_problem,
     target_characteristic_polynomial,
+)
+from compensator_theory.errors import (
+    ImproperError,
+    NoSolutionError,
+    NotReachableTargetError,
+    UnitCircleError,
 )
 from compensator_theory.strategies import (
     matrices,

@@ -11,10 +11,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     CompensatorError,
-    ImproperError,
     InputError,
-    NoSolutionError,
-    NotControllableError,
     StandardProblem,
     lqg_controller,
     polynomial,
@@ -22,6 +19,7 @@ from compensator_theory import (
     solve_riccati,
     spectral_factor,
 )
+from compensator_theory.errors import ImproperError, NoSolutionError, NotControllableError
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import matrices, minimal_plants, polynomials
 
@@ -74,7 +72,8 @@ def test_residual_and_poles_are_certified(data):
         assert all(0 in entry for entry in row)
         assert max(float(entry.radius) for entry in row) < 1e-15
     assert all(0 in c for c in found.factor.residual)
-    if found.is_exact:
+    assert found.is_exact and found.certificate.holds
+    if found.is_rational:
         closed = characteristic_polynomial(data[0] + data[1] * found.K, found.factor.polynomial.gen)
         assert closed == found.factor.polynomial
 
@@ -189,8 +188,18 @@ def test_refusals_name_what_is_wrong():
         solve_riccati([[1, 0], [0, 1]], [[1], [1]], [[1, 0], [0, 0]], [[0], [1]], time="continuous")
     with pytest.raises(InputError, match="discrete"):
         solve_riccati(one, one, one, one, variable="z", time="continuous")
-    with pytest.raises(InputError, match="columns"):
+    with pytest.raises(NoSolutionError, match="singular"):
         solve_riccati(one, [[1, 1]], one, [[1, 1]], time="continuous")
+    with pytest.raises(InputError, match="symmetric"):
+        solve_riccati([[1, 0], [0, 1]], [[1], [1]], Q=[[1, 2], [0, 1]], R=one, time="continuous")
+    for both in ({"Q": one, "E_1": one}, {"R": one, "E_1": one}, {}, {"Q": one, "E_2": one}):
+        with pytest.raises(InputError, match=r"give the weights|goes with"):
+            solve_riccati(one, one, time="continuous", **both)
+    with pytest.raises(NoSolutionError, match="no stabilising solution"):
+        solve_riccati(
+            [[1, -1], [-1, 0]], [[-1, -1], [1, -1]], Q=[[0, -2], [-2, 0]], R=[[-1, 0], [0, 1]],
+            time="continuous",
+        )  # fmt: skip
     with pytest.raises(NoSolutionError, match="imaginary axis"):
         solve_riccati([[0]], one, [[0], [0]], [[0], [1]], time="continuous")
     with pytest.raises(InputError, match="StandardProblem"):

@@ -12,8 +12,6 @@ from sympy import Matrix, Rational, diag, eye, zeros
 
 from compensator_theory import (
     InputError,
-    NoSolutionError,
-    NotControllableError,
     StandardProblem,
     high_authority_limits,
     lqg_poles,
@@ -22,6 +20,7 @@ from compensator_theory import (
     spectral_factor,
     standard_problem,
 )
+from compensator_theory.errors import NoSolutionError, NotControllableError
 from compensator_theory.strategies import polynomials, strictly_proper_plants
 
 R_2, s = sympy.symbols("R_2 s")

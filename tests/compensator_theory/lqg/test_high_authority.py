@@ -10,10 +10,7 @@ from hypothesis import strategies as st
 from compensator_theory import (
     CompensatorError,
     InputError,
-    NoSolutionError,
-    NotControllableError,
     StandardProblem,
-    UnitCircleError,
     certified_roots,
     closed_loop_polynomial,
     decide_stability,
@@ -27,6 +24,12 @@ from compensator_theory import (
     split_at_unit_circle,
     standard_problem,
     target_characteristic_polynomial,
+)
+from compensator_theory.errors import (
+    NoSolutionError,
+    NotControllableError,
+    NotObservableError,
+    UnitCircleError,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import matrices, standard_problems
@@ -65,11 +68,11 @@ def as_float(matrix):
     return np.array(matrix.tolist(), dtype=float)
 
 
-def scipy_polynomial(A, B, E_1, E_2):
+def scipy_polynomial(side):
     """Coefficients of the regulator's polynomial by SciPy; poles at 0 are too ill-conditioned."""
-    A, B, E_1, E_2 = map(as_float, (A, B, E_1, E_2))
-    P = scipy.linalg.solve_discrete_are(A, B, E_1.T @ E_1, E_2.T @ E_2, s=E_1.T @ E_2)
-    K = -np.linalg.solve(E_2.T @ E_2 + B.T @ P @ B, B.T @ P @ A + E_2.T @ E_1)
+    A, B, Q, R, N = (as_float(getattr(side, name)) for name in "ABQRN")
+    P = scipy.linalg.solve_discrete_are(A, B, Q, R, s=N)
+    K = -np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A + N.T)
     return P, np.poly(A + B @ K)
 
 
@@ -81,7 +84,7 @@ def coefficients(enclosure):
 def test_examples_a1_and_a2_are_exact(plant):
     found = lqg_controller(plant)
     for side in (found.regulator, found.estimator):
-        assert side.is_exact
+        assert side.is_rational and side.certificate.holds
         assert all(ball.centre == ball.radius == 0 for row in side.residual for ball in row)
         closed = side.A + side.B * side.K
         assert characteristic_polynomial(closed, q) == side.factor.polynomial
@@ -119,15 +122,15 @@ def test_example_4_1_is_enclosed():
     H = EXAMPLE_4_1.numerator("zu").LC()
     assert abs((outside.coefficients[-1].centre * H) ** 2 - innovation.centre) < 1e-25
     for side in (found.regulator, found.estimator):
-        assert not side.is_exact
+        assert side.is_exact and not side.is_rational and side.certificate.holds
         assert all(0 in ball for row in side.residual for ball in row)
         worst = max(ball.radius for row in side.P_enclosure for ball in row)
         assert worst <= sympy.Rational(1, 10**30)
-        P, scipys = scipy_polynomial(side.A, side.B, side.E_1, side.E_2)
+        P, scipys = scipy_polynomial(side)
         assert coefficients(side.factor.enclosure) == pytest.approx(scipys, abs=1e-13)
         mine = np.array([[float(c) for c in row] for row in side.P_enclosure])
         assert mine == pytest.approx(P, abs=1e-12)
-    assert (found.polynomial, found.compensator, found.realisation) == (None, None, None)
+    assert (found.polynomial, found.compensator) == (None, None)
     assert found.enclosure.degree == 10
     target = high_authority_target(EXAMPLE_4_1)
     assert target.transfer_function is None and target.d_zu == target.d_yw == 1
@@ -142,7 +145,9 @@ def test_riccati_equations_of_random_plants(plant):
     try:
         found = lqg_controller(plant)
     except CompensatorError as error:
-        assert isinstance(error, NoSolutionError | UnitCircleError | NotControllableError)
+        assert isinstance(
+            error, NoSolutionError | UnitCircleError | NotControllableError | NotObservableError
+        )
         assume(False)
     pencil = lqg_poles(plant)
     for side, factor in (
@@ -166,7 +171,7 @@ def test_scipy_agrees_on_the_coefficients(plant):
     except CompensatorError:
         assume(False)
     assume(all(abs(abs(r.value) - 1) > 0.05 for r in certified_roots(plant.numerator("zu"))))
-    _, scipys = scipy_polynomial(side.A, side.B, side.E_1, side.E_2)
+    _, scipys = scipy_polynomial(side)
     assert coefficients(side.factor.enclosure) == pytest.approx(scipys, abs=1e-6)
 
 
@@ -201,8 +206,14 @@ def test_several_signals_against_scipy():
         D_2 = sympy.Matrix([[0, 0], [0, 0]])
         plant = StandardProblem(A, B, C, D_1, None, D_2, E_1, None, None)
         found = lqg_poles(plant)
-        _, regulator = scipy_polynomial(A, B, E_1, plant.E_2)
-        _, estimator = scipy_polynomial(A.T, C.T, D_1.T, D_2.T)
+        controller = lqg_controller(plant)
+        for side in (controller.regulator, controller.estimator):
+            P, _ = scipy_polynomial(side)
+            mine = np.array([[float(c) for c in row] for row in side.P_enclosure])
+            assert mine == pytest.approx(P, rel=1e-7, abs=1e-7 * abs(P).max())
+            assert not side.is_exact or side.certificate.holds
+        _, regulator = scipy_polynomial(controller.regulator)
+        _, estimator = scipy_polynomial(controller.estimator)
         assert coefficients(found.regulator.enclosure) == pytest.approx(regulator, abs=1e-9)
         assert coefficients(found.estimator.enclosure) == pytest.approx(estimator, abs=1e-9)
         assert coefficients(found.enclosure) == pytest.approx(
@@ -228,7 +239,7 @@ def test_unique_only_among_the_stabilising_solutions():
         ("(q - 1)/(q**2 - 1/4)", UnitCircleError, "q - 1"),
         ("(q**2 + 1)/(q**3 - 1/8)", UnitCircleError, r"q\*\*2 \+ 1"),
         ("0/(q - 1/2)", NoSolutionError, "N_zu = 0"),
-        ("(q - 1/3)/((q - 1/3)*(q - 2))", NotControllableError, "uncontrollable"),
+        ("(q - 3)/((q - 3)*(q - 2))", NotObservableError, "unobservable"),
         ("(q - a)/(q**2 - 1/4)", InputError, "a"),
         ("q/(q**2 - a)", InputError, "a"),
     ],
@@ -240,16 +251,18 @@ def test_refused_by_name(G, error, message):
 
 def test_other_bad_input():
     two = StandardProblem([[2]], [[1, 1]], [[1]], [[1]], None, None, [[1]], None, None)
+    with pytest.raises(InputError, match="scalar"):
+        high_authority_target(two)
+    with pytest.raises(NoSolutionError, match="rank"):
+        lqg_controller(two)
     for function in (lqg_controller, high_authority_target):
-        with pytest.raises(InputError, match="scalar"):
-            function(two)
         with pytest.raises(InputError):
             function("1/q")
     with pytest.raises(NoSolutionError, match="rank"):
         lqg_poles(two)
     with pytest.raises(UnitCircleError, match="from u to z"):
         lqg_poles(standard_problem("(q - 1)/(q**2 - 1/4)"))
-    for arguments in (([[1, 2]], [[1]], [[1]]), ([[1]], [[1, 2]], [[1]]), ([["a"]], [[1]], [[1]]),
+    for arguments in (([[1, 2]], [[1]], [[1]]), ([[1]], [[1], [2]], [[1]]), ([["a"]], [[1]], [[1]]),
                       ([[1]], [[1]], [[1, 2]]), ([[float("nan")]], [[1]], [[1]]),
                       ([], [], [])):  # fmt: skip
         with pytest.raises(InputError):

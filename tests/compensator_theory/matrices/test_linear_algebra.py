@@ -5,7 +5,8 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import InputError, NoSolutionError
+from compensator_theory import InputError
+from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,

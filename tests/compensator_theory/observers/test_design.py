@@ -9,10 +9,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     CompensatorError,
-    ImproperError,
     InputError,
-    NotControllableError,
-    NotObservableError,
     Realisation,
     closed_loop_matrix,
     controllability_matrix,
@@ -27,6 +24,7 @@ from compensator_theory import (
     transfer_function,
     uncontrollable_polynomial,
 )
+from compensator_theory.errors import ImproperError, NotControllableError, NotObservableError
 from compensator_theory.strategies import matrices, spectra, strictly_proper_plants
 
 s = sympy.Symbol("s")

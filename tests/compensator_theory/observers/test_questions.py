@@ -11,9 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    ImproperError,
     InputError,
-    NotCoprimeError,
     count_observer_forms,
     is_lqg_suboptimal,
     observer_based_compensator,
@@ -27,6 +25,7 @@ from compensator_theory import (
     transfer_function,
     transfer_function_is_observer_based,
 )
+from compensator_theory.errors import ImproperError, NotCoprimeError
 from compensator_theory.loops.siso import closed_loop_of_pair
 from compensator_theory.observers.counting import count_partitions
 from compensator_theory.roots.counts import has_real_root, number_of_real_roots

@@ -6,14 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Rational
 
-from compensator_theory import (
-    NoSolutionError,
-    NotCoprimeError,
-    place_poles,
-    polynomial,
-    resultant,
-    transfer_function,
-)
+from compensator_theory import place_poles, polynomial, resultant, transfer_function
+from compensator_theory.errors import NoSolutionError, NotCoprimeError
 
 s, a, t0, t1, t2 = sympy.symbols("s a t0 t1 t2")
 PLANT = "(s - a)/((s - 1)*(s - 2))"

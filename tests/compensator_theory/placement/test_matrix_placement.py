@@ -6,9 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    ImproperError,
     InputError,
-    NoSolutionError,
     coprime_fractions,
     minimal_realisation,
     place_matrix_poles,
@@ -18,6 +16,7 @@ from compensator_theory import (
     stabilising_compensators,
     transfer_matrix,
 )
+from compensator_theory.errors import ImproperError, NoSolutionError
 from compensator_theory.strategies import rationals, spectra, strictly_proper_plants
 from tests.support.structure_cases import G_OF_THE_NOTES, fewer, transfer_matrices
 

@@ -7,10 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    ImproperError,
     InputError,
-    NoSolutionError,
-    NotCoprimeError,
     StandardProblem,
     TransferFunction,
     closed_loop_polynomial,
@@ -21,6 +18,7 @@ from compensator_theory import (
     standard_problem,
     transfer_function,
 )
+from compensator_theory.errors import ImproperError, NoSolutionError, NotCoprimeError
 from compensator_theory.strategies import polynomials, rationals, spectra, strictly_proper_plants
 
 SIGNS = st.sampled_from([1, -1])

@@ -6,9 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    ImproperError,
     InputError,
-    NoSolutionError,
     check_proposition_3,
     check_proposition_4,
     compensator_from_sensitivity,
@@ -21,6 +19,7 @@ from compensator_theory import (
     transfer_function,
 )
 from compensator_theory.bezout.sylvester import sylvester_m
+from compensator_theory.errors import ImproperError, NoSolutionError
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.placement.rounding_effects import rounded_polynomial, rounding_effect
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import compensator_theory as exact
+from compensator_theory.errors import PrecisionError
 from compensator_theory.polynomials.algebraic import algebraic
 from compensator_theory.strategies import polynomials
 
@@ -69,7 +70,10 @@ def test_what_is_no_precision_is_refused(bits):
 @pytest.mark.parametrize("error", [None, ZeroDivisionError])
 def test_what_was_computed_while_it_moved_is_not_relied_on(error, outside):
     before = flint.ctx.prec
-    with pytest.raises(exact.PrecisionError, match=r"300 bits.*77"), exact.ball_precision(300):
+    with (
+        pytest.raises(PrecisionError, match=r"300 bits.*77"),
+        exact.ball_precision(300),
+    ):
         thread = threading.Thread(target=outside, args=(77,))
         thread.start()
         thread.join()

@@ -224,7 +224,7 @@ def test_a_sum_whose_fractions_cancel_is_its_own_canonical_form():
 
 def test_a_field_asks_for_the_digits_of_its_discriminant():
     text = "*".join(["((3.+0.45082763499547807 - I^.5)**(1/3))"] * 10)
-    with pytest.raises(exact.BudgetError, match="discriminant"):
+    with pytest.raises(exact.errors.BudgetError, match="discriminant"):
         exact.polynomial(text, "s")
 
 

@@ -10,14 +10,13 @@ from sympy import Poly
 
 from compensator_theory import (
     InputError,
-    NoSolutionError,
-    UnitCircleError,
     certified_roots,
     monic,
     polynomial,
     polynomial_from_roots,
     split_at_unit_circle,
 )
+from compensator_theory.errors import NoSolutionError, UnitCircleError
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.strategies import polynomials, spectra
 

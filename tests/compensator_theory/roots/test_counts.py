@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    RootCount,
     certified_roots,
     count_roots,
     locate_roots,
@@ -16,6 +15,7 @@ from compensator_theory import (
     polynomial,
 )
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
+from compensator_theory.results import RootCount
 from compensator_theory.roots import counts
 from compensator_theory.roots.descartes import distinct_real_roots
 

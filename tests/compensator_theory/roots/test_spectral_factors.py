@@ -9,8 +9,6 @@ from hypothesis import strategies as st
 from compensator_theory import (
     Enclosure,
     InputError,
-    NoSolutionError,
-    UnitCircleError,
     certified_roots,
     decide_stability,
     enclose_split_at_unit_circle,
@@ -19,6 +17,7 @@ from compensator_theory import (
     spectral_factor,
     split_at_unit_circle,
 )
+from compensator_theory.errors import NoSolutionError, UnitCircleError
 from compensator_theory.roots.spectral_factors import factor_spectrum
 from compensator_theory.strategies import polynomials, rationals
 

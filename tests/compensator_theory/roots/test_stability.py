@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     InputError,
-    RootCount,
     bezout_identity,
     certified_roots,
     count_roots,
@@ -25,6 +24,7 @@ from compensator_theory import (
     reflection_coefficients,
     split_at_unit_circle,
 )
+from compensator_theory.results import RootCount
 from compensator_theory.roots.schur_cohn import has_root_outside
 from compensator_theory.strategies import polynomials, spectra
 
@@ -196,7 +196,8 @@ def test_bezout_with_symbols():
        for time in ("continuous", "discrete"))],
 )  # fmt: skip
 @pytest.mark.parametrize(
-    "bad", [polynomial(0, "s"), polynomial("s + a"), "1/s", None, "s*z", [1, 2], float("nan")]
+    "bad",
+    [polynomial(0, "s"), polynomial("s + a"), "1/s", None, "s*z", [], [1, None], float("nan")],
 )
 def test_bad_input_of_counts(function, bad):
     with pytest.raises(InputError):

@@ -15,6 +15,7 @@ from compensator_theory import (
     stabilising_gains,
     stability_conditions,
     stability_intervals,
+    stability_region,
 )
 from compensator_theory.strategies import polynomials, rationals, strictly_proper_plants
 
@@ -61,8 +62,7 @@ def test_membership_is_stability(first, second, values, variable):
     for value in values:
         there = polynomial(p + value * q, variable)
         assume(not there.is_zero)
-        keeps_degree = there.degree() == found.polynomial.degree()
-        assert (value in found) == bool(keeps_degree and decide(there).is_stable)
+        assert (value in found) == decide(there).is_stable  # of what is left, where it drops
     for cell in found.cells:
         assert cell.sample in cell and cell.count.total == found.polynomial.degree()
 
@@ -85,6 +85,41 @@ def test_conditional_stability_and_margins():
     assert stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=-1).around(1).upper == 6
     assert ends(stabilising_gains("1/(s*(s + 1)*(s + 2))", feedback=1)) == [(-6, 0)]
     assert not stabilising_gains("(s - 1)/((s - 1)*(s + 2))", feedback=-1).intervals
+
+
+@given(
+    st.lists(st.integers(-2, 2), min_size=2, max_size=2),
+    st.lists(st.lists(st.integers(-2, 2), min_size=1, max_size=2), min_size=1, max_size=3),
+    st.sampled_from([s, z]),
+)
+def test_where_the_degree_drops_what_is_left_decides(leading, lower, variable):
+    """At the zero of the leading coefficient, against the decision on the lower polynomial."""
+    assume(leading[0])
+    columns = [leading, *lower]
+    degree = len(columns) - 1
+    p = sum(sympy.Poly(c, k).as_expr() * variable ** (degree - i) for i, c in enumerate(columns))
+    value = sympy.Rational(-leading[1], leading[0])
+    there = polynomial(sympy.expand(p.subs(k, value)), variable)
+    found = stability_intervals(polynomial(p, variable), "k")
+    time = "continuous" if variable == s else "discrete"
+    expected = not there.is_zero and bool(decide_stability(there, time=time).is_stable)
+    assert (value in found) == expected
+    if expected:
+        assert value in found.around(value)
+
+
+def test_degree_drops_of_the_textbooks():
+    """s + 1 is stable, so k = 0 is; a loop loses a root to infinity there, and is not."""
+    assert 0 in stability_intervals("k*s**2 + s + 1", "k")
+    assert str(stability_intervals("k*s**3 + s + 1", "k")).endswith(
+        "k in {0}, where the degree drops"
+    )
+    irrational = stability_intervals("(k**2 - 2)*s**3 + (k + 1)*s + 1", "k")
+    assert [point.lower for point in irrational.points] == [sympy.sqrt(2)]
+    loop = stabilising_gains("(s**2 + 1)/(s**2 + 2*s + 3)", feedback=1)
+    assert 1 not in loop and sympy.Rational(1, 2) in loop
+    region = stability_region("a*s**2 + b*s + 1", "a", "b")
+    assert (0, 1) in region and (1, 0) not in region
 
 
 def test_what_is_refused():

@@ -10,9 +10,6 @@ from sympy import ImmutableMatrix, Matrix, Rational
 
 from compensator_theory import (
     InputError,
-    NoSolutionError,
-    NotControllableError,
-    NotObservableError,
     assign_eigenstructure,
     brunovsky_form,
     observer_gain_family,
@@ -22,6 +19,7 @@ from compensator_theory import (
     regulator_gain,
     state_feedback_family,
 )
+from compensator_theory.errors import NoSolutionError, NotControllableError, NotObservableError
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.strategies import matrices, spectra
 from compensator_theory.strategies.plants import disguised, unimodular_matrices
@@ -70,6 +68,19 @@ def test_brunovskys_form(pair):
     for k in range(1, n + 1):
         columns = columns.row_join(A ** (k - 1) * B)
         assert rank(columns) == sum(min(index, k) for index in found.indices)
+
+
+def test_all_gains_are_those_that_are_similar():
+    """K = -2I gives the poles -1, -1 too, and no Jordan block: it is none of the cyclic family."""
+    unit = sympy.eye(2)
+    cyclic = state_feedback_family(unit, unit, [-1, -1])
+    assert "and A + BK cyclic" in str(cyclic) and cyclic.parameters_of(-2 * unit) == ()
+    diagonal = state_feedback_family(unit, unit, Lambda=-unit)
+    assert "similar to [[-1, 0], [0, -1]]" in str(diagonal)
+    basis = diagonal.parameters_of(-2 * unit)
+    generic = sum((p * i**2 for i, p in enumerate(basis, 1)), sympy.zeros(2, 2))
+    assert diagonal.gain(generic) == -2 * unit
+    assert "cyclic" not in str(state_feedback_family(unit, unit, [-1, -2]))
 
 
 @fewer(2)

@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     InputError,
-    NotCoprimeError,
     Realisation,
     certified_roots,
     mcmillan_degree,
@@ -15,6 +14,7 @@ from compensator_theory import (
     place_poles,
 )
 from compensator_theory import strategies as ours
+from compensator_theory.errors import NotCoprimeError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 
 

@@ -8,7 +8,6 @@ from sympy import Matrix, Poly, eye
 
 import compensator_theory as exact
 from compensator_theory import (
-    BudgetError,
     InputError,
     TransferMatrix,
     coprime_fractions,
@@ -17,6 +16,7 @@ from compensator_theory import (
     polynomial_matrix,
     row_reduced_form,
 )
+from compensator_theory.errors import BudgetError
 from compensator_theory.strategies import coprime_pairs
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,

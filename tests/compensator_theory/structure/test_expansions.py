@@ -6,8 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    BudgetError,
-    ImproperError,
     InputError,
     Realisation,
     TransferFunction,
@@ -15,6 +13,7 @@ from compensator_theory import (
     partial_fractions,
     transfer_function,
 )
+from compensator_theory.errors import BudgetError, ImproperError
 from compensator_theory.strategies import minimal_plants, polynomials
 
 s = sympy.Symbol("s")

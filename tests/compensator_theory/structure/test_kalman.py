@@ -9,8 +9,6 @@ from sympy import Matrix, eye
 
 import compensator_theory as exact
 from compensator_theory import (
-    BudgetError,
-    ImproperError,
     InputError,
     hankel_matrix,
     kalman_decomposition,
@@ -18,6 +16,7 @@ from compensator_theory import (
     minimal_realisation,
     transfer_matrix,
 )
+from compensator_theory.errors import BudgetError, ImproperError
 from tests.support.structure_cases import (
     G_OF_THE_NOTES,
     fewer,

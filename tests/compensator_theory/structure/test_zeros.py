@@ -9,7 +9,6 @@ from sympy import Matrix, Poly, eye
 
 import compensator_theory as exact
 from compensator_theory import (
-    ImproperError,
     InputError,
     input_decoupling_zeros,
     invariant_zeros,
@@ -20,6 +19,7 @@ from compensator_theory import (
     smith_mcmillan_form,
     transmission_zeros,
 )
+from compensator_theory.errors import ImproperError
 from tests.support.structure_cases import G_OF_THE_NOTES, fewer, realisations, transfer_matrices
 
 s, a, b = sympy.symbols("s a b")

@@ -9,7 +9,8 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from sympy import Matrix, Poly, Rational
 
-from compensator_theory import BudgetError, InputError, Realisation, observer_forms, youla_forms
+from compensator_theory import InputError, Realisation, observer_forms, youla_forms
+from compensator_theory.errors import BudgetError
 from compensator_theory.matrices.invariant_subspaces import (
     joined,
     primary_components,

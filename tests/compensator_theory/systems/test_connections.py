@@ -5,7 +5,8 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import ImproperError, InputError, Realisation
+from compensator_theory import InputError, Realisation
+from compensator_theory.errors import ImproperError
 from compensator_theory.strategies import matrices
 from tests.support.structure_cases import fewer, nonzero_point
 

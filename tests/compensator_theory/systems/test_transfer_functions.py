@@ -8,7 +8,6 @@ from hypothesis import given
 from sympy.physics.control import TransferFunction as SympyTransferFunction
 
 from compensator_theory import (
-    ImproperError,
     InputError,
     TransferFunction,
     TransferMatrix,
@@ -16,6 +15,7 @@ from compensator_theory import (
     standard_problem,
     transfer_function,
 )
+from compensator_theory.errors import ImproperError
 from compensator_theory.strategies import polynomials, strictly_proper_plants
 
 s, a = sympy.symbols("s a")

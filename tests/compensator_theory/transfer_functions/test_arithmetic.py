@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from sympy.physics.control import Feedback, Parallel, Series
 
 from compensator_theory import (
-    BudgetError,
     InputError,
     TransferFunction,
     feedback_connection,
     polynomial,
     transfer_function,
 )
+from compensator_theory.errors import BudgetError
 from compensator_theory.strategies import polynomials, rationals
 
 s, z, a, b = sympy.symbols("s z a b")

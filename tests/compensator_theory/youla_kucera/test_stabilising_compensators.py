@@ -8,9 +8,7 @@ from sympy import Matrix
 
 import compensator_theory as exact
 from compensator_theory import (
-    ImproperError,
     InputError,
-    NotControllableError,
     Realisation,
     decide_stability,
     doubly_coprime_fractions,
@@ -18,6 +16,7 @@ from compensator_theory import (
     stabilising_compensators,
     transfer_matrix,
 )
+from compensator_theory.errors import ImproperError, NotControllableError
 from compensator_theory.strategies import hurwitz_spectra, matrices, rationals
 from tests.support.structure_cases import G_OF_THE_NOTES, fewer, nonzero_point
 
@@ -183,7 +182,10 @@ FAMILY = stabilising_compensators("(s + 2)/(s - 1)", [-1], [-1], feedback=1)
         (lambda: stabilising_compensators("1/(s - 1)", [-1], [-1], feedback=2), InputError),
         (lambda: stabilising_compensators("1/(x - 1)", [-1], [-1], feedback=1), InputError),
         (lambda: stabilising_compensators("s", [], [], feedback=1), ImproperError),
-        (lambda: doubly_coprime_fractions(([[1]], [[0]], [[1]]), [-1], [-1]), NotControllableError),
+        (
+            lambda: doubly_coprime_fractions(([[1]], [[0]], [[1]]), [-1], [-1], "s"),
+            NotControllableError,
+        ),
         (lambda: FAMILY.compensator("-1"), ImproperError),
         (lambda: FAMILY.compensator("s"), ImproperError),
         (lambda: FAMILY.compensator([[1, 2]]), InputError),

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import ImproperError, InputError
+from compensator_theory import InputError
+from compensator_theory.errors import ImproperError
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -20,12 +21,12 @@ from rcac_numeric import (
     exogenous,
     fir_target,
     intercalated_match,
-    load_example,
     simulate,
     split_residual,
     standard_plant,
 )
 from rcac_numeric.analysis.exact_comparison import pairing
+from rcac_numeric.dissertation import load_example
 from tests.support.strategies import plants, seeds, targets
 
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
-from rcac_numeric import TargetModel, check_controller, load_example, target_model
+from rcac_numeric import TargetModel, check_controller, target_model
 from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 
 

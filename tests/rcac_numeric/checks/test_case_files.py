@@ -3,14 +3,8 @@
 import pytest
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric import (
-    check_arguments,
-    check_controller,
-    iir,
-    load_example,
-    load_experiment,
-    read_log,
-)
+from rcac_numeric import check_arguments, check_controller, iir, load_experiment, read_log
+from rcac_numeric.dissertation import load_example
 
 CASE = "examples/octave/example_4_7.toml"
 

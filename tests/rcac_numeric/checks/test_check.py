@@ -1,7 +1,5 @@
 """The check of a controller: a log of another program, our own logs, and what cannot be said."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy.io
@@ -24,7 +22,6 @@ from rcac_numeric import (
     fir,
     fir_target,
     iir,
-    load_example,
     pid,
     read_log,
     replay,
@@ -32,7 +29,9 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.checks.replays import replay_compensator
+from rcac_numeric.dissertation import load_example
 from tests.support.strategies import controllers, plants, seeds
 
 OCTAVE = "examples/octave/rcac_loop.mat"

@@ -6,9 +6,10 @@ import tomllib
 import pytest
 from click.testing import CliRunner
 
-from rcac_numeric import load_example, load_run
+from rcac_numeric import load_run
 from rcac_numeric.cli.cases import known_keys
 from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.files.builder import build
 
 

@@ -4,8 +4,8 @@ import json
 
 from click.testing import CliRunner
 
-from rcac_numeric import find_errata
 from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import find_errata
 
 
 def run(*arguments):

@@ -1,18 +1,19 @@
 """Every erratum has evidence that stands: checks hold, entries of the ledger and claims exist."""
 
 import pickle
-from dataclasses import replace
 
 import pytest
 
 from compensator_theory import InputError
 from proofs.ledger.checks import run_counterexample
 from proofs.ledger.ledger import ledger
-from rcac_numeric import ErratumEvidence, check_erratum, find_errata, load_example
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.dissertation import check_erratum, find_errata, load_example
 from rcac_numeric.dissertation.errata.checking import SHOWN_BY, can_run
 from rcac_numeric.dissertation.errata.entries import EVIDENCE
 from rcac_numeric.dissertation.errata.reading import CHAPTERS, read_chapter
 from rcac_numeric.dissertation.examples import example_ids
+from rcac_numeric.results import ErratumEvidence
 
 ERRATA = find_errata()
 OF = {kind: [e for e in ERRATA if e.evidence.kind == kind] for kind in EVIDENCE}

@@ -1,12 +1,12 @@
 """Every check can fail: a generated change of its example's file, or a NaN, turns it."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from compensator_theory import CompensatorError
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.judging.claim import HOLDS, OURS, outcome_of
 from rcac_numeric.experiments.judging.interval import CheckResult

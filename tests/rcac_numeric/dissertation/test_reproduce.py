@@ -9,17 +9,17 @@ import sys
 import time
 import zipfile
 from concurrent.futures import Executor, Future
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
-from rcac_numeric import load_example, reproduce
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import load_example, reproduce
 from rcac_numeric.dissertation.archive import write_archive
-from rcac_numeric.dissertation.reproduce import FEW, KeptCases, digest_of, made, reduced
+from rcac_numeric.dissertation.reproduction import FEW, KeptCases, digest_of, made, reduced
 from rcac_numeric.dissertation.workers import case_workers
 from rcac_numeric.experiments.judging.interval import Check
 
@@ -106,7 +106,7 @@ def test_other_data_are_another_case():
 def test_the_digest_is_the_same_in_every_process():
     code = (
         "from rcac_numeric import load_example\n"
-        "from rcac_numeric.dissertation.reproduce import digest_of\n"
+        "from rcac_numeric.dissertation.reproduction import digest_of\n"
         "print(*(digest_of(load_example(n)) for n in ('2.2', '2.6', '6.4', '7.1')))"
     )
     environment = {**os.environ, "PYTHONHASHSEED": "1"}

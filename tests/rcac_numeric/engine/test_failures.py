@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from compensator_theory import CompensatorError, FunctionFailedError, ImproperError, InputError
+from compensator_theory import CompensatorError, InputError
+from compensator_theory.errors import FunctionFailedError, ImproperError
 from rcac_numeric import (
     UD,
     Controller,

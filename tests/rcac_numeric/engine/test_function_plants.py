@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import LowLevelCallable
 
-from compensator_theory import FunctionFailedError
+from compensator_theory.errors import FunctionFailedError
 from rcac_numeric import (
     UD,
     ControllerSettings,

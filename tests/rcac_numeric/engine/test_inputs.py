@@ -8,7 +8,8 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import ImproperError, InputError
+from compensator_theory import InputError
+from compensator_theory.errors import ImproperError
 from rcac_numeric import (
     UD,
     ControllerSettings,

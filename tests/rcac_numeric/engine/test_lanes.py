@@ -1,7 +1,6 @@
 """Runs in lanes: as accurate as `simulate`, the same in any company, refused where they must be."""
 
-from dataclasses import replace
-
+import attrs
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -18,6 +17,7 @@ from rcac_numeric import (
     simulate_many,
     simulate_reference,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.plants.linear import MATRICES
@@ -74,7 +74,7 @@ def perturbed(case, rng, relative):
     settings = replace(
         case.settings,
         theta_0=move(case.settings.theta_0),
-        update=replace(update, R_theta=update.R_theta * move(1.0)),
+        update=attrs.evolve(update, R_theta=update.R_theta * move(1.0)),
     )
     options = {**case.options, "x_0": move(case.options.get("x_0", np.zeros(case.plant.n)))}
     return SimulationCase(

@@ -5,7 +5,6 @@ import pickle
 import subprocess
 import sys
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import DivergedError, FunctionFailedError, InputError
+from compensator_theory import InputError
+from compensator_theory.errors import DivergedError, FunctionFailedError
 from rcac_numeric import (
     UD,
     Controller,
@@ -32,6 +32,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 
 SETTINGS = ControllerSettings(
     structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)

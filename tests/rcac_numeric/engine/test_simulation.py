@@ -1,6 +1,5 @@
 """The closed loop: one step for both doors, start-up, divergence, and the exact reference."""
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -9,7 +8,8 @@ from hypothesis import assume, given, reject
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from compensator_theory import CompensatorError, DivergedError, ImproperError, InputError
+from compensator_theory import CompensatorError, InputError
+from compensator_theory.errors import DivergedError, ImproperError
 from rcac_numeric import (
     UD,
     Controller,
@@ -23,12 +23,13 @@ from rcac_numeric import (
     fir,
     fir_target,
     iir,
-    load_example,
     servo_plant,
     simulate,
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from tests.support.strategies import controllers, plants, seeds

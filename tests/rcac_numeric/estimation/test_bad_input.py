@@ -10,7 +10,7 @@ from compensator_theory.errors import (
     IllConditionedError,
     InputError,
 )
-from rcac_numeric import (
+from rcac_numeric.estimation import (
     EKF,
     RCMR,
     UKF,

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import EKF, UKF, Estimator, LinearModel, NonlinearModel, estimate
+from rcac_numeric.estimation import EKF, UKF, Estimator, LinearModel, NonlinearModel, estimate
 from tests.support.estimation_cases import (
     PENDULUM,
     PYTHON_PENDULUM,

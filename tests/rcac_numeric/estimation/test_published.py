@@ -11,7 +11,14 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from rcac_numeric import EKF, UKF, NonlinearModel, SymbolicModel, UnobservableWarning, estimate
+from rcac_numeric.estimation import (
+    EKF,
+    UKF,
+    NonlinearModel,
+    SymbolicModel,
+    UnobservableWarning,
+    estimate,
+)
 
 RANGE, BEARING = sp.symbols("r phi", real=True)
 POLAR = SymbolicModel([RANGE * sp.cos(BEARING), RANGE * sp.sin(BEARING)], [RANGE], [RANGE, BEARING])

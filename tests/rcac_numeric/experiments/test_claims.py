@@ -45,7 +45,7 @@ def with_check(**check):
         ({"measure": ["rms"]}, "measure = ['rms'] must be a string"),
         ({"measure": "rsm"}, "Did you mean 'rms'"),
         ({"measure": None}, "needs the key 'measure'"),
-        ({"run": False}, "run = False must be a string"),
+        ({"run": False}, "run = false must be a string"),
         ({"measure": "settling_step", "band": [1, 2]}, "band must be a real number"),
         ({"band": 0.1}, "sets 'band', which measure = \"rms\" does not read"),
         ({"bnd": 0.1}, "unknown key 'bnd'"),

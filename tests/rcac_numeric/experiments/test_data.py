@@ -4,16 +4,18 @@ import copy
 import pickle
 import subprocess
 import sys
-from dataclasses import replace
 
 import pytest
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids
 
 FRESH = """
 import pickle, sys
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.dissertation import load_example
 first, second = pickle.load(sys.stdin.buffer)
 experiment = load_example("2.6")
 assert first == experiment and first.runs["mixed"] == experiment.runs["mixed"]

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.experiments.judging.claim import (
     HOLDS,

@@ -13,13 +13,13 @@ from rcac_numeric import (
     TargetModel,
     compare_exactly,
     iir,
-    load_example,
     pole_placement_target,
     servo_plant,
     split_residual,
     stability_margins,
     standard_plant,
 )
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.measures import MEASURES
 

@@ -7,7 +7,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.signal import correlate
 
-from compensator_theory import IllConditionedError, InputError
+from compensator_theory import InputError
+from compensator_theory.errors import IllConditionedError
 from rcac_numeric import ClosedLoop, Compensator, Plant, h2_cost, lqg, standard_plant
 from rcac_numeric.h2.conversion import compensator_from_state_space
 from rcac_numeric.h2.noise import noise_inputs

@@ -5,16 +5,16 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import (
+from compensator_theory import InputError, lqg_controller
+from compensator_theory.errors import (
     ImproperError,
-    InputError,
     NoSolutionError,
     NotControllableError,
     NotObservableError,
     UnitCircleError,
-    lqg_controller,
 )
-from rcac_numeric import Plant, h2_cost, load_example, lqg, servo_plant, standard_plant, with_bias
+from rcac_numeric import Plant, h2_cost, lqg, servo_plant, standard_plant, with_bias
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.files.builder import build
 from tests.support.dissertation_plants import (
     PLANT_4_1,

@@ -9,13 +9,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_are, solve_discrete_lyapunov
 
-from compensator_theory import (
-    InputError,
-    NoSolutionError,
-    NotControllableError,
-    UnitCircleError,
-    solve_riccati,
-)
+from compensator_theory import InputError, solve_riccati
+from compensator_theory.errors import NoSolutionError, NotControllableError, UnitCircleError
 from rcac_numeric import solve_dare
 from rcac_numeric.analysis.gramians import stein_solution
 from tests.support.dare_cases import DAREX, SCIPY

@@ -9,15 +9,14 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from rcac_numeric import (
-    eigensystem_realisation,
     fir_target,
-    identify_markov_parameters,
     markov_parameters,
     markov_target,
     modelling_information,
     modelling_information_from_markov,
     standard_plant,
 )
+from rcac_numeric.identification import eigensystem_realisation, identify_markov_parameters
 from tests.support.aircraft import OFF_NOMINAL, aircraft
 from tests.support.strategies import plants, seeds
 

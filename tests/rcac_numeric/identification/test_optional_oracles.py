@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from rcac_numeric import aircraft_matrices, eigensystem_realisation
+from rcac_numeric.gallery import aircraft_matrices
+from rcac_numeric.identification import eigensystem_realisation
 
 RADIUS = 0.6
 

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import (
+from rcac_numeric.identification import (
     NeweyWest,
     RecursiveMarkov,
     eigensystem_realisation,

@@ -7,17 +7,16 @@ import scipy.stats
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import IllConditionedError, InputError
-from rcac_numeric import (
+from compensator_theory import InputError
+from compensator_theory.errors import IllConditionedError
+from rcac_numeric.gallery import aircraft_plant, aircraft_transition, plant_zeros
+from rcac_numeric.identification import (
     NeweyWest,
-    aircraft_plant,
-    aircraft_transition,
     bootstrap_zeros,
     eigensystem_realisation,
     identified_zeros,
     identify_markov_parameters,
     identify_windows,
-    plant_zeros,
 )
 from rcac_numeric.identification.windows import rms_residual
 from rcac_numeric.identification.zero_gradients import realised_zeros, zeros_and_gradients

@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Poly, symbols
 
-from compensator_theory import ImproperError, InputError, NotCoprimeError, transfer_function
+from compensator_theory import InputError, transfer_function
+from compensator_theory.errors import ImproperError, NotCoprimeError
 from rcac_numeric import servo_plant
 
 q = symbols("q")

@@ -3,18 +3,17 @@
 import numpy as np
 import pytest
 
-from rcac_numeric import (
-    FigureRequest,
+from rcac_numeric import FigureRequest, verify
+from rcac_numeric.dissertation import load_example
+from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.measures.plant_measures import windows_of
+from rcac_numeric.gallery import (
     aircraft_transition,
-    load_example,
     no_guaranteed_margins,
     plant_zeros,
     rohrs_plant,
-    verify,
     zero_path,
 )
-from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.measures.plant_measures import windows_of
 from rcac_numeric.plots.figures.requested import plot_request
 
 OPEN_LOOP = {

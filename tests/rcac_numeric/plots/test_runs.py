@@ -7,7 +7,6 @@ from compensator_theory import place_poles
 from compensator_theory.errors import InputError
 from rcac_numeric import (
     check_controller,
-    load_example,
     load_run,
     loop_health,
     lqg,
@@ -17,6 +16,7 @@ from rcac_numeric import (
     standard_plant,
     verify,
 )
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.plots.coefficients import coefficient_names
 from tests.rcac_numeric import samples
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import load_example, plot_runs
+from rcac_numeric import plot_runs
+from rcac_numeric.dissertation import load_example
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from compensator_theory.errors import InputError
-from rcac_numeric import (
+from rcac_numeric.sweeps import (
     Axis,
     Kept,
     StudyInterrupted,

@@ -11,7 +11,6 @@ import time
 import warnings
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import closing, suppress
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
-from rcac_numeric import (
+from rcac_numeric import simulate
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.engine.compiled.instruction_sets import instruction_set
+from rcac_numeric.sweeps import (
     Axis,
     Kept,
     StoreError,
@@ -29,10 +31,8 @@ from rcac_numeric import (
     read_table,
     replay_run,
     run_study,
-    simulate,
     sweep_overview,
 )
-from rcac_numeric.engine.compiled.instruction_sets import instruction_set
 from rcac_numeric.sweeps.chunks.chunk import ChunkTask
 from rcac_numeric.sweeps.chunks.worker import run_chunk
 from rcac_numeric.sweeps.running import sweep

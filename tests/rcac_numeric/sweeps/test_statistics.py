@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
-from rcac_numeric import SweepTable, summarise, wilson_interval
 from rcac_numeric.plots.sweep import plot_summary
+from rcac_numeric.sweeps import SweepTable, summarise, wilson_interval
 
 counts = st.integers(1, 400).flatmap(lambda n: st.tuples(st.integers(0, n), st.just(n)))
 

@@ -12,7 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rcac_numeric import StoreError, export_table, load_study, read_table, run_study, sweep_overview
+from rcac_numeric.sweeps import (
+    StoreError,
+    export_table,
+    load_study,
+    read_table,
+    run_study,
+    sweep_overview,
+)
 from rcac_numeric.sweeps.chunks.chunk import RunRecord
 from rcac_numeric.sweeps.store.claims import Claims, is_gone, this_owner
 from rcac_numeric.sweeps.store.store import Store

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
+from rcac_numeric.sweeps import Axis, Kept, RandomAxis, Study, load_study, read_table, run_study
 from rcac_numeric.sweeps.chunks.measuring import ONCE_FOR_A_CELL
 from rcac_numeric.sweeps.chunks.worker import run_in_full
 from rcac_numeric.sweeps.study.canonical import canonical_json

@@ -7,13 +7,8 @@ import scipy.signal
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    BudgetError,
-    ImproperError,
-    InputError,
-    TransferMatrix,
-    polynomial,
-)
+from compensator_theory import InputError, TransferMatrix, polynomial
+from compensator_theory.errors import BudgetError, ImproperError
 from rcac_numeric import TargetModel, target_model
 from rcac_numeric.analysis.residual_split import filtered
 from tests.support.strategies import seeds, sizes

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import compensator_theory
-from compensator_theory import InputError, NoSolutionError, UnitCircleError
+from compensator_theory import InputError
+from compensator_theory.errors import NoSolutionError, UnitCircleError
 from rcac_numeric import (
     high_authority_target_model,
     modelling_information,

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from compensator_theory import CompensatorError, ImproperError, InputError
+from compensator_theory import CompensatorError, InputError
+from compensator_theory.errors import ImproperError
 from rcac_numeric import (
     ModellingInformation,
     TargetModel,

@@ -6,7 +6,8 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from compensator_theory import InputError, NoSolutionError
+from compensator_theory import InputError
+from compensator_theory.errors import NoSolutionError
 from rcac_numeric import (
     Plant,
     output_subspace_target,

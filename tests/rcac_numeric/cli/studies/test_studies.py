@@ -5,8 +5,8 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from rcac_numeric import read_table
 from rcac_numeric.cli.main import main
+from rcac_numeric.sweeps import read_table
 from rcac_numeric.sweeps.store.store import Store, chunk_digest
 from tests.support import studies
 

@@ -10,14 +10,12 @@ from rcac_numeric import (
     ModellingInformation,
     SignalWeight,
     TargetLearner,
-    aircraft_plant,
-    aircraft_transition,
     fir_target,
     iir,
-    plant_zeros,
     simulate,
     target_from_data,
 )
+from rcac_numeric.gallery import aircraft_plant, aircraft_transition, plant_zeros
 
 STEPS = 8000
 # The best settings found for Example 3.2 with the zeros known.

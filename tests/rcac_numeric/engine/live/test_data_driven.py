@@ -1,7 +1,5 @@
 """RCAC that learns its target model: what chapter 9's acceptance asks, cuts, batches, refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -15,7 +13,6 @@ from rcac_numeric import (
     ModellingInformation,
     PlantChange,
     PlantSchedule,
-    RecursiveARX,
     SignalWeight,
     SimulationCase,
     Step,
@@ -34,6 +31,8 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.identification import RecursiveARX
 
 ZERO = "(q - 0.8)*(q - {})/((q - 0.5)*(q**2 - 1.9*q + 1))"  # example 6.1 with its zero moved
 P_54 = "(q - 0.5)*(q**2 - 1.92*q + 1.44)/((q - 0.35)*(q - 0.6)*(q**2 - 0.8*q + 0.32))"

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import FunctionFailedError, InputError
+from compensator_theory import InputError
+from compensator_theory.errors import FunctionFailedError
 from rcac_numeric import (
     UD,
     Controller,

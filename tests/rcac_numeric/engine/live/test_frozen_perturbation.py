@@ -1,7 +1,5 @@
 """u~ with theta frozen: the signal itself, the zeros that it shows, runs that are cut, refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,7 +9,6 @@ from rcac_numeric import (
     Controller,
     ControllerSettings,
     DataDriven,
-    RecursiveARX,
     Step,
     WhiteNoise,
     exogenous,
@@ -25,8 +22,10 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.engine.live.learner import FrozenPerturbation
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.identification import RecursiveARX
 
 ZERO = "(q - 0.8)*(q - {})/((q - 0.5)*(q**2 - 1.9*q + 1))"  # example 6.1 with its zero moved
 FROZEN = DataDriven(order=9, start=100, every=10, input="frozen u~", n=3, window=150)

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from compensator_theory import DivergedError, FunctionFailedError, ImproperError, InputError
+from compensator_theory import InputError
+from compensator_theory.errors import DivergedError, FunctionFailedError, ImproperError
 from rcac_numeric import (
     UD,
     Controller,

@@ -9,7 +9,7 @@ import sympy
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from rcac_numeric import EKF, UKF, SymbolicModel, estimate, observability
+from rcac_numeric.estimation import EKF, UKF, SymbolicModel, estimate, observability
 from rcac_numeric.estimation.models.compiled import NAMES, NoTapeError, tape
 
 X, Y, U, K = sympy.symbols("x y u k")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import sympy
 
-from rcac_numeric import EKF, RCMR, SymbolicModel, estimate, refine
+from rcac_numeric.estimation import EKF, RCMR, SymbolicModel, estimate, refine
 from tests.support.lateral_aircraft import A_0, A_1, B_0, B_1, B_HAT, E_1, euler, without_A21
 
 STEPS, H = 120_000, 0.001

@@ -12,7 +12,7 @@ from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 
 from compensator_theory import InputError
-from rcac_numeric import RCMR, ModelRefinement
+from rcac_numeric.estimation import RCMR, ModelRefinement
 
 N, H, NU, MEAN, KAPPA = 20, 0.002, 0.05, 1.0, 3.0
 DX, CELL, SENSOR = 1 / (N + 1), 8, 12

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy
 
-from rcac_numeric import (
+from rcac_numeric.estimation import (
     EKF,
     RCMR,
     FIRSubsystem,

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rcac_numeric import RCMR, FIRSubsystem, ModelRefinement, RepeatedParameters, refine
+from rcac_numeric.estimation import RCMR, FIRSubsystem, ModelRefinement, RepeatedParameters, refine
 from tests.support.estimation_cases import relative_error
 
 seeds = st.integers(0, 10_000)
@@ -106,7 +106,7 @@ CHOICES = {
 
 
 @pytest.mark.parametrize("choice", CHOICES.values(), ids=CHOICES)
-@pytest.mark.filterwarnings("ignore::rcac_numeric.UnidentifiableWarning")
+@pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnidentifiableWarning")
 @given(seed=seeds)
 def test_the_recursion_is_batch_least_squares(choice, seed):
     settings, w, y, states = random_settings(seed, **choice)
@@ -122,7 +122,7 @@ def test_the_recursion_is_batch_least_squares(choice, seed):
         assert relative_error(run.theta[k], expected) < 1e-13 * max(condition, 100)
 
 
-@pytest.mark.filterwarnings("ignore::rcac_numeric.UnidentifiableWarning")
+@pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnidentifiableWarning")
 def test_the_recursion_is_batch_least_squares_to_1e_13():
     settings, w, y, states = random_settings(5, delays=(1,))
     run = refine(settings, w, y, states)
@@ -132,7 +132,7 @@ def test_the_recursion_is_batch_least_squares_to_1e_13():
         assert relative_error(run.theta[k], expected) < 1e-13
 
 
-@pytest.mark.filterwarnings("ignore::rcac_numeric.UnidentifiableWarning")
+@pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnidentifiableWarning")
 @pytest.mark.parametrize("seed", range(5))
 def test_the_model_runs_freely(seed):
     settings, w, y, _ = random_settings(seed, beta=1e-6, theta_0=np.zeros(12))
@@ -155,7 +155,7 @@ def test_the_recursion_as_printed_is_no_covariance():
 
 
 @pytest.mark.exact_data  # bit for bit in two ways, whose intermediate results are read anew
-@pytest.mark.filterwarnings("ignore::rcac_numeric.UnidentifiableWarning")
+@pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnidentifiableWarning")
 @pytest.mark.parametrize("choice", CHOICES.values(), ids=CHOICES)
 def test_steps_are_those_of_the_record_also_after_a_restart(choice, tmp_path):
     settings, w, y, states = random_settings(11, **choice)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from compensator_theory.errors import DivergedError, InputError
-from rcac_numeric import ForwardEstimator, ForwardRegulator
+from rcac_numeric.estimation import ForwardEstimator, ForwardRegulator
 from tests.support.estimation_cases import relative_error
 
 seeds = st.integers(0, 10_000)

@@ -7,10 +7,6 @@ import pytest
 
 from compensator_theory.errors import CompensatorError, InputError, NotObservableError
 from rcac_numeric import (
-    RCMR,
-    FIRSubsystem,
-    IndirectController,
-    IndirectSettings,
     Plant,
     PlantChange,
     PlantSchedule,
@@ -21,6 +17,7 @@ from rcac_numeric import (
     simulate,
     simulate_many,
 )
+from rcac_numeric.estimation import RCMR, FIRSubsystem, IndirectController, IndirectSettings
 from tests.support.lateral_aircraft import (
     A_0,
     A_1,

@@ -9,9 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import FigureRequest, Ramp, load_example, refine, verify
+from rcac_numeric import FigureRequest, Ramp, verify
 from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import absent_examples, example_ids, read_example
+from rcac_numeric.estimation import refine
 from rcac_numeric.experiments.estimation.measures import MEASURES
 from rcac_numeric.experiments.estimation.runs import EstimatedRun
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem

@@ -6,8 +6,9 @@ import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
 from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
 from rcac_numeric.experiments.exact.system import ExactSystem

@@ -324,7 +324,10 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
         ({"controllers": [{"structure": "lqg"}]}, "structure = 'lqg' is not known"),
         ({"controllers": [{}, {"target": {"poles": []}}]}, "[controllers.target] no. 2 sets"),
         ({"run": {"seed": "x"}, "runs": [{"name": "a", "run": {"seed": 1}}]}, "[run] seed must be"),
-        ({"runs": [{"name": "a"}, {"name": "b", "run": {"seed": 0.5}}]}, "[runs.run] no. 2 seed"),
+        (
+            {"runs": [{"name": "a"}, {"name": "b", "run": {"seed": 0.5}}]},
+            "[runs.run] of run 'b'",
+        ),
         (
             {"runs": [{"name": "b", "controller": {"structure": "pid", "n_c": 4}}]},
             "[controller] of run 'b' sets 'n_c'",

@@ -3,7 +3,9 @@
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import (
+from rcac_numeric.experiments.files.plants import PROBLEMS, read_plant
+from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.gallery import (
     BoostConverter,
     CartPendulum,
     MassSpringDamper,
@@ -13,8 +15,6 @@ from rcac_numeric import (
     no_guaranteed_margins_standard,
     rohrs_plant,
 )
-from rcac_numeric.experiments.files.plants import PROBLEMS, read_plant
-from rcac_numeric.experiments.format.places import Place
 
 boost, pendulum = BoostConverter(supply=10), CartPendulum(length=0.5)
 MADE = {

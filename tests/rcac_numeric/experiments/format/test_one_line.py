@@ -1,49 +1,58 @@
-"""What is new is one function and one line: its keys, errors, schema and words follow."""
+"""What is new is one class and one line: its keys, errors, schema and words follow."""
 
+from typing import Annotated, Literal
+
+import attrs
 import pytest
 
 from compensator_theory import InputError
 from rcac_numeric import Structure, Tap
 from rcac_numeric.experiments.files.schema import strict_schema
-from rcac_numeric.experiments.files.structures import STRUCTURES
+from rcac_numeric.experiments.files.structures import STRUCTURES, StructureKind
 from rcac_numeric.experiments.format.markdown import kind_keys_table, kinds_table
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.format.values import Integer
 
 PLACE = Place("case.toml", "controller")
-GIVEN = ("l_u", "l_y")
 
 
-def spread(n_c: int, spacing: int = 2, memory: str = "long", l_u: int = 1, l_y: int = 1):
-    """Every second lag of y, or as you like.
+@attrs.frozen
+class Spread(StructureKind):
+    """Every second lag of y, or as you like."""
 
-    Parameters
-    ----------
-    spacing : int
-        Steps from one lag to the next.
-    memory : {"long", "short"}
-        How much of it.
-    """
-    return Structure([Tap("y", 0, k) for k in range(1, n_c + 1, spacing)], l_u, l_y, n_c)
+    n_c: int
+    spacing: Annotated[int, Integer(1), "Steps from one lag to the next."] = 2
+    memory: Annotated[Literal["long", "short"], "How much of it."] = "long"
+
+    def of(self, plant):
+        taps = [Tap("y", 0, k) for k in range(1, self.n_c + 1, self.spacing)]
+        return Structure(taps, 1, 1, self.n_c)
 
 
-def _controller(structure: Structure) -> Structure:
+ALL = Kinds({**STRUCTURES.kinds, "spread": Spread}, default="iir")
+
+
+@attrs.frozen
+class Controller:
     """A controller."""
-    return structure
+
+    structure: Annotated[StructureKind, ALL]
 
 
-ALL = Kinds({**STRUCTURES.kinds, "spread": spread}, default="iir", given=GIVEN)
-TABLE = Table(_controller, forms={"structure": ALL})
+TABLE = Table(Controller)
 
 
 def read(**table):
-    return TABLE.read(table, PLACE).build(l_u=1, l_y=1)
+    return TABLE.read(table, PLACE).structure
 
 
 def test_it_is_read():
-    taps = read(structure="spread", n_c=5).taps
+    assert read(structure="spread", n_c=5) == Spread(n_c=5), "as Python would say it"
+    taps = read(structure="spread", n_c=5).of(None).taps
     assert [tap.delay for tap in taps] == [1, 3, 5]
-    assert [tap.delay for tap in read(structure="spread", n_c=5, spacing=4).taps] == [1, 5]
+    taps = read(structure="spread", n_c=5, spacing=4).of(None).taps
+    assert [tap.delay for tap in taps] == [1, 5]
 
 
 @pytest.mark.parametrize(
@@ -63,6 +72,14 @@ def test_what_is_wrong_with_it_is_said(table, message):
         read(**table)
 
 
+def test_all_that_is_wrong_is_said_at_once():
+    with pytest.raises(InputError) as error:
+        read(structure="spread", n_c=0.5, spacing=0, memory="lnog", terms="P")
+    said = str(error.value)
+    for part in ("n_c must be an integer", "spacing = 0", "memory = 'lnog'", "sets 'terms'"):
+        assert part in said
+
+
 def test_editors_know_it():
     schema = strict_schema(TABLE)
     assert "spread" in schema["properties"]["structure"]["enum"]
@@ -78,9 +95,12 @@ def test_it_is_documented():
     assert "| `spacing` | Steps from one lag to the next. | 2 |" in kind_keys_table(ALL)
 
 
-def test_a_parameter_that_cannot_be_read_is_noticed_where_it_is_declared():
-    def odd(matrix: "set[int]") -> Structure:
+def test_a_field_that_cannot_be_read_is_noticed_where_it_is_declared():
+    @attrs.frozen
+    class Odd:
         """Odd."""
 
-    with pytest.raises(TypeError, match="no form is known for matrix"):
-        Table(odd).keys  # noqa: B018
+        matrix: set[int]
+
+    with pytest.raises(TypeError, match=r"no form is known .* for matrix"):
+        Table(Odd).keys  # noqa: B018

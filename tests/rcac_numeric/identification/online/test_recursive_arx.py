@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.signal import lfilter
 
 from compensator_theory import InputError
-from rcac_numeric import RecursiveARX
+from rcac_numeric.identification import RecursiveARX
 from rcac_numeric.identification.online.zeros import whiteness, zeros_of
 from tests.support.strategies import seeds
 

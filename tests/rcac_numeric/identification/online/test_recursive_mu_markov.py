@@ -6,8 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from compensator_theory import DivergedError, InputError
-from rcac_numeric import RecursiveMuMarkov, identified_zeros, identify_markov_parameters
+from compensator_theory import InputError
+from compensator_theory.errors import DivergedError
+from rcac_numeric.identification import (
+    RecursiveMuMarkov,
+    identified_zeros,
+    identify_markov_parameters,
+)
 from rcac_numeric.identification.online.mu_markov import WHITE
 from rcac_numeric.identification.online.zeros import whiteness
 from tests.support.strategies import seeds

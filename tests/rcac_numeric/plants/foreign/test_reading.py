@@ -33,8 +33,8 @@ from rcac_numeric import (
     servo_plant,
     simulate,
     standard_plant,
-    zero_order_hold,
 )
+from rcac_numeric.gallery import zero_order_hold
 from tests.support.foreign_systems import POINTS, of_control, random_system
 
 pytestmark = pytest.mark.exact_data  # a system that is read keeps every digit

@@ -4,16 +4,13 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import (
-    PlantChange,
-    PlantSchedule,
+from rcac_numeric import PlantChange, PlantSchedule, output_subspace_zeros, standard_plant
+from rcac_numeric.gallery import (
     aircraft,
     aircraft_matrices,
     aircraft_plant,
     aircraft_transition,
-    output_subspace_zeros,
     plant_zeros,
-    standard_plant,
     zero_path,
 )
 from rcac_numeric.plants.frozen import plant_at

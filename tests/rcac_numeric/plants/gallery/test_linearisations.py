@@ -8,15 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import (
+from rcac_numeric import load_experiment
+from rcac_numeric.gallery import (
     BoostConverter,
     CartPendulum,
     MassSpringDamper,
-    OperatingPoint,
-    load_experiment,
     no_guaranteed_margins_standard,
     plant_zeros,
 )
+from rcac_numeric.results import OperatingPoint
 
 EXAMPLE = Path(__file__).resolve().parents[4] / "examples" / "boost_converter.toml"
 

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import (
+from rcac_numeric.gallery import (
     BoostConverter,
     CartPendulum,
     ContinuousPlant,

@@ -60,7 +60,7 @@ def test_every_result_that_asks_the_table_stands_in_it():
 
 
 def test_what_is_derived_is_shown_like_its_base():
-    class Derived(rcac_numeric.LoopHealth):
+    class Derived(rcac_numeric.results.LoopHealth):
         pass
 
     health = Derived(True, 0.5, "completed", 10, 0, {})

@@ -1,11 +1,12 @@
 """The page in headless Chromium, where there is one: no error, no request, filters, phones."""
 
 import shutil
-from dataclasses import replace
 
 import pytest
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.pages import example_page, gallery_page
 from rcac_numeric.reports.page.cases import case_of
 from rcac_numeric.reports.page.rendering import write_page

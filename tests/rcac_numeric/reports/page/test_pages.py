@@ -3,13 +3,14 @@
 import base64
 import hashlib
 import re
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 from matplotlib.figure import Figure
 
-from rcac_numeric import load_example, verify
+from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.pages import LETTERS, WORK, example_page, gallery_page, headline
 from rcac_numeric.dissertation.typesetting import typeset
 from rcac_numeric.experiments.files.builder import build

@@ -80,7 +80,7 @@ def reproduce(
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import load_example, reproduce
+    >>> from rcac_numeric.dissertation import load_example, reproduce
     >>> found = reproduce(map(load_example, ["7.1", "B.2"]), tempfile.mkdtemp())
     >>> found.exit_status, found.page.name, [case.id for case in found.cases]
     (0, 'index.html', ['7.1', 'B.2'])
@@ -150,8 +150,8 @@ def digest_of(experiment: Experiment) -> str:
 
     Examples
     --------
-    >>> from rcac_numeric import load_example
-    >>> from rcac_numeric.dissertation.reproduce import digest_of
+    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_numeric.dissertation.reproduction import digest_of
     >>> digest_of(load_example("7.1")) == digest_of(load_example("7.1"))
     True
     """
@@ -169,9 +169,10 @@ class KeptCases(Value):
     Examples
     --------
     >>> import tempfile
-    >>> from rcac_numeric import load_example, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
     >>> from rcac_numeric.reports.page.cases import case_of
-    >>> from rcac_numeric.dissertation.reproduce import KeptCases
+    >>> from rcac_numeric.dissertation.reproduction import KeptCases
     >>> kept, example = KeptCases(tempfile.mkdtemp()), load_example("B.1")
     >>> kept.find(example) is None
     True

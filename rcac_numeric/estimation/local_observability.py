@@ -96,7 +96,7 @@ def observability(
 
     Examples
     --------
-    >>> from rcac_numeric import LinearModel, observability
+    >>> from rcac_numeric.estimation import LinearModel, observability
     >>> apart = LinearModel(A=[[0.5, 0], [0, 0.9]], C=[[1, 0]])
     >>> print(observability(apart, x=[[0, 0]] * 5))
     the measurements of 5 steps say nothing about x[1]: ...

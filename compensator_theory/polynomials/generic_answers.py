@@ -1,0 +1,50 @@
+"""Answers that are plain values: where those for generic values of the symbols fail to hold."""
+
+from collections.abc import Callable, Iterable
+from typing import Any, TypeAlias
+
+from sympy import Expr
+
+Generic: TypeAlias = Callable[..., tuple[Any, Iterable[Expr]]]
+"""Takes what a function takes; returns its generic answer, and expressions that must not vanish."""
+
+_GENERIC: dict[Callable[..., Any], Generic] = {}
+
+
+def generic_answer_of(function: Callable[..., Any]) -> Callable[[Generic], Generic]:
+    """Register what a function whose answer is a number, a bool or a polynomial gives generically.
+
+    Results that are classes have the attribute `exceptional` instead.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.generic_answers import generic_answer, generic_answer_of
+    >>> def double(x):
+    ...     return 2 * x
+    >>> @generic_answer_of(double)
+    ... def doubled(x):
+    ...     return 2 * x, ()
+    >>> generic_answer(double)(3)
+    (6, ())
+    """
+
+    def register(companion: Generic) -> Generic:
+        _GENERIC[function] = companion
+        return companion
+
+    return register
+
+
+def generic_answer(function: Callable[..., Any]) -> Generic | None:
+    """Return what was registered for a function, or None.
+
+    Examples
+    --------
+    >>> from compensator_theory.polynomials.generic_answers import generic_answer
+    >>> generic_answer(len) is None
+    True
+    """
+    try:
+        return _GENERIC.get(function)
+    except TypeError:  # a callable object that cannot be hashed
+        return None

@@ -1,0 +1,139 @@
+"""The command `rcac export`: a controller as a folder of C."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+import numpy as np
+
+from compensator_theory.errors import InputError
+from rcac_numeric.cli.cases import (
+    complete_case,
+    complete_key,
+    is_file,
+    read_case_table,
+    with_values,
+)
+from rcac_numeric.cli.output import as_json_option, budget_option, show
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.dissertation.load import load_example
+from rcac_numeric.engine.runs import Run, load_run
+from rcac_numeric.experiments.budgets import Budget
+from rcac_numeric.experiments.experiment import Experiment
+from rcac_numeric.experiments.files.builder import build, load_experiment
+from rcac_numeric.export.folder import LAYOUTS, Export, export_controller
+from rcac_numeric.export.header import REALS
+from rcac_numeric.export.recording import STEPS
+from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Text
+
+
+@click.command("export")
+@click.argument("case", shell_complete=complete_case)
+@click.option("-o", "--output", "folder", required=True,
+              type=click.Path(file_okay=False, path_type=Path),
+              help="The folder that is written; it is made where it is not there.")  # fmt: skip
+@click.option("--real", type=click.Choice(REALS), default="float64", show_default=True,
+              help="The type of every number.")  # fmt: skip
+@click.option("--layout", "layouts", type=click.Choice(LAYOUTS), multiple=True, default=("c",),
+              show_default=True, help="What is written beside the core. Repeatable.")  # fmt: skip
+@click.option("--prefix", default="rcac", show_default=True, help="Of all names in C.")
+@click.option("--fixed", is_flag=True,
+              help="Not the adapting controller, but the one that the run ended with.")  # fmt: skip
+@click.option("--run", "name", help="Which run of CASE; default: the first.")
+@click.option("--live-order", type=click.IntRange(min=0),
+              help="Let the target model be replaced on the board, up to this order.")  # fmt: skip
+@click.option(
+    "--set", "values", multiple=True, metavar="KEY=VALUE", shell_complete=complete_key,
+    help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
+)  # fmt: skip
+@budget_option(of_runs=True)
+@as_json_option
+def export(
+    *,
+    case: str,
+    folder: Path,
+    real: str,
+    layouts: tuple[str, ...],
+    prefix: str,
+    fixed: bool,
+    name: str | None,
+    live_order: int | None,
+    values: tuple[str, ...],
+    as_json: bool,
+    budget: Budget,
+) -> None:
+    """Write the controller of CASE as C, and replay it where there is a compiler.
+
+    CASE is the number of an example (see `rcac list`), the path of a TOML file, or a run that
+    `rcac verify CASE --save RUN.npz` kept.
+    """
+    with np.errstate(all="ignore"):
+        run = _run(case, values, budget, name, whole=fixed)
+        found = export_controller(
+            FixedController(run.compensator, run.settings.l_r) if fixed else run,
+            folder,
+            real=real,
+            layout=layouts,
+            prefix=prefix,
+            live_order=live_order,
+            saturation=run.saturation,
+            run=run,
+        )
+    show(_sheet(found), as_json)
+
+
+def _run(case: str, values: tuple[str, ...], budget: Budget, name: str | None, whole: bool) -> Run:
+    """The run that is exported; its first steps, where they are enough."""
+    if case.endswith(".npz"):
+        if values or name:
+            raise InputError(f"{case} is one run as it was; --set and --run belong to a TOML file.")
+        return load_run(case)
+    experiment = _experiment(case, values, budget)
+    if name is not None and name not in experiment.runs:
+        raise InputError(f"--run {name}: the runs are {', '.join(map(repr, experiment.runs))}.")
+    chosen = experiment.main_run if name is None else experiment.runs[name]
+    if chosen.reference:
+        raise InputError("this run is made in ball arithmetic; choose another with --run.")
+    steps = chosen.steps if whole else min(chosen.steps, STEPS)
+    return replace(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
+
+
+def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:
+    if values:
+        table, file = read_case_table(case)
+        return build(with_values(table, values), file, budget)
+    return load_experiment(case, budget) if is_file(case) else load_example(case, budget)
+
+
+def _sheet(found: Export) -> Sheet:
+    health = [Text(warning, "warning") for warning in found.warnings]
+    if not found.is_verified:
+        health.append(Text("Not compiled: there is no C compiler on this machine.", "warning"))
+    facts = [
+        Fact("folder", str(found.folder)),
+        Fact("files", ", ".join(found.files)),
+        Fact("numbers", found.real),
+        Fact("RAM", f"{found.state_bytes} bytes"),
+        Fact("constants", f"{found.constant_bytes} bytes"),
+    ]
+    if found.is_verified:
+        facts.append(Fact("replay", found.replay, "good"))
+    if found.agreement:
+        facts.append(Fact("float32", found.agreement))
+    record = {
+        "folder": str(found.folder),
+        "files": list(found.files),
+        "real": found.real,
+        "state_bytes": found.state_bytes,
+        "constant_bytes": found.constant_bytes,
+        "replay": found.replay,
+        "agreement": found.agreement,
+        "warnings": list(found.warnings),
+    }
+    return Sheet(
+        "A controller in C",
+        health=tuple(health),
+        sections=(Section(blocks=tuple(facts), record={"export": record}),),
+    )

@@ -1,0 +1,64 @@
+"""What a compiler of this machine makes of an exported folder."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+
+from compensator_theory.errors import InputError
+
+FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
+SECONDS = 300  # for a compiler that never ends
+
+
+def compiler() -> str | None:
+    """The C compiler: that of the environment variable CC, or the first of cc, gcc and clang."""
+    names = [os.environ.get("CC", ""), "cc", "gcc", "clang"]
+    return next((found for name in names if name and (found := shutil.which(name))), None)
+
+
+def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequence[Path]) -> Path:
+    """A program, or with the flag -shared a library, of C sources.
+
+    Raises
+    ------
+    InputError
+        Where there is no compiler, or it refuses; with its first lines.
+    """
+    cc = compiler()
+    if cc is None:
+        raise InputError("there is no C compiler here: no cc, gcc or clang, and CC is empty.")
+    command = [cc, *FLAGS, *flags, *(f"-I{path}" for path in includes)]
+    done = subprocess.run(
+        [*command, *map(str, sources), "-o", str(program)],
+        capture_output=True, text=True, timeout=SECONDS, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        raise InputError(f"{cc} does not compile the export: {done.stderr.strip()[:2000]}")
+    return program
+
+
+def replayed(source: Path, test: Path, name: str) -> tuple[bool, str]:
+    """Whether the recorded vector of a folder is replayed, and what the test says.
+
+    Parameters
+    ----------
+    source, test : path
+        The folders of the core and of its test.
+    name : str
+        What the files are called.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        program = compiled(
+            [source / f"{name}.c", test / "replay.c"],
+            Path(folder) / "replay",
+            includes=[source, test],
+        )
+        done = subprocess.run(
+            [str(program)], capture_output=True, text=True, timeout=SECONDS, check=False
+        )
+    return done.returncode == 0, done.stdout.strip() or f"it ended with {done.returncode}"

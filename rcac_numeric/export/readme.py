@@ -1,0 +1,92 @@
+"""The README of an exported folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rcac_numeric.export.recording import Recording
+from rcac_numeric.export.tables import CoreTables
+
+
+def readme(
+    tables: CoreTables,
+    recording: Recording,
+    real: str,
+    layouts: tuple[str, ...],
+    agreement: str,
+    warnings: Sequence[str],
+) -> str:
+    """Sizes, operations, units, and how the folder is used.
+
+    Parameters
+    ----------
+    tables : CoreTables
+    recording : Recording
+    real : {"float64", "float32"}
+    layouts : tuple of str
+    agreement : str
+        Of float32 with float64.
+    warnings : sequence of str
+    """
+    t = tables
+    state, constants = t.sizes(real)
+    products, quotients = t.operations()
+    exact = (
+        "the bits of the engine under RCAC_INSTRUCTION_SET=plain"
+        if real == "float64"
+        else "the bits that the export recorded in a closed loop around this code"
+    )
+    said = [
+        "# A controller in C",
+        "",
+        f"Written by `rcac export`: {t.what}; l_u = {t.l_u}, l_y = {t.l_y}, l_r = {t.l_r}, "
+        f"l_z = {t.l_z}, l_theta = {t.l_theta}; {real}.",
+        "",
+        "```c",
+        '#include "rcac.h"',
+        "",
+        "rcac_state s;",
+        "rcac_init(&s);",
+        "/* every sample: */",
+        "status = rcac_step(&s, y, z, r, u);  /* y(k), z(k), r(k) in; u(k) out */",
+        "```",
+        "",
+        f"y has {t.l_y} entries, z {t.l_z}, r {t.l_r} and u {t.l_u}. Their units are those of the "
+        "data that the settings were tuned with; a step is one sample of them. rcac.h says what a "
+        "status means, and how to freeze, save and restore.",
+        "",
+        "## Sizes",
+        "",
+        f"- RAM: {state} bytes, all of it in `rcac_state`.",
+        f"- Flash: {constants} bytes of constants, and the code: 2 to 4.5 kB on a Cortex-M4.",
+        f"- Stack: about {t.stack(real)} bytes in `rcac_adapt`, estimated; -fstack-usage measures.",
+        f"- Operations of a step, at most: {products} multiplications with as many additions, "
+        f"{quotients} divisions.",
+        "",
+        "## Test",
+        "",
+        f"`test/replay.c` replays {recording.steps} steps of {recording.source}, and holds u of "
+        f"each and theta at the end against {exact}:",
+        "",
+        "```sh",
+        "cmake -S . -B build && cmake --build build && ctest --test-dir build",
+        "```",
+        "",
+        "Compile src/rcac.c without contraction (-ffp-contract=off) and without fast math. Pragmas "
+        "in it ask for that; `rcac_self_check()` says whether the compiler obeyed.",
+    ]
+    if agreement:
+        said += ["", f"float32 against float64 over these steps: {agreement}."]
+    if t.low:
+        said += ["", "u is held within its bounds by the core: send it out as it is."]
+    if "arduino" in layouts:
+        said += ["", "Arduino: this folder is a library; the sketch is in examples/."]
+    if "wasm" in layouts:
+        said += ["", "A page: `sh wasm/build.sh` makes the module, wasm/rcac.js loads it."]
+    if "mex" in layouts:
+        said += ["", "MATLAB and Octave: `mkoctfile --mex -Isrc mex/rcac_mex.c src/rcac.c`."]
+    if "px4" in layouts:
+        said += ["", "PX4: put this folder under src/modules; px4/ is the module, a skeleton."]
+    if warnings:
+        said += ["", "## Warnings", "", *(f"- {warning}" for warning in warnings)]
+    return "\n".join([*said, ""])

@@ -1,0 +1,10 @@
+from .bootstrap import bootstrap_zeros as bootstrap_zeros
+from .era import eigensystem_realisation as eigensystem_realisation
+from .mu_markov import identify_markov_parameters as identify_markov_parameters
+from .noise_models import NeweyWest as NeweyWest
+from .online.arx import RecursiveARX as RecursiveARX
+from .online.mu_markov import RecursiveMuMarkov as RecursiveMuMarkov
+from .recursive import RecursiveMarkov as RecursiveMarkov
+from .windows import IdentifiedWindow as IdentifiedWindow
+from .windows import identify_windows as identify_windows
+from .zeros import identified_zeros as identified_zeros

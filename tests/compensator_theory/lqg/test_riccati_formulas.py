@@ -1,0 +1,85 @@
+"""Riccati equations with symbols: formulas at drawn values against the equation with numbers."""
+
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory import (
+    CompensatorError,
+    InputError,
+    riccati_formula,
+    solve_riccati,
+)
+from compensator_theory.errors import NotControllableError
+from tests.support.structure_cases import fewer
+
+SCALAR = {
+    time: riccati_formula([["a"]], [["b"]], Q=[["q"]], R=[["r"]], time=time)
+    for time in ("continuous", "discrete")
+}
+SECOND = riccati_formula(
+    [[0, 1], ["c", "d"]], [[0], ["b"]], Q=[["q", "p"], ["p", "q"]], R=[["r"]], time="continuous"
+)
+DOUBLE = riccati_formula(
+    [[1, 1], [0, 1]], [[0], [1]], Q=[["q", 0], [0, "p"]], R=[["r"]], time="discrete"
+)
+SYMBOLS = sympy.symbols("a b c d p q r")
+
+
+@pytest.mark.parametrize("formula", [*SCALAR.values(), SECOND, DOUBLE])
+@fewer(2)
+@given(values=st.lists(st.integers(-4, 6), min_size=7, max_size=7))
+def test_formulas_are_the_stabilising_solutions(formula, values):
+    """Where the conditions hold; with numbers first, the answer is proven in its field."""
+    at = dict(zip(SYMBOLS, map(sympy.Integer, values), strict=True))
+    assume(all(factor.subs(at) != 0 for factor in formula.exceptional))
+    conditions = [condition.subs(at) for condition in formula.conditions]
+    assume(all(value.is_real and value > 0 for value in conditions))
+    found = formula.at({symbol.name: value for symbol, value in at.items()})
+    for mine, balls in ((formula.K, found.K_enclosure), (formula.P, found.P_enclosure)):
+        for entry, ball in zip(mine.subs(at), [b for row in balls for b in row], strict=True):
+            assert abs(sympy.N(entry, 40) - ball.centre) < 1e-20 * (1 + abs(ball.centre))
+
+
+@pytest.mark.parametrize("time", ["continuous", "discrete"])
+@given(values=st.lists(st.integers(-3, 5), min_size=4, max_size=4))
+def test_conditions_are_those_of_existence(time, values):
+    """For weights that are not negative: no solution exactly where a condition fails."""
+    formula = SCALAR[time]
+    a, b, q, r = map(sympy.Integer, values)
+    at = dict(zip(sympy.symbols("a b q r"), (a, b, q, r), strict=True))
+    assume(q >= 0 and r > 0 and all(factor.subs(at) != 0 for factor in formula.exceptional))
+    holds = all(condition.subs(at) > 0 for condition in formula.conditions)
+    try:
+        solve_riccati([[a]], [[b]], Q=[[q]], R=[[r]], time=time)
+    except CompensatorError:
+        assert not holds
+    else:
+        assert holds
+
+
+def test_published_formulas():
+    a, q = sympy.symbols("a q")
+    found = riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time="continuous")
+    assert found.P[0] == a + sympy.sqrt(a**2 + q) and found.conditions == (a**2 + q,)
+    double = riccati_formula(
+        [[0, 1], [0, 0]], [[0], [1]], Q=[[1, 0], [0, 0]], R=[["r"]], time="continuous"
+    )
+    root = sympy.sqrt(1 / sympy.Symbol("r"))
+    assert [sympy.simplify(x**2) for x in double.K] == [root**2, 2 * root]
+    assert "> 0" in str(double) and double._repr_latex_().startswith("$")
+
+
+def test_what_is_refused():
+    unit = sympy.eye(3)
+    with pytest.raises(InputError, match="orders 1 and 2"):
+        riccati_formula(unit, [["a"], [1], [1]], Q=unit, R=[[1]], time="continuous")
+    with pytest.raises(InputError, match="input"):
+        riccati_formula([["a"]], [[1, 1]], Q=[[1]], R=sympy.eye(2), time="continuous")
+    with pytest.raises(NotControllableError):
+        riccati_formula([["a", 0], [0, "a"]], [[1], [1]], Q=sympy.eye(2), R=[[1]], time="discrete")
+    with pytest.raises(InputError, match="eigenvalue -1"):
+        riccati_formula([[-1]], [["b"]], Q=[[1]], R=[[1]], time="discrete")
+    with pytest.raises(InputError, match="riccati_formula takes them"):
+        solve_riccati([["a"]], [[1]], Q=[[1]], R=[[1]], time="continuous")

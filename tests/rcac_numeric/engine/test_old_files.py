@@ -1,0 +1,162 @@
+"""What was written before the settings became typed specifications is read, and is the same.
+
+`saved/` and the fingerprints here were written by the dataclasses that came before. Who changes a
+field or a name of one of these classes changes the fingerprint of every state and study that was
+ever saved: that is refused here, until the files' version moves.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rcac_numeric import (
+    UD,
+    CoefficientBounds,
+    Compensator,
+    Controller,
+    ControllerSettings,
+    Covariance,
+    CovarianceReset,
+    DataDriven,
+    Gradient,
+    Harmonic,
+    Instantaneous,
+    JointUD,
+    Levels,
+    Normalization,
+    Piecewise,
+    Pulse,
+    Ramp,
+    Saturation,
+    SavedState,
+    ScheduledForgetting,
+    SignalWeight,
+    SlidingWindow,
+    Step,
+    SubspaceForgetting,
+    TargetModel,
+    VariableRateForgetting,
+    WhiteNoise,
+    iir,
+    load_run,
+    pid,
+    simulate,
+    standard_plant,
+)
+from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.sweeps import Axis, Kept, Study
+
+SAVED = Path(__file__).parent / "saved"
+TARGET = TargetModel([0.0, 1.0])
+
+
+def settings(**others):
+    return ControllerSettings(
+        structure=iir(n_c=2),
+        target=TARGET,
+        update=UD(
+            0.5, lambda_=ScheduledForgetting({5: 0.9}), reset=CovarianceReset(at=[7], every=9)
+        ),
+        R_z=SignalWeight(constant=1, nu=0.25),
+        R_u=0.01,
+        k_w=3,
+        theta_0=[0.1, 0.0, -0.1, 0.0],
+        freeze=[(10, 12), (18, None)],
+        z_normalization=Normalization(5.0, function="tanh"),
+        bounds=CoefficientBounds(-2, 2, gains={"P_1": (-0.5, None)}, method="clip"),
+        fixed=Compensator([[[0.5]]], [[[0]], [[0.25]]]),
+        target_changes={8: TargetModel([0.0, 0.5])},
+        **others,
+    )
+
+
+def study():
+    base = {
+        "plant": {"problem": "standard", "G": "1/(q - 0.9)", "sample_time": 0.1},
+        "signals": {"w": {"white_noise": 1}},
+        "target": {"model": "fir"},
+        "controller": {"n_c": 2, "R_theta": 1e-20, "lambda": 0.99},
+        "run": {"steps": 200},
+    }
+    return Study(base, [Axis("R_theta", [0.01, 1, 100], sets="controller.R_theta")], [Kept("rms")])
+
+
+VALUES = {
+    "settings": (settings, "d075e0a52be80bb0"),
+    "filter form": (lambda: settings(form="filter"), "cb54acbbfb36b1a2"),
+    "pid": (
+        lambda: ControllerSettings(structure=pid(), target=TARGET, update=UD(1.0)),
+        "5be3c3e035c7b025",
+    ),
+    "learning": (
+        lambda: ControllerSettings(structure=iir(3), target=DataDriven(order=9), update=UD(1.0)),
+        "4449d598aa37e747",
+    ),
+    "covariance": (
+        lambda: Covariance([[2.0, 0.0], [0.0, 1.0]], process_noise=0.1),
+        "db307426e962b0b9",
+    ),
+    "variable rate": (
+        lambda: UD(0.5, lambda_=VariableRateForgetting(5, 50, 0.2)),
+        "a1c94da102f8172e",
+    ),
+    "subspace": (lambda: UD(0.5, lambda_=SubspaceForgetting(0.99)), "ecc9e17773ef1b6b"),
+    "window": (lambda: SlidingWindow(0.5, window=20, lambda_=0.9), "539670a19acdf403"),
+    "joint": (lambda: JointUD(0.5, n_d=2, rho=2.0), "ec25a7114e3e4833"),
+    "instantaneous": (lambda: Instantaneous(0.5), "4567422e4518fc56"),
+    "gradient": (lambda: Gradient(1e-3), "b880c980d9e2d555"),
+    "reset": (lambda: CovarianceReset(growth=2.0, short=5), "b7b1b9858e9b0e0e"),
+    "saturation": (lambda: Saturation(low=-1, high=[1.0, 2.0], rate=0.5), "66dc88d44f007853"),
+    "step": (lambda: Step(2, start=3), "b4cbac23eaf41bf8"),
+    "ramp": (lambda: Ramp(0.5), "4f22f6e59e1bd1a9"),
+    "pulse": (lambda: Pulse(2, 5, 3), "7e879f776ac038b6"),
+    "harmonic": (lambda: Harmonic(0.5, phase=1), "58102fb73bf25b69"),
+    "noise": (lambda: WhiteNoise(0.1), "16a0e2416de7cdc4"),
+    "levels": (lambda: Levels([1, -1], hold=2), "c775f552d20d1a93"),
+    "piecewise": (lambda: Piecewise([(0, Step()), (5, 2 * Ramp() + Step(1))]), "76745055b03931ac"),
+}
+STUDY = "3647be7414e81284"
+
+
+@pytest.mark.exact_data
+@pytest.mark.parametrize("name", VALUES)
+def test_a_fingerprint_is_what_it_was(name):
+    make, known = VALUES[name]
+    assert fingerprint(make()) == known
+
+
+@pytest.mark.exact_data
+def test_the_fingerprint_of_a_study_is_what_it_was():
+    assert study().fingerprint == STUDY
+
+
+def run():
+    w = np.linspace(-1.0, 1.0, 25)[:, None]
+    return simulate(
+        standard_plant("(q - 0.5)/(q*(q - 0.9))"), settings(), w, saturation=Saturation(high=0.5)
+    )
+
+
+def controller():
+    made = Controller(settings())
+    for k in range(6):
+        made.step(y=[0.1 * k], z=[0.2 * k])
+    return made
+
+
+@pytest.mark.exact_data
+def test_a_saved_run_is_read():
+    old, new = load_run(SAVED / "run.npz"), run()
+    assert old.settings == new.settings and old.plant == new.plant
+    np.testing.assert_allclose(old.theta, new.theta, rtol=1e-12, atol=1e-12)
+    assert old.saturation == Saturation(high=0.5)
+
+
+@pytest.mark.exact_data
+def test_a_saved_state_goes_on():
+    going_on = Controller(settings())
+    going_on.restore(SavedState.load(SAVED / "controller.npz"))
+    assert going_on.k == 6
+    there = controller().step(y=[0.7], z=[0.1])
+    np.testing.assert_allclose(going_on.step(y=[0.7], z=[0.1]), there, rtol=1e-12, atol=1e-15)

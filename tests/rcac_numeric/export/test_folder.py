@@ -1,0 +1,277 @@
+"""The exported folder: its bytes, its test, what is refused, and the command."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from compensator_theory.errors import BudgetError, InputError
+from rcac_numeric import (
+    UD,
+    Compensator,
+    ControllerSettings,
+    Covariance,
+    DataDriven,
+    FixedController,
+    Gradient,
+    Normalization,
+    Saturation,
+    SubspaceForgetting,
+    TargetModel,
+    export_controller,
+    feedforward,
+    fir,
+    iir,
+    simulate,
+    standard_plant,
+)
+from rcac_numeric.arrays.values import replaced as replace
+from rcac_numeric.cli.main import main
+from rcac_numeric.dissertation import load_example
+from rcac_numeric.export import building, folder
+from rcac_numeric.export.tables import core_tables
+from tests.support import core_builds
+from tests.support.signals import noise
+
+SETTINGS = ControllerSettings(
+    structure=iir(2), target=TargetModel([0, 1.0, -0.3]), update=UD(0.05), k_w=3
+)
+PLANT = standard_plant("(q - 0.3)/((q - 0.9)*(q - 0.5))")
+compiles = pytest.mark.skipif(
+    core_builds.compiler() is None, reason="there is no C compiler on this machine"
+)
+
+
+def contents(path):
+    return {p.relative_to(path).as_posix(): p.read_bytes() for p in path.rglob("*") if p.is_file()}
+
+
+def test_the_same_settings_give_the_same_bytes(tmp_path):
+    layouts = ["c", "arduino", "px4"]
+    for name in ("a", "b"):
+        found = export_controller(SETTINGS, tmp_path / name, layout=layouts, real="float32")
+    assert contents(tmp_path / "a") == contents(tmp_path / "b")
+    assert set(contents(tmp_path / "a")) == set(found.files)
+    other = replace(SETTINGS, k_w=4)
+    export_controller(other, tmp_path / "b", layout=layouts, real="float32")
+    assert contents(tmp_path / "a") != contents(tmp_path / "b")
+
+
+def test_a_machine_without_a_compiler_writes_the_same(tmp_path, monkeypatch):
+    with_one = export_controller(SETTINGS, tmp_path / "a")
+    monkeypatch.setattr(folder, "compiler", lambda: None)
+    found = export_controller(SETTINGS, tmp_path / "b")
+    assert not found.is_verified and "no C compiler" in str(found)
+    assert contents(tmp_path / "a") == contents(tmp_path / "b")
+    assert with_one.is_verified == (building.compiler() is not None)
+
+
+@compiles
+@pytest.mark.parametrize("real", ["float64", "float32"])
+@pytest.mark.parametrize(
+    "controller",
+    [
+        SETTINGS,
+        replace(SETTINGS, update=UD(1e-12, lambda_=0.99), form="filter"),
+        ControllerSettings(
+            structure=feedforward(2, l_u=2, l_y=1, l_r=1), update=UD(0.1),
+            target=TargetModel(
+                np.array([np.zeros((1, 2)), [[1.0, 0.5]]]), [np.eye(1), 0.1 * np.eye(1)]
+            ),
+        ),
+        Compensator(0.3 * np.ones((2, 1, 1)), np.ones((3, 1, 2))),
+    ],
+)  # fmt: skip
+def test_the_replay_of_the_folder(tmp_path, controller, real):
+    found = export_controller(controller, tmp_path, real=real)
+    assert found.is_verified
+    assert real == "float32" or re.fullmatch(r"\d+ steps: the same bits", found.replay)
+
+
+@compiles
+def test_a_controller_that_was_changed_by_hand_is_noticed(tmp_path):
+    """The positive control of the replay: every table matters."""
+    export_controller(SETTINGS, tmp_path)
+    config = tmp_path / "src" / "rcac_config.h"
+    text = config.read_text()
+    for name in ("D_0", "numerators", "theta_0", "regressor", "L"):
+        pattern = rf"(rcac_{name}\[\d+\] = \{{\s+)([\d.e-]+)"
+        changed = re.sub(pattern, lambda m: m[1] + ("1" if m[2] == "0" else "0.25"), text, count=1)
+        assert changed != text
+        config.write_text(changed.replace(" 0.25,", " 1,", int(name == "regressor")))
+        agrees, said = building.replayed(tmp_path / "src", tmp_path / "test", "rcac")
+        assert not agrees, (name, said)
+    config.write_text(text)
+    assert building.replayed(tmp_path / "src", tmp_path / "test", "rcac")[0]
+
+
+@compiles
+def test_an_export_that_does_not_agree_is_refused(tmp_path, monkeypatch):
+    texts = dict(folder.core_texts())
+    texts["rcac.c"] = texts["rcac.c"].replace("d * (before[c] / after[c])", "d * 0.999")
+    monkeypatch.setattr(folder, "core_texts", lambda: texts)
+    with pytest.raises(InputError, match="does not do what its source does"):
+        export_controller(SETTINGS, tmp_path)
+
+
+@compiles
+def test_a_run_with_its_saturation(tmp_path):
+    run = simulate(PLANT, SETTINGS, noise(3, 300, 1), saturation=Saturation(low=-0.1, high=0.1))
+    found = export_controller(run, tmp_path)
+    assert found.is_verified and "the run" in (tmp_path / "README.md").read_text()
+    vector = (tmp_path / "test" / "rcac_vector.h").read_text()
+    assert "0.1" in vector and "held within its bounds" in (tmp_path / "README.md").read_text()
+
+
+@compiles
+def test_two_controllers_in_one_program(tmp_path):
+    other = replace(SETTINGS, structure=fir(3), theta_0=None)
+    for prefix, one in (("roll", SETTINGS), ("pitch", other)):
+        found = export_controller(one, tmp_path / prefix, prefix=prefix, layout="px4")
+        for name in found.files:
+            text = (tmp_path / prefix / name).read_text()
+            assert not re.search(r"\b(rcac|RCAC)_|rcac\.[ch]", text), name
+    (tmp_path / "main.c").write_text(
+        '#include "roll.h"\n#include "pitch.h"\nint main(void) { roll_state a; pitch_state b; '
+        "roll_init(&a); pitch_init(&b); return ROLL_L_THETA == 4 && PITCH_L_THETA == 3 ? 0 : 1; }"
+    )
+    sources = [tmp_path / "roll/src/roll.c", tmp_path / "pitch/src/pitch.c", tmp_path / "main.c"]
+    program = building.compiled(
+        sources, tmp_path / "both", includes=[path.parent for path in sources]
+    )
+    assert subprocess.run([program], check=False).returncode == 0
+
+
+@compiles
+@pytest.mark.skipif(shutil.which("cmake") is None, reason="there is no CMake on this machine")
+def test_the_folder_is_a_cmake_package(tmp_path):
+    """Built, tested, installed, and found by another project."""
+    export_controller(SETTINGS, tmp_path / "core")
+
+    def cmake(*arguments):
+        subprocess.run(["cmake", *map(str, arguments)], check=True, capture_output=True)
+
+    cmake(
+        "-S", tmp_path / "core", "-B", tmp_path / "build", f"-DCMAKE_INSTALL_PREFIX={tmp_path}/at"
+    )
+    cmake("--build", tmp_path / "build")
+    subprocess.run(
+        ["ctest", "--test-dir", str(tmp_path / "build")], check=True, capture_output=True
+    )
+    log = subprocess.run(
+        [tmp_path / "build" / "rcac_example"], check=True, capture_output=True, text=True
+    ).stdout
+    assert log.splitlines()[0] == "k,u[0],y[0],z[0],theta[0],theta[1],theta[2],theta[3]"
+    assert len(log.splitlines()) == 201
+    cmake("--install", tmp_path / "build")
+    user = tmp_path / "user"
+    user.mkdir()
+    (user / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.13...3.31)\nproject(user LANGUAGES C)\n"
+        "find_package(rcac REQUIRED)\nadd_executable(user main.c)\n"
+        "target_link_libraries(user rcac::rcac)\n"
+    )
+    (user / "main.c").write_text(
+        "#include <rcac.h>\nint main(void) { rcac_state s; rcac_init(&s); return 0; }\n"
+    )
+    cmake("-S", user, "-B", user / "build", f"-DCMAKE_PREFIX_PATH={tmp_path}/at")
+    cmake("--build", user / "build")
+
+
+# ---- what the core does not know
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"update": Covariance(0.1)}, "Covariance"),
+        ({"update": Gradient(0.1)}, "Gradient"),
+        ({"update": UD(0.1, lambda_=SubspaceForgetting(0.9))}, "SubspaceForgetting"),
+        ({"reflect_poles": True}, "reflect_poles"),
+        ({"R_u": lambda k, y, z, u: 1.0}, "R_u as a function"),
+        ({"z_normalization": Normalization(1.0, function="tanh")}, '"tanh"'),
+        ({"target": DataDriven(order=4)}, "DataDriven"),
+    ],
+)
+def test_what_the_core_does_not_know_is_refused_by_name(tmp_path, changes, words):
+    given = {"structure": iir(2), "target": TargetModel([0, 1.0]), "update": UD(0.1)}
+    with pytest.raises(InputError, match=re.escape(words)):
+        export_controller(ControllerSettings(**{**given, **changes}), tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_other_arguments_that_do_not_fit(tmp_path):
+    changing = replace(SETTINGS, target_changes={9: TargetModel([0, 2.0])})
+    for arguments, words in (
+        ({"real": "float16"}, "float16"),
+        ({"layout": "stm32"}, "stm32"),
+        ({"prefix": "Roll-2"}, "Roll-2"),
+        ({"live_order": -1}, "live_order"),
+        ({"run": 3}, "run"),
+    ):
+        with pytest.raises(InputError, match=words):
+            export_controller(SETTINGS, tmp_path, **arguments)
+    for wrong in (3, "4.7", None, load_example("4.7")):
+        with pytest.raises(InputError, match="cannot be exported"):
+            export_controller(wrong, tmp_path)
+    with pytest.raises(InputError, match="target_changes beside live_order"):
+        core_tables(changing, live_order=2)
+    with pytest.raises(InputError, match="no target model"):
+        core_tables(Compensator([[[0.5]]], [[[0.0]], [[1.0]]]), live_order=2)
+    with pytest.raises(BudgetError, match="l_theta"):
+        core_tables(replace(SETTINGS, structure=fir(500), k_w=500, theta_0=None))
+    with pytest.raises(InputError, match="strictly proper"):
+        export_controller(
+            replace(SETTINGS, target=TargetModel([1.0, 0.5])), tmp_path,
+            saturation=Saturation(low=-1),
+        )  # fmt: skip
+
+
+def test_the_ranges_of_float32(tmp_path):
+    tiny = replace(SETTINGS, update=UD(1e-41))
+    with pytest.raises(InputError, match="1e-40"):
+        export_controller(tiny, tmp_path, real="float32")
+    large = export_controller(replace(SETTINGS, update=UD(1e9)), tmp_path, real="float32")
+    small = export_controller(replace(SETTINGS, update=UD(1e-16)), tmp_path, real="float32")
+    assert "not measured" in large.warnings[0] and "rounding" in small.warnings[0]
+    assert "rounding may decide" in (tmp_path / "README.md").read_text()
+    with pytest.raises(InputError, match="below the normal numbers of float32"):
+        export_controller(FixedController(Compensator([[[0.5]]], [[[0.0]], [[1e-44]]])), tmp_path,
+                          real="float32")  # fmt: skip
+
+
+# ---- the command
+
+
+def test_the_command(tmp_path):
+    out = CliRunner().invoke(
+        main, ["export", "4.7", "-o", str(tmp_path), "--real", "float32", "--json"]
+    )
+    assert out.exit_code == 0, out.output
+    record = json.loads(out.output)["export"]
+    assert record["real"] == "float32" and "src/rcac.c" in record["files"]
+
+
+def test_the_command_on_a_run_that_was_kept(tmp_path):
+    run = simulate(PLANT, SETTINGS, noise(3, 300, 1))
+    run.save(tmp_path / "run.npz")
+    for more in ([], ["--fixed"]):
+        command = ["export", str(tmp_path / "run.npz"), "-o", str(tmp_path / "out"), *more]
+        assert CliRunner().invoke(main, command).exit_code == 0
+    wrong = CliRunner().invoke(main, [*command, "--run", "UD"])
+    assert wrong.exit_code and "one run as it was" in wrong.output
+    wrong = CliRunner().invoke(main, ["export", "4.7", "-o", str(tmp_path), "--run", "none"])
+    assert wrong.exit_code and "the runs are" in wrong.output
+
+
+def test_a_name_cannot_bring_code_along(tmp_path):
+    """What a structure is called may come from a file, and the export is compiled."""
+    evil = replace(iir(2), name="*/ int main(void) { return 7; } /*")
+    found = export_controller(replace(SETTINGS, structure=evil), tmp_path)
+    for name in found.files:
+        assert "return 7" not in (tmp_path / name).read_text()
+    assert "a table of taps" in (tmp_path / "README.md").read_text()
