@@ -105,7 +105,7 @@ def test_other_data_are_another_case():
 
 def test_the_digest_is_the_same_in_every_process():
     code = (
-        "from rcac_numeric import load_example\n"
+        "from rcac_numeric.dissertation import load_example\n"
         "from rcac_numeric.dissertation.reproduction import digest_of\n"
         "print(*(digest_of(load_example(n)) for n in ('2.2', '2.6', '6.4', '7.1')))"
     )
