@@ -84,8 +84,7 @@ def config_header(tables: CoreTables, real: str = "float64") -> str:
     --------
     >>> from rcac_numeric import UD, ControllerSettings, TargetModel, iir
     >>> from rcac_numeric.export.header import config_header
-    >>> from rcac_numeric.export.recording import Recording
-    from rcac_numeric.export.tables import core_tables
+    >>> from rcac_numeric.export.tables import core_tables
     >>> text = config_header(core_tables(ControllerSettings(
     ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=0.5))))
     >>> "#define RCAC_L_THETA 4" in text
