@@ -6,13 +6,14 @@ controller goes on from where it stopped, and its settings run once more with on
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
@@ -131,7 +132,7 @@ def what_places_them(found: AnalysedRun) -> str | None:
         return None
     longer = min(max(50, 10 * settings.k_w), run.steps // 2)
     R_theta = np.asarray(settings.update.R_theta)
-    lighter = replace(
+    lighter = replaced(
         settings.update, R_theta=R_theta * 1e-6 if R_theta.ndim else R_theta[()] * 1e-6
     )
     later = {"k_w": longer, "k_update": max(longer, settings.k_update)}
@@ -145,7 +146,7 @@ def what_places_them(found: AnalysedRun) -> str | None:
         try:
             with np.errstate(all="ignore"):
                 other = simulate(
-                    run.plant, replace(settings, **change), run.w, x_0=run.x_0,
+                    run.plant, replaced(settings, **change), run.w, x_0=run.x_0,
                     saturation=run.saturation, stride=max(run.steps, 1),
                 )  # fmt: skip
             if other.outcome != "completed":
