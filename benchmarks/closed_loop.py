@@ -12,8 +12,8 @@ import subprocess
 import sys
 import time
 import tracemalloc
-from dataclasses import replace
 
+from attrs import evolve
 from update_step import dgemm  # first: it keeps NumPy to one thread
 
 # isort: split
@@ -63,7 +63,7 @@ def overhead(repetitions):
     print("whole step and update alone (the loop without update subtracted)")
     for l_theta in (10, 20, 40, 80):
         with_update = settings(l_theta)
-        without = replace(with_update, k_update=10**9)
+        without = evolve(with_update, k_update=10**9)
         w = noise(100_000)
         t = side_by_side(
             repetitions,

@@ -34,9 +34,11 @@ from compensator_theory import (
     TransferFunction,
     bezout_identity,
     count_roots,
+    is_controllable,
     number_of_common_roots,
     number_of_real_roots,
     place_poles,
+    regulator_gain,
     resultant,
     sylvester_m,
     sylvester_m1,
@@ -118,12 +120,44 @@ def works(n, rng):
         "ours": lambda: characteristic_polynomial(square, S), "sympy": domain.charpoly,
         "flint": lambda: flint.fmpz_mat(n, n, integers).charpoly(),
     }  # fmt: skip
+    yield from gains(n, rng)
     yield from systems(n, rng, a, b)
     G, H = TransferFunction(b, a), TransferFunction(random_polynomial(n - 1, rng), a)
     floats, symbols = [g.to_control() for g in (G, H)], [g.to_sympy() for g in (G, H)]
     yield "product of two systems", {
         "ours": lambda: G * H, "sympy": (symbols[0] * symbols[1]).doit,
         "control": lambda: floats[0] * floats[1],
+    }  # fmt: skip
+
+
+def gains(n, rng):
+    """The gain of one input and controllability, from lists of integers; flint's with one row."""
+    rows = [[rng.randint(-9, 9) for _ in range(n)] for _ in range(n)]
+    column = [[rng.randint(-9, 9)] for _ in range(n)]
+    goal = sympy.Poly([1, *(rng.randint(-9, 9) for _ in range(n))], S, domain="QQ")
+    descending = [int(c) for c in goal.all_coeffs()]
+
+    def krylov():
+        a, found = flint.fmpz_mat(rows), [flint.fmpz_mat(column)]
+        for _ in range(n - 1):
+            found.append(a * found[-1])
+        return a, flint.fmpz_mat([[c[i, 0] for i in range(n)] for c in found])
+
+    def ackermann():
+        a, kalman = krylov()
+        last = flint.fmpz_mat([[int(i == n - 1)] for i in range(n)])
+        row, below = kalman.solve(last).transpose().numer_denom()
+        value = row * descending[0]
+        for c in descending[1:]:
+            value = value * a + row * c
+        return value, below
+
+    def reached():
+        return krylov()[1].rank()
+
+    yield "gain", {"ours": lambda: regulator_gain(rows, column, goal), "flint": ackermann}
+    yield "controllability", {
+        "ours": lambda: is_controllable(rows, column), "flint": reached,
     }  # fmt: skip
 
 
@@ -214,6 +248,15 @@ def symbolic_part():
     system = sympy.Matrix(sylvester_m([sympy.Integer(1), *a], list(b), 3, 2)), sympy.Matrix(t)
     ours = median_seconds(solve, *system)
     sympys = median_seconds(lambda: system[0].LUsolve(system[1]))
+    p, q = (sympy.Poly(list(reversed(column)), S) for column in symbols)
+    ours = median_seconds(resultant, p, q)
+    names = [f"x{i}" for i in range(11)]
+    context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
+    x, *rest = context.gens()
+    raw = [sum((c * x**i for i, c in enumerate(part)), context.constant(0))
+           for part in (rest[:5], rest[5:])]  # fmt: skip
+    flints = median_seconds(lambda: raw[0].resultant(raw[1], "x0"))
+    print(f"generic resultant of quartics: ours {ours:.4f} s, flint's without SymPy {flints:.4f} s")
     print(f"generic solve n = 3: ours {ours:.4f} s, SymPy's LUsolve, unsimplified {sympys:.2f} s")
 
 

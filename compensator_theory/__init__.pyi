@@ -26,9 +26,12 @@ from .diophantine.polynomial_equations import solve_diophantine as solve_diophan
 from .errors import CompensatorError as CompensatorError
 from .errors import InputError as InputError
 from .exceptional_sets.analysis import exceptional_cases as exceptional_cases
+from .frequency.delays import stability_delays as stability_delays
+from .frequency.margins import stability_margins as stability_margins
 from .frequency.norms import h_infinity_norm as h_infinity_norm
 from .frequency.passivity import decide_bounded_real as decide_bounded_real
 from .frequency.passivity import decide_positive_real as decide_positive_real
+from .frequency.root_locus import root_locus as root_locus
 from .geometry.decoupling import decouple as decouple
 from .geometry.disturbance_decoupling import decouple_disturbance as decouple_disturbance
 from .geometry.fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes
@@ -150,7 +153,9 @@ from .structure.hankel_matrices import hankel_matrix as hankel_matrix
 from .structure.hankel_matrices import mcmillan_degree as mcmillan_degree
 from .structure.kalman import kalman_decomposition as kalman_decomposition
 from .structure.minimal_realisations import minimal_realisation as minimal_realisation
+from .structure.zero_order_hold import first_order_hold as first_order_hold
 from .structure.zero_order_hold import sampling_zero_polynomial as sampling_zero_polynomial
+from .structure.zero_order_hold import tustin as tustin
 from .structure.zero_order_hold import zero_order_hold as zero_order_hold
 from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros
 from .structure.zeros import invariant_zeros as invariant_zeros

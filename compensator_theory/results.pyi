@@ -13,8 +13,17 @@ from .diophantine.matrix_equations import MatrixDiophantineSolution as MatrixDio
 from .diophantine.polynomial_equations import DiophantineSolution as DiophantineSolution
 from .exceptional_sets.cases import ExceptionalCase as ExceptionalCase
 from .exceptional_sets.cases import ExceptionalCases as ExceptionalCases
+from .frequency.delays import DelayCrossing as DelayCrossing
+from .frequency.delays import StabilityDelays as StabilityDelays
+from .frequency.margins import GainCrossover as GainCrossover
+from .frequency.margins import PhaseCrossover as PhaseCrossover
+from .frequency.margins import StabilityMargins as StabilityMargins
 from .frequency.norms import HInfinityNorm as HInfinityNorm
 from .frequency.passivity import RealnessDecision as RealnessDecision
+from .frequency.root_locus import LocusAngles as LocusAngles
+from .frequency.root_locus import LocusBreak as LocusBreak
+from .frequency.root_locus import LocusCrossing as LocusCrossing
+from .frequency.root_locus import RootLocus as RootLocus
 from .geometry.decoupling import Decoupling as Decoupling
 from .geometry.disturbance_decoupling import DisturbanceDecoupling as DisturbanceDecoupling
 from .geometry.fixed_modes import FixedModes as FixedModes

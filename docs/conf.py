@@ -83,11 +83,32 @@ def insert_ledger(app, name, source):
     if name == "proofs":
         from proofs.formal.rocq_sources import sources
         from proofs.ledger.ledger import STATEMENTS, ledger
+        from proofs.output import blueprint
+        from proofs.output.coverage import FILE, coverage, numbers, table
         from proofs.output.page import page
 
-        for path in (*STATEMENTS.glob("*.toml"), *sources()):
+        for path in (*STATEMENTS.glob("*.toml"), *sources(), FILE):
             app.env.note_dependency(str(path))
-        source[0] = source[0].replace("<!-- the ledger -->", page(ledger()))
+        carried = {
+            entry.name: list(
+                dict.fromkeys(
+                    pair
+                    for number in numbers(entry.source)
+                    if number in index
+                    for pair in index[number].errata.items()
+                )
+            )
+            for entry in ledger()
+        }
+        used = [n for n, at in index.items() if at.names or at.modules or at.kernel]
+        names = {n: list(at.names) for n, at in index.items()}
+        for mark, text in (
+            ("ledger", page(ledger(), carried)),
+            ("graph", blueprint.graph(ledger())),
+            ("coverage", table(coverage(used, ledger()), names)),
+            ("definitions", blueprint.definitions()),
+        ):
+            source[0] = source[0].replace(f"<!-- the {mark} -->", text)
 
 
 def insert_errata(app, name, source):

@@ -12,7 +12,7 @@ from proofs.ledger.ledger import ledger
 from rcac_numeric.dissertation.errata.reading import find_errata
 
 CHAPTERS = {c: f"Chapter {c}" for c in "123456789"} | {c: f"Appendix {c}" for c in "AB"}
-NUMBER = re.compile(r"\(([1-9AB])\.([1-9]\d?)\)(?:-\(([1-9AB])\.([1-9]\d?)\))?")
+NUMBER = re.compile(r"\(([1-9AB])\.([1-9]\d{0,2})\)(?:-\(([1-9AB])\.([1-9]\d{0,2})\))?")
 HEAD = """# From an equation to the code
 
 The dissertation's equations by number: the public names whose documentation cites each, the

@@ -28,6 +28,8 @@ def errata_page() -> str:
     entries = find_errata()
     lines = [f"- **{kind}**: {words}; {_count(entries, kind)}." for kind, words in KINDS.items()]
     for chapter, heading in HEADINGS.items():
+        if not any(entry.chapter == chapter for entry in entries):
+            continue
         lines += ["", f"## {heading}"]
         for entry in entries:
             if entry.chapter == chapter:
@@ -46,6 +48,8 @@ def _entry(entry: Erratum) -> list[str]:
         "",
         f"> {escaped(entry.true)}",
         "",
+        f"Read with charity: {escaped(entry.charity)}",
+        "",
         _evidence(entry),
     ]
 
@@ -59,9 +63,7 @@ def _evidence(entry: Erratum) -> str:
     if evidence.ledger:
         case = f", refuted by `{evidence.counterexample}`" if evidence.counterexample else ""
         return f"In the ledger of proofs: {{ref}}`{evidence.ledger} <{evidence.ledger}>`{case}."
-    if evidence.example:
-        return f'Shown by Example {evidence.example}, "{escaped(evidence.claim)}".'
-    return f"By derivation: {escaped(evidence.derivation)}"
+    return f'Shown by Example {evidence.example}, "{escaped(evidence.claim)}".'
 
 
 def _count(entries: tuple[Erratum, ...], kind: str) -> int:

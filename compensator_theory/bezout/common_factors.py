@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import flint
 import sympy
-from sympy import Poly
+from sympy import Expr, Poly
 
 from compensator_theory.errors import InputError
-from compensator_theory.latex import displayed, latex
+from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.flint_polynomials import (
     from_flint_polynomial,
     kept_in_flint,
@@ -61,6 +61,18 @@ class BezoutIdentity(ExactValue):
         return decided
 
     @property
+    def exceptional(self) -> tuple[Expr, ...]:
+        """Irreducible polynomials in the symbols; the identity holds where none of them is zero.
+
+        As g divides a and b there, too, it is their greatest common divisor.
+        """
+        parts = (self.x, self.y, self.gcd, *self.quotients)
+        coefficients = (c for p in parts if not p.domain.is_QQ for c in p.all_coeffs())
+        bottoms = {sympy.fraction(sympy.cancel(c))[1] for c in coefficients}
+        found = {f for b in bottoms for f, _ in sympy.factor_list(b)[1] if not f.is_nonzero}
+        return tuple(sorted(found, key=lambda f: (sympy.count_ops(f), str(f))))
+
+    @property
     def residual(self) -> Poly:
         """What is left of x a + y b - g; zero, as computed anew."""
         x, y, a, b, gcd = over_one_field(self.x, self.y, self.a, self.b, self.gcd)
@@ -72,7 +84,7 @@ class BezoutIdentity(ExactValue):
 
     def _repr_latex_(self) -> str:
         gcd, x, y, a, b = map(latex, (self.gcd, self.x, self.y, self.a, self.b))
-        return displayed(f"({x})({a}) + ({y})({b}) = {gcd}")
+        return displayed(f"({x})({a}) + ({y})({b}) = {gcd}", unless(self.exceptional))
 
 
 def bezout_identity(
@@ -101,8 +113,9 @@ def bezout_identity(
     >>> found = bezout_identity("s**2 + 1", "s + 2")
     >>> found.is_coprime, found.residual.is_zero
     (True, True)
-    >>> print(bezout_identity("s + a", "s + b", "s").is_coprime)
-    None
+    >>> found = bezout_identity("s + a", "s + b", "s")
+    >>> found.is_coprime is None, found.exceptional
+    (True, (a - b,))
     """
     first, second = in_one_variable(a, b, variable=variable)
     if (kept := kept_in_flint(first, second)) is not None and kept[0] and kept[1]:

@@ -103,8 +103,9 @@ class LQGController(ExactValue):
         sides = self.regulator, self.estimator
         if not self.is_exact:
             return None
-        own = [stable_factors(hamiltonian_spectrum(side)) for side in sides]
-        joint = stable_factors(*(one.irrational for one in own if one), most=JOINT_FIELD)
+        own = [stable_factors(hamiltonian_spectrum(s), most=JOINT_FIELD) for s in sides]
+        parts = [one.irrational for one in own if one is not None]
+        joint = stable_factors(*parts, most=JOINT_FIELD) if len(parts) == len(own) else None
         if joint is None:
             return None
         work, generators = Arithmetic(joint.field), []
@@ -193,8 +194,10 @@ class LQGController(ExactValue):
             If it is infinite.
         """
         self._require_finite_cost()
+        if self._joined is None:
+            return None
         parts = self.regulator.K_in_field, self.regulator.P_in_field, self.estimator.P_in_field
-        if self._joined is None or None in parts:
+        if None in parts:
             return None
         work = self._joined[0]
         K, P, S = (self._embedded(m, side) for m, side in zip(parts, (0, 0, 1), strict=True) if m)

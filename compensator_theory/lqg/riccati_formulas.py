@@ -16,7 +16,7 @@ from compensator_theory.polynomial_matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,
 )
-from compensator_theory.polynomials.numbers import NumberLike
+from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import Time, require_time
 from compensator_theory.printing import text
@@ -64,13 +64,9 @@ class RiccatiFormula(ExactValue):
     def at(self, values: dict[str, NumberLike]) -> RiccatiSolution:
         """Return the solution for rational values of all symbols, on the exceptional set too."""
         weights = (self.A, self.B, self.Q, self.R, self.N)
-        numbers = {Symbol(name): sympy.Rational(str(value)) for name, value in values.items()}
-        by_name = {
-            s: numbers[Symbol(s.name)]
-            for m in weights
-            for s in m.free_symbols
-            if Symbol(s.name) in numbers
-        }
+        numbers = {name: exact_number(value) for name, value in values.items()}
+        symbols = {s for m in weights for s in m.free_symbols}
+        by_name = {s: numbers[s.name] for s in symbols if s.name in numbers}
         A, B, Q, R, N = (m.subs(by_name) for m in weights)
         return solve_riccati(A, B, Q=Q, R=R, N=N, time=self.time)
 
@@ -168,10 +164,10 @@ def riccati_formula(
     if time == "discrete":
         divisors += [determinant(a + sympy.eye(n)), determinant(_kalman(a, b))]
     divisors += denominators_of((K, P))
-    conditions = tuple(sympy.factor(square.subs(written)) for square in squares)
-    final = [ImmutableMatrix(m.subs(written)) for m in (K, P)]
+    conditions = tuple(_rebuilt(sympy.factor(square.subs(written))) for square in squares)
+    K, P = (ImmutableMatrix(m.subs(written).applyfunc(_rebuilt)) for m in (K, P))
     exceptional = exceptional_factors(d for d in divisors if d.free_symbols)
-    return RiccatiFormula(*weights, time, *final, conditions, exceptional, certificate)
+    return RiccatiFormula(*weights, time, K, P, conditions, exceptional, certificate)
 
 
 def _kalman(A: Matrix, B: Matrix) -> Matrix:
@@ -253,6 +249,11 @@ def _equations(weights: Weights, K: Matrix, P: Matrix, time: Time) -> list[Matri
         A.T * P * A + Q - P + (A.T * P * B + N) * K,
         (R + B.T * P * B) * K + B.T * P * A + N.T,
     ]
+
+
+def _rebuilt(value: Expr) -> Expr:
+    """Return what SymPy makes of the parts: factors that it keeps apart would not pickle."""
+    return value.func(*map(_rebuilt, value.args)) if value.args else value
 
 
 def _remainder(value: Expr, roots: list[Symbol], squares: list[Expr]) -> Expr:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import gcd, lcm
+from typing import Any
 
 import sympy
 from sympy import QQ, Expr, ImmutableMatrix, Poly, Rational, Symbol
@@ -27,12 +28,15 @@ class MatrixExponential:
         With t and the symbols of `rates` in its entries.
     rates : tuple of (Symbol, Expr)
         Each symbol x stands for exp(rate t).
+    tangents : tuple of (Symbol, Expr)
+        Each symbol y with its d stands for tan(w t/2)/w, w = sqrt(d), which is real for d < 0 too.
     certificate : Certificate
         The differential equation that it solves, and the initial value.
     """
 
     value: ImmutableMatrix
     rates: tuple[tuple[Symbol, Expr], ...]
+    tangents: tuple[tuple[Symbol, Expr], ...]
     certificate: Certificate
 
 
@@ -44,12 +48,17 @@ def matrix_exponential(
     .. math:: e^{Mt} = r(M), \qquad r^{(k)}(\lambda) = t^k e^{\lambda t} \quad
               (k < \text{multiplicity of } \lambda)
 
+    For a factor :math:`(s - \sigma)^2 + d` of the annihilator, d of either sign, :math:`e^{st}` is
+    :math:`e^{\sigma t}(\cos\omega t + (s - \sigma)\sin(\omega t)/\omega)`, :math:`\omega^2 = d`,
+    and both are rational in :math:`y = \tan(\omega t/2)/\omega`.
+
     Parameters
     ----------
     matrix : sympy.ImmutableMatrix
         M, square.
     annihilator : sympy.Poly
-        A polynomial that is zero at M, with rational or symbolic roots.
+        A polynomial that is zero at M, with factors of degree 1 and 2 over the rational functions
+        of its symbols.
     t : Symbol
         The time.
     used : set of str
@@ -58,7 +67,8 @@ def matrix_exponential(
     Raises
     ------
     InputError
-        If a root is neither rational nor a sum of monomials in symbols.
+        If a factor has a larger degree, or the real part of its roots is no sum of monomials in
+        symbols.
 
     Examples
     --------
@@ -73,19 +83,31 @@ def matrix_exponential(
     [x, 1 - x],
     [0,     1]]), ((x, -1),))
     """
-    poles = _poles(annihilator)
-    bases = _bases(list(poles), used)
+    modes = _modes(annihilator)
+    bases = _bases([centre for centre, _ in modes], used)
+    angles = _angles([d for _, d in modes if d is not None], used)
     own_symbols = sorted(matrix.free_symbols | annihilator.free_symbols_in_domain, key=str)
-    field = QQ.frac_field(*dict.fromkeys([t, *(x for x, _, _ in bases), *own_symbols]))
+    field = QQ.frac_field(
+        *dict.fromkeys([t, *(x for x, _, _ in bases), *(a.symbol for a in angles), *own_symbols])
+    )
     own = DomainMatrix.from_Matrix(matrix).to_field().to_dense()
-    interpolation = _interpolation(poles, bases, t, field, annihilator.gen)
+    interpolation = _interpolation(modes, bases, angles, t, field, annihilator.gen)
     value = _value_at_matrix(interpolation, own, field)
-    certificate = _certificate(value, own, bases, t, field)
+    certificate = _certificate(value, own, bases, angles, t, field)
     return MatrixExponential(
         ImmutableMatrix([[field.to_sympy(entry) for entry in row] for row in value]),
         tuple((x, rate) for x, rate, _ in bases),
+        tuple((angle.symbol, angle.square) for angle in angles),
         certificate,
     )
+
+
+@dataclass(frozen=True)
+class _Angle:
+    """tan(w t/2)/w for w**2 = square, a frequency of which others are whole multiples."""
+
+    symbol: Symbol
+    square: Expr
 
 
 Base = tuple[Symbol, Expr, Expr]
@@ -107,19 +129,63 @@ def fresh_symbol(name: str, used: set[str]) -> Symbol:
     return Symbol(name)
 
 
-def _poles(poly: Poly) -> dict[Expr, int]:
-    """Return the roots with multiplicity."""
-    poles: dict[Expr, int] = {}
+Mode = tuple[Expr, Expr | None]
+"""A rational pole, or (s - centre)**2 + square with the square d."""
+
+
+def _modes(poly: Poly) -> dict[Mode, int]:
+    """Return the poles and the quadratic factors with multiplicity."""
+    found: dict[Mode, int] = {}
     for factor, multiplicity in poly.factor_list()[1]:
-        if factor.degree() > 1:
+        if factor.degree() > 2:
             raise InputError(
-                f"the roots of {quoted(factor)} are no rational poles; write the plant with "
-                "symbols for its poles, or approximate them by rational numbers"
+                f"the roots of {quoted(factor)} are no poles of factors of degree 1 or 2; write "
+                "the plant with symbols for its poles, or approximate them by rational numbers"
             )
-        leading, constant = factor.all_coeffs()
-        pole = sympy.expand(sympy.cancel(-constant / leading))
-        poles[pole] = poles.get(pole, 0) + multiplicity
-    return poles
+        leading, *rest = (sympy.sympify(c) for c in factor.all_coeffs())
+        centre = sympy.expand(sympy.cancel(-rest[0] / (int(factor.degree()) * leading)))
+        square = None
+        if factor.degree() == 2:
+            square = sympy.factor(sympy.cancel(rest[1] / leading - centre**2))
+        mode = (centre, square)
+        found[mode] = found.get(mode, 0) + multiplicity
+    return found
+
+
+def _angles(squares: Sequence[Expr], used: set[str]) -> list[_Angle]:
+    """Return one symbol for all frequencies whose ratios are rational."""
+    groups: list[tuple[Expr, list[Rational]]] = []
+    for square in dict.fromkeys(squares):
+        for first, multiples in groups:
+            ratio = sympy.cancel(square / first)
+            root = sympy.sqrt(ratio) if ratio.is_Rational and ratio > 0 else None
+            if root is not None and root.is_Rational:
+                multiples.append(root)
+                break
+        else:
+            groups.append((square, [Rational(1)]))
+    found = []
+    for first, multiples in groups:
+        unit = Rational(gcd(*(int(c.p) for c in multiples)), lcm(*(int(c.q) for c in multiples)))
+        ask("terms", sum(int(c / unit) for c in multiples) * 4, "the matrix exponential")
+        found.append(_Angle(fresh_symbol("y", used), sympy.factor(first * unit**2)))
+    return found
+
+
+def _turn(square: Expr, angles: Sequence[_Angle], field: Domain) -> tuple[Any, Any]:
+    """Return cos(w t) and sin(w t)/w by the symbol of its frequency."""
+    for angle in angles:
+        ratio = sympy.cancel(square / angle.square)
+        if ratio.is_Rational and ratio > 0 and sympy.sqrt(ratio).is_Integer:
+            count = int(sympy.sqrt(ratio))
+            y, d = (field.from_sympy(value) for value in (angle.symbol, angle.square))
+            below = 1 + d * y**2
+            cosine, sine = (1 - d * y**2) / below, 2 * y / below
+            c, s = field.one, field.zero
+            for _ in range(count):  # (c + v s)(cosine + v sine) with v**2 = -d
+                c, s = c * cosine - d * s * sine, c * sine + s * cosine
+            return c, s / count
+    raise AssertionError("every frequency is a whole multiple of one")
 
 
 def _parts(pole: Expr) -> dict[Expr, Rational]:
@@ -152,24 +218,68 @@ def _bases(poles: Sequence[Expr], used: set[str]) -> list[Base]:
 
 
 def _interpolation(
-    poles: dict[Expr, int], bases: list[Base], t: Symbol, field: Domain, s: Symbol
+    modes: dict[Mode, int],
+    bases: list[Base],
+    angles: Sequence[_Angle],
+    t: Symbol,
+    field: Domain,
+    s: Symbol,
 ) -> Poly:
     """Return the polynomial in s that equals exp(s t) at the poles, with its derivatives."""
+    factors = {}
+    for centre, square in modes:
+        linear = Poly(s - centre, s, domain=field)
+        factors[centre, square] = (
+            linear if square is None else linear**2 + Poly(square, s, domain=field)
+        )
     whole = Poly(1, s, domain=field)
-    for pole, multiplicity in poles.items():
-        whole *= Poly(s - pole, s, domain=field) ** multiplicity
+    for mode, multiplicity in modes.items():
+        whole *= factors[mode] ** multiplicity
     total = Poly(0, s, domain=field)
-    for pole, multiplicity in poles.items():
-        linear = Poly(s - pole, s, domain=field)
-        local = linear**multiplicity
-        parts = _parts(pole)
+    for (centre, square), multiplicity in modes.items():
+        factor = factors[centre, square]
+        local = factor**multiplicity
+        parts = _parts(centre)
         value = sympy.prod(x ** (parts.get(mono, 0) * mono / rate) for x, rate, mono in bases)
         series = Poly(0, s, domain=field)
-        for k in range(multiplicity):
-            series += linear**k * Poly(t**k / sympy.factorial(k), s, domain=field)
+        if square is None:
+            for k in range(multiplicity):
+                series += factor**k * Poly(t**k / sympy.factorial(k), s, domain=field)
+        else:
+            series = _quadratic_series(centre, square, multiplicity, factor, angles, t, field)
         cofactor = whole.exquo(local)
         series = (series * Poly(value, s, domain=field) * cofactor.invert(local)).rem(local)
         total += series * cofactor
+    return total
+
+
+def _quadratic_series(
+    centre: Expr,
+    square: Expr,
+    multiplicity: int,
+    factor: Poly,
+    angles: Sequence[_Angle],
+    t: Symbol,
+    field: Domain,
+) -> Poly:
+    """Return exp((s - centre) t) modulo a power of the factor.
+
+    It is C + v S at v = s - centre, where C and S are functions of u = v**2 with C' = t S/2 and
+    S' = (t C - S)/(2 u); their Taylor series at u = -d in powers of the factor u + d end.
+    """
+    s = factor.gen
+    time, u = field.from_sympy(t), -field.from_sympy(square)
+    linear = Poly(s - centre, s, domain=field)
+    C, S = ([value] for value in _turn(square, angles, field))
+    # (u_0 + w) 2 S' = t C - S, by the coefficients of w
+    for k in range(1, multiplicity):
+        C.append(time * S[k - 1] / (2 * k))
+        S.append((time * C[k - 1] - S[k - 1] - 2 * (k - 1) * S[k - 1]) / (2 * k * u))
+    total, power = Poly(0, s, domain=field), Poly(1, s, domain=field)
+    for c, sine in zip(C, S, strict=True):
+        even, odd = (Poly.from_list([x], s, domain=field) for x in (c, sine))
+        total += power * (even + linear * odd)
+        power *= factor
     return total
 
 
@@ -191,11 +301,14 @@ def _certificate(
     E: list[list[FracElement]],
     M: DomainMatrix,
     bases: list[Base],
+    angles: Sequence[_Angle],
     t: Symbol,
     field: Domain,
 ) -> Certificate:
     rates = [(t, field.one), *((x, field.from_sympy(rate * x)) for x, rate, _ in bases)]
+    rates += [(a.symbol, field.from_sympy((1 + a.square * a.symbol**2) / 2)) for a in angles]
     start = [(field.field.ring(t), 0), *((field.field.ring(x), 1) for x, _, _ in bases)]
+    start += [(field.field.ring(a.symbol), 0) for a in angles]
     rows = [[field.convert_from(entry, M.domain) for entry in row] for row in M.to_list()]
     left = []
     for i, row in enumerate(rows):

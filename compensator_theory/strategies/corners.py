@@ -215,3 +215,118 @@ def derogatory_loops(draw: st.DrawFn, max_order: int = 3) -> tuple[Triple, Tripl
         disguised(*plant, draw(unimodular_matrices(n))),
         disguised(A, B, C, draw(unimodular_matrices(n))),
     )
+
+
+@st.composite
+def plants_with_gain(
+    draw: st.DrawFn, max_order: int = 3
+) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
+    r"""Draw a minimal SISO plant (A, B, C) and a gain K that may hide a mode of A + BK from C.
+
+    .. math:: \det(sI - A - BK) = (s - z) \cdots, \qquad N(z) = 0
+
+    Two in five move a pole onto a zero of the plant; one in five has K = 0.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import plants_with_gain
+    >>> @given(plants_with_gain())
+    ... def check(drawn):
+    ...     A, B, C, K = drawn
+    ...     assert (A + B * K).shape == A.shape and C.shape == K.shape
+    >>> check()
+    """
+    kind = draw(st.sampled_from(["any", "any", "zero", "onto a zero", "onto a zero"]))
+    n = draw(st.sampled_from([1, *(k for k in range(2, max_order + 1) for _ in range(3))]))
+    s = Symbol("s")
+    D = draw(polynomials("s", n, n, is_monic=True))
+    z = draw(rationals(4, 2))
+    while D.eval(z) == 0:
+        z += 1
+    hides = kind == "onto a zero" and n > 1
+    if hides:
+        rest = coprime_to(D, draw(polynomials("s", 0, n - 2)))
+        N = Poly([1, -z], s, domain=QQ) * rest
+    else:
+        N = coprime_to(D, draw(polynomials("s", 0, n - 1)))
+    placed = draw(polynomials("s", n - 1, n - 1, is_monic=True)) * Poly(
+        [1, -z if hides else draw(rationals())], s, domain=QQ
+    )
+    A, B, C, _ = controllable_canonical_form(TransferFunction(canonical(N), D))
+    moved = [0] * n if kind == "zero" else _ascending(D, n) - _ascending(placed, n)
+    # in these coordinates a gain adds its entries to one row of coefficients
+    last = next(i for i in range(n) if B[i, 0] != 0)
+    at = list(-A[last, :])
+    order = range(n) if at == list(_ascending(D, n)) else range(n - 1, -1, -1)
+    K = ImmutableMatrix(1, n, [moved[i] for i in order])
+    S = draw(unimodular_matrices(n))
+    return (*disguised(A, B, C, S), ImmutableMatrix(K * S.inv()))
+
+
+def _ascending(p: Poly, n: int) -> ImmutableMatrix:
+    return ImmutableMatrix(n, 1, [p.nth(i) for i in range(n)])
+
+
+@st.composite
+def plants_and_compensators(
+    draw: st.DrawFn, variable: str = "s", max_order: int = 3
+) -> tuple[TransferFunction, TransferFunction]:
+    """Draw two coprime strictly proper transfer functions, every other time with a cancellation.
+
+    The compensator cancels a zero of the plant with a pole (two in six), or a pole of the plant
+    with a zero (one in six); what is cancelled may lie anywhere.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import plants_and_compensators
+    >>> @given(plants_and_compensators())
+    ... def check(drawn):
+    ...     plant, compensator = drawn
+    ...     assert plant.is_coprime and compensator.is_coprime
+    >>> check()
+    """
+    kind = draw(st.sampled_from(["any", "any", "any", "zero", "zero", "pole"]))
+    a, b = draw(coprime_pairs(variable, max_order))
+    c, d = draw(coprime_pairs(variable, max_order))
+    if kind == "any":
+        return TransferFunction(b, a), TransferFunction(d, c)
+    x = draw(rationals(4, 2))
+    while 0 in (a.eval(x), b.eval(x), c.eval(x), d.eval(x)):
+        x += 1
+    root = Poly([1, -x], Symbol(variable), domain=QQ)
+    other = Poly([1, -draw(rationals(4, 2))], Symbol(variable), domain=QQ)
+    while (b * root * d).eval(other.nth(0) * -1) == 0:
+        other += 1
+    if kind == "zero":  # the plant has the zero x, the compensator the pole
+        plant = TransferFunction(canonical(b * root), canonical(a * other))
+        return plant, TransferFunction(d, canonical(c * root))
+    compensator = TransferFunction(canonical(d * root), canonical(c * other))
+    return TransferFunction(b, canonical(a * root)), compensator
+
+
+@st.composite
+def plants_with_common_factor(
+    draw: st.DrawFn, variable: str = "s", max_order: int = 2
+) -> tuple[TransferFunction, TransferFunction]:
+    """Draw two coprime strictly proper plants, every other time with a pole in common.
+
+    Examples
+    --------
+    >>> from hypothesis import given
+    >>> from compensator_theory.strategies import plants_with_common_factor
+    >>> @given(plants_with_common_factor())
+    ... def check(drawn):
+    ...     assert all(plant.is_coprime and plant.is_strictly_proper for plant in drawn)
+    >>> check()
+    """
+    a, b = draw(coprime_pairs(variable, max_order))
+    c, d = draw(coprime_pairs(variable, max_order))
+    if draw(st.booleans()):
+        return TransferFunction(b, a), TransferFunction(d, c)
+    x = draw(rationals(4, 2))
+    while 0 in (b.eval(x), d.eval(x)):
+        x += 1
+    root = Poly([1, -x], Symbol(variable), domain=QQ)
+    return TransferFunction(b, canonical(a * root)), TransferFunction(d, canonical(c * root))

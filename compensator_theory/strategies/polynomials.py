@@ -1,7 +1,7 @@
 """Numbers and polynomials for Hypothesis."""
 
 from hypothesis import strategies as st
-from sympy import Poly, Rational, Symbol
+from sympy import QQ, Poly, Rational, Symbol
 
 from compensator_theory.polynomials.poly import canonical
 
@@ -69,6 +69,9 @@ def polynomials(
 def coprime_pairs(draw: st.DrawFn, variable: str = "s", max_degree: int = 4) -> tuple[Poly, Poly]:
     """Draw (a, b) without a common root; a is monic of degree 1 or more, deg b < deg a, b != 0.
 
+    With the defaults some two in five have a root of a with multiplicity 2 or 3, and as many a
+    constant b, where a has the degree 1 or by choice.
+
     Where b shares a root with a, the least of 1, 2, ... that removes it is added to b: each of the
     deg a roots rules out one number.
 
@@ -81,8 +84,16 @@ def coprime_pairs(draw: st.DrawFn, variable: str = "s", max_degree: int = 4) -> 
     ...     assert pair[0].gcd(pair[1]).degree() == 0
     >>> check()
     """
-    a = draw(polynomials(variable, 1, max_degree, is_monic=True))
-    return a, coprime_to(a, draw(polynomials(variable, 0, int(a.degree()) - 1)))
+    # lower degrees come first, to shrink to, and are the rarer ones
+    degree = draw(st.sampled_from([1, *(d for d in range(2, max_degree + 1) for _ in range(2))]))
+    multiplicity = draw(st.sampled_from([1, 1, 1, 1, 2, 2, 3])) if degree > 1 else 1
+    a = draw(polynomials(variable, degree, degree, is_monic=True))
+    if multiplicity > 1:
+        root, times = draw(rationals()), min(multiplicity, degree)
+        rest = draw(polynomials(variable, degree - times, degree - times, is_monic=True))
+        a = Poly([1, -root], Symbol(variable), domain=QQ) ** times * rest
+    highest = draw(st.sampled_from([0, *(d for d in range(1, degree) for _ in range(3))]))
+    return canonical(a), coprime_to(a, draw(polynomials(variable, highest, highest)))
 
 
 def coprime_to(a: Poly, b: Poly) -> Poly:

@@ -1,15 +1,15 @@
-"""Exact sampling with a zero-order hold; exponentials of the poles stay symbols."""
+"""Exact sampling with holds and by Tustin's rule; exponentials of the poles stay symbols."""
 
 from dataclasses import dataclass
 
 import sympy
 from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
-from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant, solve
 from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import (
     ask,
@@ -32,7 +32,7 @@ from compensator_theory.transfer_functions.transfer_functions import TransferFun
 
 @dataclass(frozen=True)
 class SampledPlant(ExactValue):
-    r"""A plant between a zero-order hold and a sampler.
+    r"""A continuous plant at its samples; the equations are those of a zero-order hold.
 
     .. math:: x_{k+1} = e^{Ah} x_k + \int_0^h e^{A\tau}\,d\tau\, B\, u_k, \qquad
               y_k = C x_k + D u_k
@@ -44,7 +44,8 @@ class SampledPlant(ExactValue):
     step : sympy.Expr
         h, the time between samples.
     exponentials : tuple of (Symbol, Expr)
-        What each new symbol stands for, such as (x, exp(-h)).
+        What each new symbol stands for, such as (x, exp(-h)), or (y, tan(h/2)) for poles at
+        :math:`\pm\mathrm{j}`, in which :math:`\cos h = (1 - y^2)/(1 + y^2)`.
     exceptional : tuple of sympy.Expr
         Irreducible polynomials in the symbols that the matrices are divided by, such as a - b where
         poles a and b would be one.
@@ -87,8 +88,9 @@ def zero_order_hold(
     Parameters
     ----------
     plant : Realisation, matrices, transfer function
-        Anything :func:`realisation` reads, in s or another variable that is not z or q. Its poles
-        are rational, or sums of monomials in symbols such as -a.
+        Anything :func:`realisation` reads, in s or another variable that is not z or q. Its
+        denominator has factors of degree 1 and 2, with rational numbers or symbols, and the real
+        parts (of real irrational poles: the means) are sums of monomials such as -a.
     step : number or symbol, optional
         h > 0: a symbol, a rational number, or a SymPy expression like log(2), which makes
         exponentials of whole poles rational numbers.
@@ -100,16 +102,19 @@ def zero_order_hold(
     Raises
     ------
     InputError
-        If the plant is discrete, h is not positive, or a pole is neither rational nor a sum of
-        monomials.
+        If the plant is discrete, h is not positive, an irreducible factor has degree 3 or more, or
+        a real part is no sum of monomials.
 
     Notes
     -----
     The exponential is the polynomial in the matrix that interpolates e^(sh) on the spectrum.
     Exponentials of poles that are whole multiples of one number are powers of one symbol, so that
-    no relation between them is lost. For a short h the zeros beyond those of the plant tend to the
-    roots of :func:`sampling_zero_polynomial`. Source: K. J. Astrom, P. Hagander and J. Sternby,
-    Zeros of sampled systems, Automatica 20 (1984).
+    no relation between them is lost; the same holds for the tangents of frequencies with rational
+    ratios. (Exponentials of others are algebraically independent at every algebraic h > 0, by the
+    theorem of Lindemann and Weierstrass.) At the steps :math:`h = (2l + 1)\pi/\omega` a tangent
+    is infinite, and the matrices are the limits. For a short h the zeros beyond those of the plant
+    tend to the roots of :func:`sampling_zero_polynomial`. Source: K. J. Astrom, P. Hagander and
+    J. Sternby, Zeros of sampled systems, Automatica 20 (1984).
 
     Examples
     --------
@@ -122,7 +127,126 @@ def zero_order_hold(
     B = [[1 - x]]
     C = [[1]]
     x = exp(-h)
+    >>> found = zero_order_hold("1/(s**2 + 1)")
+    >>> found.realisation.A[0, 0], found.exponentials  # cos(h)
+    ((1 - y**2)/(y**2 + 1), ((y, tan(h/2)),))
     """
+    return _sampled(plant, step, variable, discrete_variable, 1)
+
+
+def first_order_hold(
+    plant: RealisationLike,
+    step: NumberLike = "h",
+    variable: str | Symbol | None = None,
+    *,
+    discrete_variable: str | Symbol = "z",
+) -> SampledPlant:
+    r"""Sample a continuous plant exactly whose input is a straight line between the samples.
+
+    .. math:: \exp\left(\begin{bmatrix} A & B & 0 \\ 0 & 0 & I \\ 0 & 0 & 0 \end{bmatrix} h\right)
+              = \begin{bmatrix} A_d & \Gamma_1 & h\,\Gamma_2 \\ 0 & I & hI \\ 0 & 0 & I
+              \end{bmatrix}, \qquad B_d = \Gamma_1 - \Gamma_2 + A_d\Gamma_2, \quad
+              D_d = D + C\,\Gamma_2
+
+    Parameters
+    ----------
+    plant, step, variable, discrete_variable
+        As for :func:`zero_order_hold`.
+
+    Returns
+    -------
+    SampledPlant
+        Its state is :math:`x - \Gamma_2 u`: the line to the next sample needs that one (a triangle
+        hold, which no machine can run ahead of time; for signals that are known it is the better
+        model).
+
+    Raises
+    ------
+    InputError
+        As for :func:`zero_order_hold`.
+
+    Notes
+    -----
+    Source: G. F. Franklin, J. D. Powell and M. L. Workman, Digital Control of Dynamic Systems
+    (1998), Section 6.3.
+
+    Examples
+    --------
+    >>> from compensator_theory import first_order_hold
+    >>> print(first_order_hold("1/s").transfer_function())
+    (h*z/2 + h/2)/(z - 1)
+    """
+    return _sampled(plant, step, variable, discrete_variable, 2)
+
+
+def tustin(
+    plant: RealisationLike,
+    step: NumberLike = "h",
+    variable: str | Symbol | None = None,
+    *,
+    discrete_variable: str | Symbol = "z",
+) -> SampledPlant:
+    r"""Replace s by a rational function of z that keeps stability: Tustin's rule.
+
+    .. math:: s = \frac{2}{h}\,\frac{z - 1}{z + 1}, \qquad
+              A_d = (I - Ah/2)^{-1}(I + Ah/2), \quad B_d = h\,(I - Ah/2)^{-1}B
+
+    Parameters
+    ----------
+    plant, variable, discrete_variable
+        As for :func:`zero_order_hold`, with poles of any kind.
+    step : number or symbol, optional
+        h > 0, a rational number or a symbol. To keep the response at the frequency
+        :math:`\omega_0`, put a rational number close to
+        :math:`2\tan(\omega_0h/2)/\omega_0` in its place (prewarping).
+
+    Raises
+    ------
+    NoSolutionError
+        If 2/h is a pole for all values of the symbols: z is infinite there.
+    InputError
+        If the plant is discrete, or h is no positive rational number or symbol.
+
+    Examples
+    --------
+    >>> from compensator_theory import tustin
+    >>> print(tustin("1/(s + 1)", "1/2").transfer_function())
+    (z/5 + 1/5)/(z - 3/5)
+    """
+    given, z, h = _read(plant, step, variable, discrete_variable)
+    if not (h.is_Rational or isinstance(h, Symbol)):
+        raise InputError(f"the step {shown(h)} must be a rational number or a symbol here")
+    n = given.n
+    unit = sympy.eye(n)
+    below = ImmutableMatrix(unit - given.A * h / 2)
+    if n and determinant(below) == 0:
+        raise NoSolutionError(
+            f"2/h = {2 / h} is a pole of the plant, which z = infinity would be; take another step"
+        )
+    inverse = solve(below, unit) if n else below
+    A = _simple(inverse * (unit + given.A * h / 2))
+    B, C = _simple(inverse * given.B * h), _simple(given.C * inverse)
+    D = _simple(given.D + C * given.B * h / 2)
+    left = [below * A - unit - given.A * h / 2, below * B - given.B * h, C * below - given.C]
+    certificate = certificate_of(
+        "(I - Ah/2) A_d = I + Ah/2, (I - Ah/2) B_d = B h, C_d (I - Ah/2) = C", left, "sampling"
+    )
+    result = Realisation(A, B, C, D, z, sample_time=h if h.is_Rational else None)
+    exceptional = exceptional_factors(sympy.fraction(e)[1] for m in (A, B, C, D) for e in m)
+    return SampledPlant(result, h, (), exceptional, certificate)
+
+
+def _simple(matrix: ImmutableMatrix) -> ImmutableMatrix:
+    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
+
+
+def _read(
+    plant: RealisationLike,
+    step: NumberLike,
+    variable: str | Symbol | None,
+    discrete_variable: str | Symbol,
+) -> tuple[Realisation, Symbol, Expr]:
+    """Read a continuous plant, the variable of the sampled one, and the step."""
     given = realisation(plant, variable)
     z = as_symbol(discrete_variable)
     require_discrete(z, "a sampled plant")
@@ -131,20 +255,44 @@ def zero_order_hold(
     h = _positive(step)
     if h in (given.variable, z):
         raise InputError(f"{h} is the variable of a plant, not a step; name the step otherwise")
-    ask("entries", (given.n + given.B.cols) ** 2 * (given.n + 1), "the matrix exponential")
     if h in given.A.free_symbols | given.B.free_symbols:
         raise InputError(f"the plant contains {h}, the step; name the step otherwise")
+    return given, z, h
+
+
+def _sampled(
+    plant: RealisationLike,
+    step: NumberLike,
+    variable: str | Symbol | None,
+    discrete_variable: str | Symbol,
+    order: int,
+) -> SampledPlant:
+    """Sample with a hold of order 0 (`order` 1) or 1 (`order` 2)."""
+    given, z, h = _read(plant, step, variable, discrete_variable)
+    n, m = given.B.shape
+    size = n + order * m
+    ask("entries", size**2 * (given.n + 1), "the matrix exponential")
     used = {str(x) for x in given.A.free_symbols | given.B.free_symbols | given.C.free_symbols}
     used |= {str(x) for x in given.D.free_symbols | h.free_symbols} | {z.name}
     t = h if isinstance(h, Symbol) else fresh_symbol("h", used)
-    n, m = given.B.shape
-    zero = ImmutableMatrix.zeros(m, n + m)
-    M = ImmutableMatrix(given.A.row_join(given.B).col_join(zero))
+    rows = [given.A.row_join(given.B).row_join(ImmutableMatrix.zeros(n, size - n - m))]
+    if order == 2:
+        rows.append(ImmutableMatrix.zeros(m, n + m).row_join(sympy.eye(m)))
+    rows.append(ImmutableMatrix.zeros(m, size))
+    M = ImmutableMatrix.vstack(*rows)
     poles = characteristic_polynomial(given.A, given.variable)
-    annihilator = canonical(poles * Poly(given.variable, given.variable, domain=QQ))
+    annihilator = canonical(poles * Poly(given.variable**order, given.variable, domain=QQ))
     found = matrix_exponential(M, annihilator, t, used)
     E = found.value
     values = {x: _exponential(rate * h) for x, rate in found.rates}
+    for y, square in found.tangents:
+        omega = sympy.sqrt(square)
+        if h.has(sympy.log):
+            raise InputError(
+                f"with poles of frequency {omega} the step {shown(h)}, a logarithm, may hide "
+                "relations; leave it a symbol"
+            )
+        values[y] = sympy.tan(omega * h / 2) / omega
     known = {x: value for x, value in values.items() if value.is_Rational}
     sampled = E.subs({t: h, **known}) if t != h or known else E
     if any(e.has(sympy.log, sympy.exp) for e in sampled):
@@ -152,13 +300,19 @@ def zero_order_hold(
             f"with multiple poles the step {shown(h)} itself, an irrational number, is in the "
             "matrices; leave it a symbol"
         )
+    B, D = sampled[:n, n : n + m], given.D
+    if order == 2:
+        slope = (sampled[:n, n + m :] / h).applyfunc(sympy.cancel)
+        B = _simple(B - slope + sampled[:n, :n] * slope)
+        D = _simple(given.D + given.C * slope)
     with unlimited():
         result = Realisation(
-            sampled[:n, :n], sampled[:n, n:], given.C, given.D, z,
-            sample_time=h if h.is_Rational else None,
-        )  # fmt: skip
+            sampled[:n, :n], B, given.C, D, z, sample_time=h if h.is_Rational else None
+        )
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
-    exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in sampled)
+    divisors = [*sampled, *B, *D]
+    exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in divisors)
+    exceptional = tuple(factor for factor in exceptional if factor != h)
     return SampledPlant(result, h, meaning, exceptional, found.certificate)
 
 

@@ -120,7 +120,7 @@ def _reaches_all(A: flint.fmpq_mat, B: flint.fmpq_mat) -> bool:
     whole = A.numer_denom()[0], B.numer_denom()[0]
 
     def krylov(a: Any, block: Any) -> list[list[Any]]:
-        rows = block.transpose().tolist()
+        rows: list[list[Any]] = block.transpose().tolist()
         for _ in range(n - 1):
             block = a * block
             rows += block.transpose().tolist()

@@ -842,9 +842,22 @@ int rcac_step(rcac_state *s, const rcac_real *y, const rcac_real *z, const rcac_
     return status | rcac_adapt(s, y, z, r, NULL);
 }
 
+#if RCAC_ADAPTS && RCAC_LIVE
+static int is_strict(const rcac_real *numerator) {
+    int i, strict = 1;
+    for (i = 0; i < RCAC_L_Z * RCAC_L_U; ++i) strict &= numerator[i] <= 0 && numerator[i] >= 0;
+    return strict;
+}
+#endif
+
 int rcac_correct(rcac_state *s, const rcac_real *u_applied) {
     if (s->phase != 0) return RCAC_OUT_OF_ORDER;
-    if (!RCAC_STRICTLY_PROPER || s->step == 0) return RCAC_REFUSED;
+#if RCAC_ADAPTS && RCAC_LIVE
+    if (!is_strict(s->numerator)) return RCAC_REFUSED;
+#else
+    if (!RCAC_STRICTLY_PROPER) return RCAC_REFUSED;
+#endif
+    if (s->step == 0) return RCAC_REFUSED;
     if (is_bad(u_applied, RCAC_L_U)) return RCAC_BAD_INPUT;
     apply(s, u_applied);
 #if RCAC_ADAPTS
@@ -938,8 +951,7 @@ int rcac_set_target(rcac_state *s, const rcac_real *numerator, const rcac_real *
             const rcac_real gap_of_I = denominator[i * RCAC_L_Z + j] - (i == j ? 1 : 0);
             if (gap_of_I < 0 || gap_of_I > 0) return RCAC_REFUSED;
         }
-    for (i = 0; RCAC_FILTER_FORM && i < of_N; ++i)
-        if (numerator[i] < 0 || numerator[i] > 0) return RCAC_REFUSED;
+    if (RCAC_FILTER_FORM && !is_strict(numerator)) return RCAC_REFUSED;
     for (i = 0; i < (RCAC_ORDER + 1) * of_N; ++i) N_f[i] = i < length * of_N ? numerator[i] : 0;
     for (i = 0; i < (RCAC_ORDER + 1) * of_D; ++i) D_f[i] = i < length * of_D ? denominator[i] : 0;
 

@@ -2,7 +2,19 @@
 
 from collections.abc import Iterator
 
-from sympy import Expr, Matrix, Poly, Rational, Symbol, degree, fraction, together, zeros
+from sympy import (
+    Expr,
+    Matrix,
+    Poly,
+    Rational,
+    Symbol,
+    degree,
+    eye,
+    fraction,
+    sqrt,
+    together,
+    zeros,
+)
 
 from compensator_theory import (
     StandardProblem,
@@ -95,6 +107,25 @@ def zero_on_the_circle() -> Facts:
     except UnitCircleError:
         refused = True
     yield "solve_riccati refuses it", refused
+
+
+def unsymmetric_solution() -> Facts:
+    """A = diag(2, 3), B = [1; 1], E_1 = [1, -1], E_2 = 1: P = [[-4, 6 - 2 r], [6 + 2 r, -4]] with
+    r^2 = 5 solves (A.7), and the spectral factorisation does not hold with it.
+    """
+    r, x = sqrt(5), Rational(2, 7)
+    A, B, E_1 = Matrix.diag(2, 3), Matrix([1, 1]), Matrix([[1, -1]])
+    P = Matrix([[-4, 6 - 2 * r], [6 + 2 * r, -4]])
+    W = (1 + (B.T * P * B)[0]).expand()
+    left, right = E_1.T + A.T * P * B, E_1 + B.T * P * A
+    riccati = (A.T * P * A + E_1.T * E_1 - P - left * right / W).expand()
+    yield "P solves (A.7)", riccati == zeros(2, 2)
+    yield "P is not symmetric", P != P.T
+    chi = (q * eye(2) - A + B * right / W).det()
+    N = (E_1 * (q * eye(2) - A).adjugate() * B)[0] + (q * eye(2) - A).det()
+    sides = W * chi.subs(q, x) * chi.subs(q, 1 / x), N.subs(q, x) * N.subs(q, 1 / x)
+    difference = sides[0] - sides[1]
+    yield "(R_2 + B'PB) chi(x) chi(1/x) is not N(x) N(1/x) at x = 2/7", difference.expand() != 0
 
 
 def printed_target() -> Facts:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from sympy import Matrix, Rational, eye, kronecker_product
+from sympy import Matrix, Poly, Rational, Symbol, eye, kronecker_product
 
 Facts = Iterator[tuple[str, bool]]
 
@@ -78,3 +78,15 @@ def filter_form_innovations() -> Facts:
     yield "(2.47) with Upsilon(k) gives P = -1", printed == -1
     corrected = P - Rational(P * following**2 * P, Upsilon(following))
     yield "with Upsilon(k + 1) it gives 1/5", corrected == posterior == Rational(1, 5)
+
+
+def not_well_posed() -> Facts:
+    """D = q, N_yu = q + 1 (D_0 = 1) and D_c = N_c = q (k_c = 0, Q_0 = 1), which (2.28) allows:
+    n + n_c is 2, and D D_c - N_yu N_c = -q.
+    """
+    q = Symbol("q")
+    D, N_yu, D_c, N_c = Poly(q, q), Poly(q + 1, q), Poly(q, q), Poly(q, q)
+    loop = D * D_c - N_yu * N_c
+    yield "n + n_c = 2", D.degree() + D_c.degree() == 2
+    yield "D_0 Q_0 = 1", N_yu.nth(1) * N_c.nth(1) == 1
+    yield "D D_c - N_yu N_c has the degree 1", loop.degree() == 1

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from pathlib import Path
 
-from .questions import ask, compiled
+from .questions import LIBRARY, ask, compiled
 from .rocq_sources import SOURCES, missing, source
 
 CLOSED = "Closed under the global context"
@@ -44,9 +44,22 @@ def unproved(names: Iterable[str], folder: Path = SOURCES) -> dict[str, str]:
             where = source(name, folder).relative_to(folder).as_posix()
             answers[name] = f"{where} does not compile"
     askable = [name for name, reason in answers.items() if not reason]
+    if askable and _closed_together(askable, folder):
+        return answers
     given, complaint = ask(dict.fromkeys(askable, "Print Assumptions {}."), folder)
     for name in askable:
         found = axioms(given.get(name, ""))
-        unclear = complaint or "Coq gave no answer"
+        unclear = "Coq gave no answer" + (f": {complaint}" if complaint else "")
         answers[name] = unclear if found == "?" else f"rests on axioms: {found}" if found else ""
     return answers
+
+
+def _closed_together(names: list[str], folder: Path) -> bool:
+    """Whether no theorem rests on an axiom, asked at once: what they share is then read once."""
+    *others, last = names
+    pairs = f"@{LIBRARY}.{last}"
+    for name in others:
+        pairs = f"(@{LIBRARY}.{name}, {pairs})"
+    question = f"Definition together := {pairs}.\nPrint Assumptions together."
+    given, _ = ask(dict.fromkeys(others, "") | {last: question}, folder)
+    return bool(given) and axioms(given.get(last, "")) == ""

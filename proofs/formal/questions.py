@@ -78,12 +78,22 @@ def ask(
     preamble : str
         What stands at the head of the file.
     """
-    if not questions:
-        return {}, ""
-    (folder / QUESTION).write_text(question_file(questions, preamble) + "\n", encoding="utf-8")
-    command = ["coqc", "-q", "-w", "none", "-R", ".", LIBRARY, QUESTION]
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    return read_answers(run.stdout), " ".join(run.stderr.split())
+    answers: dict[str, str] = {}
+    complaint, waiting = "", dict(questions)
+    while waiting:
+        (folder / QUESTION).write_text(question_file(waiting, preamble) + "\n", encoding="utf-8")
+        command = ["coqc", "-q", "-w", "none", "-R", ".", LIBRARY, QUESTION]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        found = read_answers(run.stdout)
+        if not run.returncode:
+            return answers | found, complaint
+        complaint = complaint or " ".join(run.stderr.split())
+        if not found:  # a file cannot be required
+            return answers, complaint
+        *whole, broken = found  # Coq stops at the first question that it cannot answer
+        answers |= {name: found[name] for name in whole} | {broken: ""}
+        waiting = {name: words for name, words in waiting.items() if name not in found}
+    return answers, complaint
 
 
 def compiled(name: str, folder: Path) -> bool:

@@ -9,6 +9,7 @@ from pathlib import Path
 from .assumptions import unproved
 from .rocq_sources import SOURCES, defined, sources
 from .types import changed, said
+from .witnesses import without_witness, witnesses
 
 PACKAGES = (
     "coq libcoq-mathcomp libcoq-mathcomp-real-closed libcoq-mathcomp-algebra-tactics "
@@ -93,13 +94,30 @@ def examine(
         Why a theorem is not proved or not the committed one, why a definition is not the committed
         one; empty where all is well.
     """
-    answers, every = unproved(theorems, folder), defined(folder)
+    theorems = tuple(theorems)
+    known = witnesses(folder)
+    shown = {name: known[key] for name in theorems if (key := name.partition(".")[2]) in known}
+    proved, every = unproved([*theorems, *shown.values()], folder), defined(folder)
+    alone = without_witness(theorems, folder)
+    answers = {name: proved[name] for name in theorems}
     statements, _ = said(answers, every, folder)
     differs = changed(statements, folder)
     return (
-        {name: reason or differs[name] for name, reason in answers.items()},
+        {
+            name: reason
+            or differs[name]
+            or alone.get(name, "")
+            or _of_witness(shown.get(name), proved)
+            for name, reason in answers.items()
+        },
         {name: differs[name] for name in every},
     )
+
+
+def _of_witness(witness: str | None, proved: dict[str, str]) -> str:
+    """Say why a theorem's witness shows nothing; empty if it does, or if there is none."""
+    reason = proved[witness] if witness else ""
+    return f"its witness {witness}: {reason}" if reason else ""
 
 
 def _remove_outdated(folder: Path) -> None:

@@ -1,6 +1,8 @@
 """Which theorems and definitions the formal part states; read from its files, without Coq."""
 
 import re
+from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 SOURCES = Path(__file__).parents[1] / "rocq"
@@ -13,6 +15,15 @@ _DEFINED = re.compile(
     re.M,
 )
 _SECTIONS = re.compile(r"^\s*(?:Section|End|Hypothes[ei]s|Context)\b.*?\.(?=\s)", re.M | re.S)
+_LOCAL = re.compile(r"^\s*(Section|Module|End|Variables?|Hypothes[ei]s|Context)\b", re.M)
+_CHANGED = re.compile(
+    r"^\s*(?:#\[[^\]]*\]\s*)?(?:(?:Local|Global)\s+)?"
+    r"(?:(?:Reserved\s+)?Notation\s*\"[^\"]*\"|Infix|Tactic\s+Notation|Coercion|Canonical|"
+    r"Declare\s+(?:ML|Custom|Scope)|Delimit|Bind|Undelimit|Load|Add\s+\w+|Module|Include|Print\s+\w+|"
+    r"Opaque|Transparent|Strategy|Extraction|Drop|Cd|Remove|Set\s+(?!Implicit|Printing)|"
+    r"Unset\s+(?!Strict|Printing))\S*",
+    re.M,
+)
 _ASSUMED = re.compile(
     r"\b(?:Admitted|admit|Admit Obligations)\b"
     r"|^\s*(?:#\[[^\]]*\]\s*)?(?:(?:Local|Global)\s+)?(?:Axioms?|Parameters?|Conjectures?)\b"
@@ -113,7 +124,10 @@ def defined(folder: Path = SOURCES) -> tuple[str, ...]:
 
 
 def assumed(folder: Path = SOURCES) -> tuple[str, ...]:
-    """List the files that assume instead of proving, each with the word that does it.
+    """List the files that assume instead of proving, or change what words mean, each with the word.
+
+    A file may abbreviate (``Notation name``), and no more: no other notation, coercion, canonical
+    structure or module, so that what is printed of a theorem means what it means in MathComp.
 
     Examples
     --------
@@ -123,12 +137,41 @@ def assumed(folder: Path = SOURCES) -> tuple[str, ...]:
     """
     found = []
     for path in sources(folder):
-        match = _ASSUMED.search(without_comments(path.read_text(encoding="utf-8")))
-        if match:
-            found.append(f"{path.relative_to(folder).as_posix()}: {match.group().strip()}")
+        text, where = without_comments(path.read_text(encoding="utf-8")), path.relative_to(folder)
+        match = _ASSUMED.search(text) or _CHANGED.search(text)
+        words = [match.group()] if match else []
+        words += list(_outside_sections(text))
+        found += [f"{where.as_posix()}: {word.strip()}" for word in words]
     return tuple(found)
 
 
+def _outside_sections(text: str) -> Iterator[str]:
+    """List what a file would assume for all that follows: variables outside every section."""
+    depth = 0
+    for match in _LOCAL.finditer(text):
+        word = match.group(1)
+        depth += {"Section": 1, "Module": 1, "End": -1}.get(word, 0)
+        if depth < 1 and word not in ("Section", "Module", "End"):
+            yield f"{word} outside a section"
+
+
+@lru_cache(maxsize=256)
+def without_proofs(text: str) -> str:
+    r"""Remove comments and proofs, and what layout there is.
+
+    Examples
+    --------
+    >>> from proofs.formal.rocq_sources import without_proofs
+    >>> without_proofs("Lemma a : 1 = 1.  (* b *)\nProof. by []. Qed.")
+    'Lemma a : 1 = 1.'
+    """
+    bare = re.sub(
+        r"\bProof\b.*?\b(?:Qed|Defined|Admitted)\.", "", without_comments(text), flags=re.S
+    )
+    return " ".join(bare.split())
+
+
+@lru_cache(maxsize=256)
 def without_comments(text: str) -> str:
     """Remove comments, nested ones included.
 

@@ -38,11 +38,21 @@ class ForAll:
         """The strategies in words."""
         return ", ".join(f"{key} of {strategy!r}" for key, strategy in self.strategies.items())
 
-    def run(self, examples: int) -> Outcome:
-        """Draw examples, the same ones in every run, until the predicate fails or is believed."""
-        from hypothesis import HealthCheck, Phase, given, settings
+    def run(self, examples: int, kept: float = 0.5, *, shrinks: bool = True) -> Outcome:
+        """Draw examples, the same ones in every run, until the predicate fails or is believed.
 
-        seen, false = 0, ""
+        It is not believed where fewer than half of the examples asked for, or a smaller share than
+        `kept` of those drawn, came to an answer: the others were assumed away or filtered out.
+        """
+        from hypothesis import HealthCheck, Phase, given, settings
+        from hypothesis import strategies as st
+        from hypothesis.errors import Unsatisfiable
+
+        seen, begun, false = 0, 0, ""
+
+        def begin() -> None:
+            nonlocal begun
+            begun += 1
 
         @settings(
             max_examples=examples,
@@ -50,11 +60,11 @@ class ForAll:
             derandomize=True,
             deadline=None,
             report_multiple_bugs=False,
-            phases=(Phase.generate, Phase.shrink),
+            phases=(Phase.generate, Phase.shrink) if shrinks else (Phase.generate,),
             suppress_health_check=list(HealthCheck),
         )
-        @given(**self.strategies)
-        def search(**drawn: Any) -> None:
+        @given(_begun=st.builds(begin), **self.strategies)
+        def search(_begun: None, **drawn: Any) -> None:
             nonlocal seen, false
             if not _is_true(self.predicate(**drawn)):
                 false = "false for " + ", ".join(f"{k} = {v}" for k, v in drawn.items())
@@ -66,6 +76,11 @@ class ForAll:
         except AssertionError:
             # the last one that failed is the smallest
             return Outcome("property", self.name, self.statement, "fails", detail=false)
+        except Unsatisfiable:
+            pass  # counted below
+        if seen < max(1, kept * begun) or seen < min(examples, 10) / 2 or 2 * seen < examples:
+            few = f"only {seen} of {begun} draws came to an answer, for {examples} asked for"
+            return Outcome("property", self.name, self.statement, "fails", detail=few)
         scope = f"{seen} examples of {self.drawn}"
         return Outcome("property", self.name, self.statement, "holds", scope)
 
@@ -88,6 +103,8 @@ def for_all(**strategies: Any) -> Callable[[Callable[..., bool]], ForAll]:
     def decorate(predicate: Callable[..., bool]) -> ForAll:
         module = predicate.__module__.rsplit(".", maxsplit=1)[-1]
         name = f"{module}.{predicate.__name__}"
+        if any(repr(value) == "data()" for value in strategies.values()):
+            raise InputError(f"{name} draws within itself, so that a failure would not show what")
         return ForAll(name, statement_of(predicate), strategies, predicate)
 
     return decorate
@@ -167,7 +184,8 @@ def run_property(evidence: Property, *, quick: bool = False) -> Outcome:
     """
     check = resolve("properties", evidence.check)
     try:
-        found: Outcome = check.run(max(3, evidence.examples // 10) if quick else evidence.examples)
+        few = max(3, evidence.examples // 10)
+        found: Outcome = check.run(few if quick else evidence.examples, evidence.kept)
     except Exception as error:
         return _raised("property", evidence.check, check.predicate, error)
     return found

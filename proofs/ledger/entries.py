@@ -18,13 +18,13 @@ class Formal:
         ``folder.File.theorem``, a file of ``proofs/rocq`` without its suffix.
     says : str
         For which degrees, sizes and fields.
-    part : bool
-        Whether it proves a part of the entry's conclusion only.
+    of : tuple of int
+        Which sentences of the conclusion it proves, from 1; all where there is one.
     """
 
     theorem: str
     says: str = ""
-    part: bool = False
+    of: tuple[int, ...] = (1,)
 
 
 @dataclass(frozen=True)
@@ -39,11 +39,14 @@ class Symbolic:
         Sizes for which it is expanded, every coefficient a letter.
     extent : str
         How far an identity without sizes reaches; by default its letters are matrices of any size.
+    of : tuple of int
+        Which sentences of the conclusion it is about.
     """
 
     check: str
     sizes: tuple[int, ...] = ()
     extent: str = "any size"
+    of: tuple[int, ...] = (1,)
 
     @property
     def scope(self) -> str:
@@ -62,11 +65,17 @@ class Property:
     check : str
         ``module.name`` of :mod:`proofs.properties`.
     examples : int
-        Examples of a full run.
+        Examples of a full run, 10 or more.
+    kept : float
+        Least share of what is drawn that is to reach the predicate's answer.
+    of : tuple of int
+        Which sentences of the conclusion it is about.
     """
 
     check: str
     examples: int = 100
+    kept: float = 0.5
+    of: tuple[int, ...] = (1,)
 
 
 @dataclass(frozen=True)
@@ -106,7 +115,8 @@ class Entry:
         What it is called, and its numbers in the dissertation.
     hypotheses : tuple of str
         The true ones.
-    conclusion : str
+    conclusion : tuple of str
+        Its sentences; each needs evidence of its own.
     text : str
         What the dissertation says.
     difference : str
@@ -122,7 +132,7 @@ class Entry:
     title: str
     source: str
     hypotheses: tuple[str, ...]
-    conclusion: str
+    conclusion: tuple[str, ...]
     text: str
     difference: str
     relied_on_by: tuple[str, ...]

@@ -9,7 +9,8 @@ from typing import Any
 from .entries import Counterexample, Entry, Formal, Property, Symbolic
 
 STATEMENTS = Path(__file__).parents[1] / "statements"
-_WORDS = ("title", "source", "conclusion", "text")
+_WORDS = ("title", "source", "text")
+LEAST_EXAMPLES = 10
 _EVIDENCE = ("formal", "symbolic", "property", "counterexample")
 
 
@@ -27,8 +28,20 @@ def ledger() -> tuple[Entry, ...]:
     >>> next(entry.source for entry in ledger() if entry.name == "lemma-1")
     'Lemma 1'
     """
+    return read(STATEMENTS)
+
+
+def read(folder: Path) -> tuple[Entry, ...]:
+    """Read every entry of a folder of statements.
+
+    Raises
+    ------
+    LedgerError
+        If a file is not TOML or lacks something, a sentence has no evidence, or a property has too
+        few examples to say anything.
+    """
     found: list[Entry] = []
-    for path in sorted(STATEMENTS.glob("*.toml"), key=lambda p: (p.stem < "chapter", p.stem)):
+    for path in sorted(folder.glob("*.toml"), key=lambda p: (p.stem < "chapter", p.stem)):
         try:
             data = tomllib.loads(path.read_text(encoding="utf-8"))
         except tomllib.TOMLDecodeError as error:
@@ -79,7 +92,15 @@ def theorems(entries: Iterable[Entry]) -> tuple[str, ...]:
 
 
 def _entry(chapter: str, table: dict[str, Any], where: str) -> Entry:
-    allowed = {"name", "hypotheses", "difference", "relied_on_by", *_WORDS, *_EVIDENCE}
+    allowed = {
+        "name",
+        "hypotheses",
+        "conclusion",
+        "difference",
+        "relied_on_by",
+        *_WORDS,
+        *_EVIDENCE,
+    }
     needed = allowed - {"difference", *_EVIDENCE}
     named = f"{where}: the entry {table.get('name', '(without a name)')}"
     if not allowed >= set(table) or not needed <= set(table):
@@ -88,13 +109,17 @@ def _entry(chapter: str, table: dict[str, Any], where: str) -> Entry:
             f"{sorted(needed - set(table))}; known are {sorted(allowed)}"
         )
     words: dict[str, Any] = {key: _flowed(table[key]) for key in _WORDS}
+    given = table["conclusion"]
+    conclusion = tuple(map(_flowed, [given] if isinstance(given, str) else given))
     try:
         evidence = _evidence(table)
     except TypeError as error:  # a key that the evidence does not have, or one that it lacks
         raise LedgerError(f"{named}: {error}") from error
+    _refuse_gaps(named, table, len(conclusion), evidence)
     return Entry(
         name=table["name"],
         chapter=chapter,
+        conclusion=conclusion,
         hypotheses=tuple(map(_flowed, table["hypotheses"])),
         difference=_flowed(table.get("difference", "")),
         relied_on_by=tuple(table["relied_on_by"]),
@@ -105,13 +130,49 @@ def _entry(chapter: str, table: dict[str, Any], where: str) -> Entry:
 
 def _evidence(table: dict[str, Any]) -> dict[str, Any]:
     """Read the evidence that an entry names."""
-    symbolic = (t | {"sizes": tuple(t.get("sizes", ()))} for t in table.get("symbolic", ()))
+
+    def tables(key: str) -> list[dict[str, Any]]:
+        lists = ("of", "sizes")
+        return [
+            {k: tuple(v) if k in lists else v for k, v in t.items()} for t in table.get(key, ())
+        ]
+
     return {
-        "formal": tuple(Formal(**t) for t in table.get("formal", ())),
-        "symbolic": tuple(Symbolic(**t) for t in symbolic),
-        "properties": tuple(Property(**t) for t in table.get("property", ())),
-        "counterexamples": tuple(Counterexample(**t) for t in table.get("counterexample", ())),
+        "formal": tuple(Formal(**t) for t in tables("formal")),
+        "symbolic": tuple(Symbolic(**t) for t in tables("symbolic")),
+        "properties": tuple(Property(**t) for t in tables("property")),
+        "counterexamples": tuple(Counterexample(**t) for t in tables("counterexample")),
     }
+
+
+def _refuse_gaps(
+    named: str, table: dict[str, Any], sentences: int, evidence: dict[str, Any]
+) -> None:
+    """Refuse sentences without evidence, and properties that try next to nothing."""
+    about = {
+        number
+        for kind in ("formal", "symbolic", "properties")
+        for piece in evidence[kind]
+        for number in piece.of
+    }
+    if about != set(range(1, sentences + 1)):
+        raise LedgerError(
+            f"{named} has {sentences} sentences in its conclusion and evidence for the sentences "
+            f"{sorted(about)}; say of each piece of evidence, with of = [...], which it is about"
+        )
+    if sentences > 1:
+        for key in ("formal", "symbolic", "property"):
+            for t in table.get(key, ()):
+                if "of" not in t:
+                    raise LedgerError(
+                        f"{named}: {t} does not say of which sentences it is evidence"
+                    )
+    for claim in evidence["properties"]:
+        if claim.examples < LEAST_EXAMPLES or not 0 < claim.kept <= 1:
+            raise LedgerError(
+                f"{named}: {claim.check} needs at least {LEAST_EXAMPLES} examples and keeps a "
+                "share between 0 and 1 of what is drawn"
+            )
 
 
 def _flowed(text: str) -> str:

@@ -8,6 +8,13 @@ from .entries import Entry, Kind
 Status = Literal["holds", "fails", "not compiled", "missing"]
 """The last two are for the formal part: present but not compiled in this run, and not there."""
 
+NOTHING = "nothing checked in this run"
+_STRENGTHS = {
+    "formal": "machine-checked",
+    "symbolic": "symbolic",
+    "property": "property-tested",
+}
+
 
 @dataclass(frozen=True)
 class Fact:
@@ -44,6 +51,8 @@ class Outcome:
         Why it fails; empty if it does not.
     facts : tuple of Fact
         Of a counterexample.
+    of : tuple of int
+        The sentences of the conclusion that it is about, from 1.
     """
 
     kind: Kind
@@ -53,6 +62,7 @@ class Outcome:
     scope: str = ""
     detail: str = ""
     facts: tuple[Fact, ...] = ()
+    of: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -63,7 +73,8 @@ class Verified:
     --------
     >>> from proofs.ledger.ledger import ledger
     >>> from proofs.ledger.outcomes import Outcome, Verified
-    >>> print(Verified(ledger()[0], (Outcome("symbolic", "a.b", "1 = 1", "holds"),)).strength)
+    >>> lemma = next(entry for entry in ledger() if entry.name == "lemma-1")
+    >>> print(Verified(lemma, (Outcome("symbolic", "a.b", "1 = 1", "holds", of=(1,)),)).strength)
     symbolic
     """
 
@@ -76,15 +87,19 @@ class Verified:
         return all(outcome.status != "fails" for outcome in self.outcomes)
 
     @property
+    def strengths(self) -> tuple[str, ...]:
+        """For each sentence the strongest evidence that this run has seen hold."""
+        return tuple(map(self._strength, range(1, len(self.entry.conclusion) + 1)))
+
+    @property
     def strength(self) -> str:
-        """The strongest evidence that this run has seen hold."""
-        in_part = all(theorem.part for theorem in self.entry.formal)
-        for kind, words in (
-            ("formal", "machine-checked in part" if in_part else "machine-checked"),
-            ("symbolic", "symbolic"),
-            ("property", "property-tested"),
-        ):
-            of_kind = [o for o in self.outcomes if o.kind == kind]
-            if of_kind and all(o.status == "holds" for o in of_kind):
+        """That of its sentences; where they differ, the strongest of them and "in part"."""
+        found = min(self.strengths, key=[*_STRENGTHS.values(), NOTHING].index)
+        return found if len(set(self.strengths)) == 1 else f"{found} in part"
+
+    def _strength(self, sentence: int) -> str:
+        for kind, words in _STRENGTHS.items():
+            found = [o for o in self.outcomes if o.kind == kind and sentence in o.of]
+            if found and all(o.status == "holds" for o in found):
                 return words
-        return "nothing checked in this run"
+        return NOTHING

@@ -65,11 +65,14 @@ def verify(
 
     def outcomes(entry: Entry) -> Iterator[Outcome]:
         for theorem in entry.formal:
-            yield formal_outcome("formal", theorem.theorem, theorem.says, compilation)
+            found = formal_outcome("formal", theorem.theorem, theorem.says, compilation)
+            yield replace(found, of=theorem.of)
         for identity in entry.symbolic:
-            yield once(("symbolic", identity.check), partial(run_symbolic, identity, quick=quick))
+            found = once(("symbolic", identity.check), partial(run_symbolic, identity, quick=quick))
+            yield replace(found, of=identity.of)
         for claim in entry.properties:
-            yield once(("property", claim.check), partial(run_property, claim, quick=quick))
+            found = once(("property", claim.check), partial(run_property, claim, quick=quick))
+            yield replace(found, of=claim.of)
         for case in entry.counterexamples:
             found = once(("counterexample", case.check), partial(run_counterexample, case))
             yield replace(found, statement=case.refutes)

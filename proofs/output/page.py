@@ -1,11 +1,14 @@
 """The ledger as a page of the documentation."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from ..formal.rocq_sources import stated
+from ..formal.types import committed
 from ..ledger.checks import resolve, statement_of
 from ..ledger.entries import Entry
+from .blueprint import printed_type, whereabouts
+from .coverage import strength
 
 _CHAPTERS = {
     "2": "Chapter 2: the controller and its update",
@@ -18,8 +21,14 @@ _CHAPTERS = {
 }
 
 
-def page(entries: Iterable[Entry]) -> str:
+def page(entries: Iterable[Entry], errata: Mapping[str, Iterable[tuple[str, str]]] = {}) -> str:
     """Write the entries as Markdown, by chapter.
+
+    Parameters
+    ----------
+    entries : iterable of Entry
+    errata : dict of pairs of str, optional
+        For an entry the names and places of the errata that it carries.
 
     Examples
     --------
@@ -39,7 +48,7 @@ def page(entries: Iterable[Entry]) -> str:
         if of_chapter:
             lines += [f"## {heading}", ""]
             for entry in of_chapter:
-                lines += [*_entry(entry), ""]
+                lines += [*_entry(entry, errata.get(entry.name, ())), ""]
     return "\n".join(lines)
 
 
@@ -55,16 +64,19 @@ def escaped(text: str) -> str:
     return re.sub(r"([\\`*_\[\]<>$|#~^])", r"\\\1", text)
 
 
-def _entry(entry: Entry) -> Iterator[str]:
+def _entry(entry: Entry, errata: Iterable[tuple[str, str]]) -> Iterator[str]:
     yield f"({entry.name})="  # so that other pages can link to it
     yield f"### {escaped(entry.title)}"
     yield ""
-    yield f"`{entry.name}`, {escaped(entry.source)}"
+    yield f"`{entry.name}`, {escaped(entry.source)}; evidence: {strength(entry)}"
     yield ""
     if entry.hypotheses:
         yield f"Hypotheses: {escaped('; '.join(entry.hypotheses))}. Then:"
         yield ""
-    yield f"> {escaped(entry.conclusion)}"
+    if len(entry.conclusion) == 1:
+        yield f"> {escaped(entry.conclusion[0])}"
+    else:
+        yield from (f"> {i}. {escaped(s)}" for i, s in enumerate(entry.conclusion, start=1))
     yield ""
     yield f"The text: {escaped(entry.text)}"
     if entry.difference:
@@ -90,12 +102,18 @@ def _entry(entry: Entry) -> Iterator[str]:
         if case.formal is not None:
             yield f"  In Coq: `{case.formal}`{'' if stated(case.formal) else ', not there yet'}."
     yield ""
+    if carried := [f"[{escaped(where)}](#erratum-{name})" for name, where in errata]:
+        yield "Errata: " + ", ".join(carried) + "."
+        yield ""
     yield "Relied on by " + ", ".join(f"`{name}`" for name in entry.relied_on_by) + "."
 
 
 def _formal(entry: Entry) -> Iterator[str]:
+    types = committed()
     for theorem in entry.formal:
         says = f", {escaped(theorem.says)}" if theorem.says else ""
+        if len(entry.conclusion) > 1:
+            says += f"; sentence {', '.join(map(str, theorem.of))}"
         statement = stated(theorem.theorem)
         if not statement:
             yield f"- Coq (`{theorem.theorem}`{says}): not there yet"
@@ -105,4 +123,8 @@ def _formal(entry: Entry) -> Iterator[str]:
         yield "  ```coq"
         yield from (f"  {line}" for line in statement.splitlines())
         yield "  ```"
+        yield ""
+        yield f"  <details><summary>{whereabouts(theorem.theorem)}: as Coq prints it</summary>"
+        yield "  " + printed_type(theorem.theorem, types).replace("\n", "&#10;")
+        yield "  </details>"
         yield ""

@@ -44,7 +44,7 @@ def print_ledger(console: Console, found: Iterable[Verified]) -> None:
         console.print(heading)
         words = {
             "if": "; ".join(entry.hypotheses),
-            "then": entry.conclusion,
+            "then": " ".join(entry.conclusion),
             "text": entry.text,
             "but": entry.difference,
         }

@@ -12,7 +12,7 @@ from compensator_theory import (
     youla_forms,
 )
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
 from compensator_theory.observers.counting import count_partitions
 from compensator_theory.observers.form import ObserverForm
 from compensator_theory.strategies import matrices
@@ -121,3 +121,18 @@ def chains_are_youla_forms(loop: Loop) -> bool:
         form.is_verified and form.regulator * form.parameter * form.observer == whole
         for form in found
     )
+
+
+@for_all(loop=minimal_loops(max_order=3))
+def minimal_loops_are_nonderogatory(loop: Loop) -> bool:
+    """The loop of a minimal plant and a minimal compensator has one Jordan block for each
+    eigenvalue: I, A~, ..., A~^(n + n_c - 1) are linearly independent.
+    """
+    plant, compensator = loop
+    A = closed_loop_matrix(plant, compensator)
+    whole = characteristic_polynomial(A, plant.variable)
+    powers = [Matrix.eye(A.rows)]
+    for _ in range(A.rows - 1):
+        powers.append(powers[-1] * A)
+    independent = Matrix.hstack(*(power.reshape(A.rows**2, 1) for power in powers))
+    return derogatory_factor(A, whole) is None and rank(independent) == A.rows

@@ -73,3 +73,74 @@ def unique_minimiser(data: list[Step], forgetting: Rational) -> bool:
     for i, (Phi, _, r) in enumerate(data, start=1):
         hessian += forgetting ** (k - i) * (1 + r) * Phi.T * Phi
     return all(hessian[:size, :size].det() > 0 for size in (1, 2, 3))
+
+
+@for_all(data=steps(), star=matrices(3, 1), start=matrices(3, 1), forgetting=forgetting_factors)
+def exact_match(data: list[Step], star: Matrix, start: Matrix, forgetting: Rational) -> bool:
+    """Where z - u_f = -Phi_f theta* in every step and R_u = 0, the cost at theta(k + 1) is at most
+    lambda^k times the square of theta* - theta(0) in R_theta.
+    """
+    R_theta, star, start = eye(3) + ones(3, 3), Matrix(star), Matrix(start)
+    matched = [(Phi, -Phi * star, Rational(0)) for Phi, _, _ in data]
+    theta, k = recursive(matched, R_theta.inv(), start, forgetting), len(data)
+
+    def distance(x: Matrix) -> Rational:
+        return forgetting**k * ((x - start).T * R_theta * (x - start))[0]
+
+    residuals = [forgetting ** (k - i) * (Phi * theta + e).dot(Phi * theta + e)
+                 for i, (Phi, e, _) in enumerate(matched, start=1)]  # fmt: skip
+    return bool(sum(residuals) + distance(theta) <= distance(star))
+
+
+@for_all(
+    U=matrices(3, 3),
+    phi=matrices(3, 1),
+    d=st.lists(st.integers(1, 5), min_size=3, max_size=3),
+    r=st.integers(1, 4),
+    forgetting=forgetting_factors,
+)
+def ud_factors(U: Matrix, phi: Matrix, d: list[int], r: int, forgetting: Rational) -> bool:
+    """Bierman's factors of (2.43), a column at a time: d > 0, U unit upper triangular, and their
+    product is P - P phi phi' P / (r + phi' P phi) over lambda.
+    """
+    unit = Matrix(3, 3, lambda i, j: U[i, j] if i < j else int(i == j))
+    P, f = unit * Matrix.diag(*d) * unit.T, unit.T * phi
+    new, gain, alpha, d_new = unit.copy(), zeros(3, 1), Rational(r), []
+    for j in range(3):
+        v = d[j] * f[j]
+        following = alpha + v * f[j]
+        d_new.append(d[j] * alpha / following / forgetting)
+        for i in range(j):
+            new[i, j] = unit[i, j] - f[j] / alpha * gain[i]
+            gain[i] += v * unit[i, j]
+        gain[j], alpha = v, following
+    wanted = (P - P * phi * phi.T * P / (r + (phi.T * P * phi)[0])) / forgetting
+    return bool(min(d_new) > 0 and new * Matrix.diag(*d_new) * new.T == wanted)
+
+
+@for_all(
+    H=matrices(3, 2),
+    E=matrices(3, 3),
+    Z=matrices(3, 1),
+    U=matrices(2, 1),
+    other=matrices(2, 1),
+    eta=st.integers(1, 3),
+)
+def retrospective_input(
+    H: Matrix, E: Matrix, Z: Matrix, U: Matrix, other: Matrix, eta: int
+) -> bool:
+    """The cost (8.51) is quadratic with (8.53)-(8.55), and U* of (8.56) has a lower one than any
+    other input.
+    """
+    weight = E.T * E
+
+    def cost(X: Matrix) -> Rational:
+        z = Z - H * U + H * X
+        return (z.T * weight * z)[0] + eta * (X.T * X)[0]
+
+    A = H.T * weight * H + eta * eye(2)
+    B = 2 * H.T * weight * (Z - H * U)
+    constant = ((Z - H * U).T * weight * (Z - H * U))[0]
+    best = -A.inv() * B / 2
+    quadratic = (other.T * A * other + B.T * other)[0] + constant
+    return bool(cost(other) == quadratic and (other == best or cost(best) < cost(other)))

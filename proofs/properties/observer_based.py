@@ -9,6 +9,7 @@ from compensator_theory import (
     pair_is_observer_based,
     place_poles,
     polynomial,
+    polynomial_from_roots,
     transfer_function_is_observer_based,
 )
 from compensator_theory.strategies import (
@@ -73,7 +74,8 @@ def real_share(roots: tuple[Expr, ...], n: int) -> list[Expr] | None:
 @for_all(case=plant_and_two_shares())
 def proposition_1(case: tuple[TransferFunction, list[Rational], list[int]]) -> bool:
     """The compensator does not depend on how 2n poles are shared out between regulator and
-    observer; it is C_c adj(sI - A_c) B_c over det(sI - A_c), unreduced.
+    observer; it is C_c adj(sI - A_c) B_c over det(sI - A_c), unreduced, and D D_c - N N_c has the
+    2n poles.
     """
     plant, poles, order = case
     n = plant.order
@@ -81,7 +83,12 @@ def proposition_1(case: tuple[TransferFunction, list[Rational], list[int]]) -> b
     moved = [poles[i] for i in order]
     second = observer_based_compensator(plant, moved[:n], moved[n:])
     one, two = first.transfer_function, second.transfer_function
-    return bool(one.numerator == two.numerator and one.denominator == two.denominator)
+    placed = plant.denominator * one.denominator - plant.numerator * one.numerator
+    return bool(
+        one.numerator == two.numerator
+        and one.denominator == two.denominator
+        and placed == polynomial_from_roots(poles, "s")
+    )
 
 
 @for_all(case=plant_and_spectrum())

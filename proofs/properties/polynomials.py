@@ -30,13 +30,14 @@ def pairs(draw: st.DrawFn, degrees: tuple[Poly, Poly]) -> tuple[Poly, Poly]:
     return factor * q.quo(common), -factor * p.quo(common)
 
 
-@for_all(degrees=unequal_degrees(), data=st.data())
-def lemma_1(degrees: tuple[Poly, Poly], data: st.DataObject) -> bool:
+@for_all(
+    case=unequal_degrees().flatmap(lambda degrees: st.tuples(st.just(degrees), pairs(degrees)))
+)
+def lemma_1(case: tuple[tuple[Poly, Poly], tuple[Poly, Poly]]) -> bool:
     """For deg a <= deg b and deg p < deg q, bq + ap = 0 only if a = b = 0, p = 0 included; half of
     the pairs (a, b) satisfy the equation.
     """
-    p, q = degrees
-    a, b = data.draw(pairs(degrees))
+    (p, q), (a, b) = case
     vanishes = (b * q + a * p).is_zero
     if a.is_zero and b.is_zero:
         return bool(vanishes)

@@ -1,7 +1,7 @@
 """Controllability, coprimeness and the gains of single-input, single-output realisations."""
 
 from hypothesis import strategies as st
-from sympy import Matrix, Symbol
+from sympy import Expr, Matrix, Symbol
 
 from compensator_theory import observer_gain, polynomial_from_roots, regulator_gain
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
@@ -12,13 +12,20 @@ from ..ledger.checks import for_all
 s = Symbol("s")
 
 
-@for_all(plant=minimal_plants(max_order=4), data=st.data())
-def gains_place(plant: tuple[Matrix, Matrix, Matrix], data: st.DataObject) -> bool:
+@st.composite
+def plants_and_spectra(draw: st.DrawFn) -> tuple[Matrix, Matrix, Matrix, tuple[Expr, ...]]:
+    """Draw a minimal plant and as many poles."""
+    A, B, C = (Matrix(M) for M in draw(minimal_plants(max_order=4)))
+    return A, B, C, draw(spectra(A.rows))
+
+
+@for_all(case=plants_and_spectra())
+def gains_place(case: tuple[Matrix, Matrix, Matrix, tuple[Expr, ...]]) -> bool:
     """For every spectrum of n roots there are K and F with det(sI - A - BK) and det(sI - A + FC) as
     asked for, and the map from K to det(sI - A - BK) is affine and injective.
     """
-    A, B, C = (Matrix(M) for M in plant)
-    wanted = polynomial_from_roots(data.draw(spectra(A.rows)), "s")
+    A, B, C, poles = case
+    wanted = polynomial_from_roots(poles, "s")
     K, F = (Matrix(found(A, M, wanted)) for found, M in ((regulator_gain, B), (observer_gain, C)))
     # column i: how the coefficients move with K_i
     origin = characteristic_polynomial(A, s)

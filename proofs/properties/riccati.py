@@ -1,15 +1,16 @@
 """High-authority LQG and the Riccati equation, solved exactly where the zeros are rational."""
 
 from hypothesis import strategies as st
-from sympy import Matrix, Poly, Rational, Symbol, prod
+from sympy import Matrix, Poly, Rational, Symbol, kronecker_product, prod
 
-from compensator_theory import polynomial, solve_riccati
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory import polynomial, polynomial_from_roots, solve_riccati, solve_stein
+from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.strategies import (
     matrices,
     nonzero_rationals,
     polynomials,
+    schur_spectra,
     standard_problems,
 )
 from compensator_theory.strategies.plants import disguised, unimodular_matrices
@@ -56,12 +57,19 @@ def high_authority_poles(case: Case) -> bool:
     )
 
 
-@for_all(plant=standard_problems(max_order=3, has_direct_term=True), gains=st.data())
-def separation(plant: object, gains: st.DataObject) -> bool:
-    """(A.11): det(qI - A~) is the product for any number of signals, with D_0, for any gains."""
+@st.composite
+def plants_and_gains(draw: st.DrawFn) -> tuple[Matrix, ...]:
+    """Draw (A, B, C, D_0) and the gains C_c and B_c, with any number of signals."""
+    plant = draw(standard_problems(max_order=3, has_direct_term=True))
     A, B, C, D_0 = (Matrix(getattr(plant, name)) for name in ("A", "B", "C", "D_0"))
-    C_c = Matrix(gains.draw(matrices(B.cols, A.rows)))
-    B_c = Matrix(gains.draw(matrices(A.rows, C.rows)))
+    C_c, B_c = draw(matrices(B.cols, A.rows)), draw(matrices(A.rows, C.rows))
+    return A, B, C, D_0, Matrix(C_c), Matrix(B_c)
+
+
+@for_all(loop=plants_and_gains())
+def separation(loop: tuple[Matrix, ...]) -> bool:
+    """(A.11): det(qI - A~) is the product for any number of signals, with D_0, for any gains."""
+    A, B, C, D_0, C_c, B_c = loop
     A_c = A + B * C_c - B_c * C - B_c * D_0 * C_c
     upper = Matrix.hstack(A, B * C_c)
     loop = Matrix.vstack(upper, Matrix.hstack(B_c * C, A_c + B_c * D_0 * C_c))
@@ -88,3 +96,26 @@ def _is_semidefinite(M: Matrix) -> bool:
         return False
     descending = characteristic_polynomial(M, q).all_coeffs()
     return all((-1) ** i * coefficient >= 0 for i, coefficient in enumerate(descending))
+
+
+@st.composite
+def schur_matrices_and_weights(draw: st.DrawFn) -> tuple[Matrix, Matrix]:
+    """Draw a Schur matrix with a rational spectrum, not always diagonalisable, and a V = E'E."""
+    n = draw(st.integers(1, 3))
+    poly = polynomial_from_roots(draw(schur_spectra(n)), "q")
+    S = Matrix(draw(unimodular_matrices(n)))
+    companion = Matrix(n, n, lambda i, j: -poly.nth(j) if i == n - 1 else int(j == i + 1))
+    E = Matrix(draw(matrices(n, n)))
+    return S * companion * S.inv(), E.T * E
+
+
+@for_all(case=schur_matrices_and_weights())
+def stein_equation(case: tuple[Matrix, Matrix]) -> bool:
+    """(4.23) with a Schur A~ has one solution: I - A~ (x) A~ is regular, and Q~ is symmetric and
+    positive semidefinite where V~ is.
+    """
+    A, V = case
+    n = A.rows
+    Q = Matrix(solve_stein(A, V).X)
+    regular = rank(Matrix.eye(n * n) - kronecker_product(A, A)) == n * n
+    return bool(regular and A * Q * A.T + V == Q and _is_semidefinite(Q))

@@ -21,7 +21,7 @@ from rcac_numeric.cli.cases import (
 )
 from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
 from rcac_numeric.dissertation.load import load_example
-from rcac_numeric.dissertation.pages import case_page, write_page
+from rcac_numeric.dissertation.pages import example_page
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.files.builder import build, load_experiment
@@ -29,6 +29,8 @@ from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.experiments.verdicts import verify as verified
 from rcac_numeric.plots.formats import save
 from rcac_numeric.reports.page.cases import case_of
+from rcac_numeric.reports.page.pages import case_page
+from rcac_numeric.reports.page.rendering import write_page
 from rcac_numeric.reports.verification import verification_sheet
 
 
@@ -79,6 +81,11 @@ def _made_folder(context: click.Context, option: click.Parameter, value: Path | 
     "--set", "values", multiple=True, metavar="KEY=VALUE", shell_complete=complete_key,
     help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
 )  # fmt: skip
+@click.option("--completions", is_flag=True,
+              help="Run also the other values of what the source leaves open.")  # fmt: skip
+@click.option("--seeds", "group", type=click.IntRange(0), metavar="GROUP",
+              help="Run on a group of seeds that no setting and no bound was chosen by: 0, 1, ...; "
+              "an example runs on group 0, a file on its own.")  # fmt: skip
 @budget_option(of_runs=True)
 @as_json_option
 def verify(
@@ -88,6 +95,8 @@ def verify(
     page: Path | None,
     kept: Path | None,
     values: tuple[str, ...],
+    completions: bool,
+    group: int | None,
     as_json: bool,
     budget: Budget,
 ) -> int:
@@ -96,18 +105,25 @@ def verify(
     CASE is the number of an example (see `rcac list`) or the path of a TOML file.
     """
     with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
-        found = verified(
-            _experiment(case, values, budget), _progress if sys.stderr.isatty() else _silence
-        )
+        experiment = _experiment(case, values, budget)
+        if group is not None or not is_file(case):
+            experiment = experiment.held_out(group or 0)
+        if completions:
+            experiment = experiment.completed()
+        found = verified(experiment, _progress if sys.stderr.isatty() else _silence)
         if sys.stderr.isatty():
             click.echo("\r\033[K", err=True, nl=False)
-        write = partial(_written, found, folder, kept, page)
+        write = partial(_written, found, folder, kept, page, is_file(case))
         show(verification_sheet(found), as_json, picture, found.plot, write)
     return found.exit_status
 
 
 def _written(
-    found: Verification, folder: Path | None, kept: Path | None, page: Path | None
+    found: Verification,
+    folder: Path | None,
+    kept: Path | None,
+    page: Path | None,
+    is_own: bool,
 ) -> list[str]:
     """Write the files that were asked for; return what is said of them."""
     said = []
@@ -122,7 +138,7 @@ def _written(
         found.main.first.run.save(kept)
         said.append(f"Run: {kept}")
     if page is not None:
-        write_page(case_page(case_of(found)), page)
+        write_page((case_page if is_own else example_page)(case_of(found)), page)
         said.append(f"Page: {page}")
     return said
 

@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
+from typing import Literal, cast
 
+import attrs
 import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
-from rcac_numeric.arrays.validation import by_step, instance_of, integer, items, one_of, real_array
+from rcac_numeric.arrays.validation import (
+    array_like,
+    by_step,
+    instance_of,
+    integer,
+    items,
+    one_of,
+    reads,
+    real_array,
+    with_checks,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator, parallel
@@ -37,7 +48,34 @@ from rcac_numeric.targets.model import TargetModel
 FORMS = ("predictor", "filter")
 
 
-@dataclass(frozen=True, eq=False, init=False)
+def _intervals(value: object, name: str) -> tuple[tuple[int, int | None], ...]:
+    return tuple(interval(pair) for pair in items(value, name))
+
+
+# What some fields take beside what they keep; for type checkers.
+
+
+def _target_like(value: TargetModel | DataDriven) -> TargetModel:
+    return cast(TargetModel, value)
+
+
+def _weight_like(value: ArrayLike | SignalWeight | WeightFunction) -> Weight:
+    return cast(Weight, value)
+
+
+def _step_like(value: int | None) -> int:
+    return cast(int, value)
+
+
+def _theta_like(value: ArrayLike | None) -> Array:
+    return cast(Array, value)
+
+
+def _changes_like(value: Mapping[int, TargetModel] | None) -> Mapping[int, TargetModel]:
+    return cast(Mapping[int, TargetModel], value)
+
+
+@attrs.frozen(eq=False, slots=False, kw_only=True, field_transformer=with_checks)
 class ControllerSettings(Value):
     """Everything that determines an RCAC controller, as plain data.
 
@@ -103,115 +141,86 @@ class ControllerSettings(Value):
     """
 
     structure: Structure
-    target: TargetModel
+    target: TargetModel = attrs.field(converter=_target_like)
     update: Update
-    R_z: Weight
-    R_u: Weight
-    k_w: int
-    k_update: int
-    k_filter: int
-    theta_0: Array
-    form: str
-    target_changes: Mapping[int, TargetModel]
-    freeze: tuple[tuple[int, int | None], ...]
-    reflect_poles: bool
-    R_u_unfiltered: Array
-    z_normalization: Normalization | None
-    bounds: CoefficientBounds | None
-    fixed: Compensator | None
-    learning: DataDriven | None
+    R_z: Weight = attrs.field(default=_weight_like(1.0), converter=_weight_like)
+    R_u: Weight = attrs.field(default=_weight_like(0.0), converter=_weight_like)
+    k_w: int = attrs.field(default=None, converter=_step_like)
+    k_update: int = attrs.field(default=None, converter=_step_like)
+    k_filter: int = 0
+    theta_0: Array = attrs.field(default=None, converter=_theta_like)
+    form: Literal["predictor", "filter"] = attrs.field(
+        default="predictor", metadata=reads(one_of, choices=FORMS)
+    )
+    target_changes: Mapping[int, TargetModel] = attrs.field(
+        factory=dict, converter=_changes_like, metadata=reads(by_step)
+    )
+    freeze: Sequence[tuple[int, int | None]] = attrs.field(default=(), metadata=reads(_intervals))
+    reflect_poles: bool = attrs.field(default=False, metadata=reads(instance_of, kind=bool))
+    R_u_unfiltered: Array = attrs.field(default=0.0, converter=array_like)
+    z_normalization: Normalization | None = attrs.field(
+        default=None, metadata=reads(instance_of, optional=True, kind=Normalization)
+    )
+    bounds: CoefficientBounds | None = attrs.field(
+        default=None, metadata=reads(instance_of, optional=True, kind=CoefficientBounds)
+    )
+    fixed: Compensator | None = attrs.field(
+        default=None, metadata=reads(instance_of, optional=True, kind=Compensator)
+    )
+    learning: DataDriven | None = None
 
-    def __init__(
-        self,
-        *,
-        structure: Structure,
-        target: TargetModel | DataDriven,
-        update: Update,
-        R_z: ArrayLike | SignalWeight | WeightFunction = 1.0,
-        R_u: ArrayLike | SignalWeight | WeightFunction = 0.0,
-        k_w: int | None = None,
-        k_update: int | None = None,
-        k_filter: int = 0,
-        theta_0: ArrayLike | None = None,
-        form: str = "predictor",
-        target_changes: Mapping[int, TargetModel] | None = None,
-        freeze: Sequence[tuple[int, int | None]] = (),
-        reflect_poles: bool = False,
-        R_u_unfiltered: ArrayLike = 0.0,
-        z_normalization: Normalization | None = None,
-        bounds: CoefficientBounds | None = None,
-        fixed: Compensator | None = None,
-        learning: DataDriven | None = None,
-    ) -> None:
-        set_ = partial(object.__setattr__, self)
+    def __attrs_post_init__(self) -> None:
+        set_, structure, update = partial(object.__setattr__, self), self.structure, self.update
         if not isinstance(structure, Structure):
             raise InputError(f"structure = {structure!r}: use iir(...), fir(...) or another kind.")
         if not isinstance(update, Update):
             raise InputError(f"update = {update!r}: use UD(R_theta=...) or another update.")
-        learning = target if isinstance(target, DataDriven) else learning
-        target = target.first_target if isinstance(target, DataDriven) else target
-        set_("structure", structure)
-        set_("target", target)
-        set_("learning", learning)
-        set_("target_changes", by_step(target_changes, "target_changes"))
-        set_("freeze", tuple(interval(pair) for pair in items(freeze, "freeze")))
-        if learning is not None:
-            require_learnable(learning, structure, target.l_z)
+        if isinstance(self.target, DataDriven):
+            set_("learning", self.target)
+            set_("target", self.target.first_target)
+        target = self.target
+        if self.learning is not None:
+            require_learnable(self.learning, structure, target.l_z)
             if self.target_changes or self.freeze:
                 raise InputError(
                     "DataDriven changes the target model itself, and no update comes before the "
                     "first; leave target_changes and freeze out."
                 )
-            k_w = learning.start if k_w is None else k_w
         for model in self.targets:
             require_target(model, structure, target)
         update.require_size(structure.l_theta)
-        set_("update", update)
-        set_("R_z", weight(R_z, "R_z", target.l_z, definite=True))
-        set_("R_u", weight(R_u, "R_u", target.l_z, definite=False))
-        penalty = constant_weight(R_u_unfiltered, "R_u_unfiltered", structure.l_u, definite=False)
+        set_("R_z", weight(self.R_z, "R_z", target.l_z, definite=True))
+        set_("R_u", weight(self.R_u, "R_u", target.l_z, definite=False))
+        penalty = constant_weight(
+            self.R_u_unfiltered, "R_u_unfiltered", structure.l_u, definite=False
+        )
         set_("R_u_unfiltered", penalty)
         penalises = not isinstance(self.R_u, np.ndarray) or bool(self.R_u.any() or penalty.any())
         update.require_problem(self.targets, structure.n_c, penalises)
-        self._read_start(k_w, k_update, k_filter)
-        start = np.zeros(structure.l_theta) if theta_0 is None else theta_0
+        given: int | None = self.k_w
+        if given is None and self.learning is not None:
+            given = self.learning.start
+        self._read_start(given, self.k_update, self.k_filter)
+        start = np.zeros(structure.l_theta) if self.theta_0 is None else self.theta_0
         set_("theta_0", real_array(start, "theta_0").reshape(-1))
         if self.theta_0.size != structure.l_theta:
             raise InputError(
                 f"theta_0 has {self.theta_0.size} entries; l_theta = {structure.l_theta} are "
                 "needed."
             )
-        set_("form", one_of(form, "form", FORMS))
-        if form == "filter" and any(t.relative_degree == 0 for t in self.targets):
+        if self.form == "filter" and any(t.relative_degree == 0 for t in self.targets):
             raise ImproperError(
                 'form = "filter" updates before u(k) is known, so the target model must be '
                 "strictly proper."
             )
-        set_("reflect_poles", instance_of(reflect_poles, "reflect_poles", bool))
-        if reflect_poles:
+        if self.reflect_poles:
             require_reflectable(structure)
-        self._read_additions(z_normalization, bounds, fixed)
-
-    def _read_additions(
-        self,
-        z_normalization: Normalization | None,
-        bounds: CoefficientBounds | None,
-        fixed: Compensator | None,
-    ) -> None:
-        """What published settings have beside the text's."""
-        set_ = partial(object.__setattr__, self)
-        if z_normalization is not None:
-            instance_of(z_normalization, "z_normalization", Normalization)
-            if isinstance(self.update, JointUD):
-                raise InputError("JointUD fits D_f to z itself; leave z_normalization out.")
-        set_("z_normalization", z_normalization)
-        if bounds is not None:
-            instance_of(bounds, "bounds", CoefficientBounds)
-            require_bounds(bounds, self.structure, self.update, self.theta_0, self.reflect_poles)
-        set_("bounds", bounds)
-        if fixed is not None:
-            require_fixed(instance_of(fixed, "fixed", Compensator), self.structure)
-        set_("fixed", fixed)
+        if self.z_normalization is not None and isinstance(update, JointUD):
+            raise InputError("JointUD fits D_f to z itself; leave z_normalization out.")
+        if self.bounds is not None:
+            require_bounds(self.bounds, structure, update, self.theta_0, self.reflect_poles)
+        if self.fixed is not None:
+            require_fixed(self.fixed, structure)
 
     def _read_start(self, k_w: int | None, k_update: int | None, k_filter: int) -> None:
         set_ = partial(object.__setattr__, self)

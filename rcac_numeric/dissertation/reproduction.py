@@ -19,11 +19,11 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.files import replacing, require_readable
 from rcac_numeric.arrays.untrusted import parsed_json
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.dissertation.pages import gallery_page, write_page
+from rcac_numeric.dissertation.pages import gallery_page
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.verdicts import verify
 from rcac_numeric.reports.page.cases import Case, case_of
-from rcac_numeric.reports.page.html import words
+from rcac_numeric.reports.page.rendering import rendered, write_page
 
 PAGE, CASES = "index.html", "cases"
 FAILED = 2  # the status of a case that could not be made
@@ -105,7 +105,8 @@ def reproduce(
         futures = {executor.submit(made, wanted[i]): i for i in left}
         for future in as_completed(futures):
             done(futures[future], future.result())
-    return _written([found[i] for i in range(len(wanted))], Path(folder))
+    is_quick = any(wish.reduced_runs for wish in wanted)
+    return _written([found[i] for i in range(len(wanted))], Path(folder), is_quick)
 
 
 def made(experiment: Experiment) -> Case:
@@ -114,7 +115,8 @@ def made(experiment: Experiment) -> Case:
         with np.errstate(all="ignore"):  # a loop that leaves float64 is reported, not warned of
             return case_of(verify(experiment))
     except CompensatorError as error:
-        body = f'<p class="bad">This could not be verified: {words(str(error))}</p>'
+        told = f"This could not be verified: {error}"
+        body = str(rendered("sentence.html", level="bad", words=told))
         return Case(
             experiment.id, experiment.title, experiment.source, FAILED, (), body, "", (), ""
         )
@@ -126,16 +128,17 @@ def reduced(experiment: Experiment) -> Experiment:
     runs = {
         name: replace(run, repetitions=min(run.repetitions, FEW)) for name, run in few.runs.items()
     }
-    return replace(few, runs=runs)
+    fewer = {name for name, run in few.runs.items() if run.repetitions > FEW}
+    return replace(few, runs=runs, reduced_runs=few.reduced_runs | fewer)
 
 
-def _written(cases: Sequence[Case], folder: Path) -> Reproduction:
+def _written(cases: Sequence[Case], folder: Path, is_quick: bool) -> Reproduction:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{folder} cannot be made: {error.strerror}.") from None
     page = folder / PAGE
-    write_page(gallery_page(cases), page)
+    write_page(gallery_page(cases, is_quick=is_quick), page)
     return Reproduction(tuple(cases), page)
 
 

@@ -99,7 +99,7 @@ class Recorder:
         """
         theta = self.controller.theta
         before = self.controller.record.troubles.get("missed sample")
-        u = self.controller.step(y, z, r, u_applied)
+        u: Array = self.controller.step(y, z, r, u_applied)
         after = self.controller.record.troubles.get("missed sample")
         missed = after is not None and (before is None or after.steps > before.steps)
         for name, given in (("y", y), ("z", z), ("r", r)):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from compensator_theory.errors import (
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer, real_array, signal_array
-from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.arrays.values import fingerprint, replaced
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.stepwise import StepwiseController
@@ -176,10 +175,10 @@ def frozen_twin(run: Run, k: int) -> Run:
     from_k = ((integer(k, "k"), None),)
     settings = run.settings
     if isinstance(settings, Decentralized):
-        parts = [replace(c, freeze=(*c.freeze, *from_k)) for c in settings.controllers]
+        parts = [replaced(c, freeze=(*c.freeze, *from_k)) for c in settings.controllers]
         settings = Decentralized(parts, settings.shared_u)
     elif isinstance(settings, ControllerSettings):
-        settings = replace(settings, freeze=(*settings.freeze, *from_k))
+        settings = replaced(settings, freeze=(*settings.freeze, *from_k))
     return simulate(
         run.plant,
         settings,

@@ -2,28 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController, controllers_of
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.claims import Check, Claim
 from rcac_numeric.experiments.estimation.studies import EstimationStudy
 from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.experiments.judging.claim import Claim, OpenItem
+from rcac_numeric.experiments.judging.interval import Check
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.measures import MEASURES, OF_PLANT
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.signals.signal import Signal, exogenous
 from rcac_numeric.targets.model import TargetModel
+
+STILL = 1e-12  # of 1, or of an initial coefficient: less is no adaptation
+JUDGING = 1_000_000  # the first seed that no setting and no bound was chosen by
+GROUP = 1_000  # seeds of one group
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +61,7 @@ class RunSpecification(Value):
     x_0_deviation : float
         Standard deviation of what is added to each entry of x_0, drawn anew for each seed.
     correction : str
-        What this run reads differently from the source, or adds to it; its claims that hold are
-        reproduced with that correction.
+        What this run reads differently from the source, or adds to it.
     """
 
     name: str
@@ -142,10 +150,74 @@ class RunResult(Value):
         expected = self.specification.expected
         return expected == "mixed" or self.diverged == (expected == "diverged")
 
+    @property
+    def over_seeds(self) -> bool:
+        """Whether its repetitions are other draws."""
+        return self.specification.seeds > 1
+
+    @property
+    def may_end(self) -> bool:
+        """Whether it is known to diverge."""
+        return self.specification.expected != "completed"
+
+    def silence(self, measure: str) -> str:
+        """Why it answers nothing: a controller that adapts never moves from where it began."""
+        return "" if measure in OF_PLANT else self._silence
+
+    @cached_property
+    def _silence(self) -> str:
+        adapts = [
+            isinstance(one, ControllerSettings) and (0, None) not in one.freeze
+            for one in controllers_of(self.specification.settings)
+        ]
+        moves = any(_moves(repetition.run) for repetition in self.repetitions)
+        return "" if moves or not any(adapts) else "nothing was adapted"
+
+    def values(
+        self, measure: str, arguments: Mapping[str, object], until: int | None = None
+    ) -> tuple[float, ...]:
+        """A measure of each repetition; NaN where it ended before there was anything to measure.
+
+        Raises
+        ------
+        CompensatorError
+            Where the measure refuses a run that is complete.
+        """
+        return tuple(_value(one, measure, arguments, until) for one in self.repetitions)
+
+
+def _moves(run: Run) -> bool:
+    """Whether any coefficient leaves its initial value by more than the last digits of a unit."""
+    first = run.theta[0] if len(run.theta) else run.theta_final
+    moved = np.vstack([run.theta, run.theta_final[None]]) - first
+    return bool((~(np.abs(moved) <= STILL * np.maximum(1.0, np.abs(first)))).any())
+
+
+def _value(
+    repetition: AnalysedRun, measure: str, arguments: Mapping[str, Any], until: int | None
+) -> float:
+    try:
+        measured = repetition if until is None else repetition.until(until)
+        return float(MEASURES[measure](measured, **arguments))
+    except CompensatorError:
+        if repetition.run.outcome != "completed":
+            return float("nan")  # nothing to measure at the end; the check fails
+        raise
+
 
 @dataclass(frozen=True, eq=False)
 class Experiment(Value):
     """A numbered example or a user's own case: `runs` of controllers, or `studies` of estimators.
+
+    Attributes
+    ----------
+    open : sequence of OpenItem
+        What its source leaves open.
+    completions : mapping from names
+        Runs or studies with other values of that, over which claims are judged; `completed` has
+        them among those that run.
+    reduced_runs : frozenset of str
+        Those that make fewer repetitions than the verdicts of record have.
 
     Examples
     --------
@@ -164,9 +236,13 @@ class Experiment(Value):
     figures: Sequence[FigureRequest] = ()
     description: Mapping[str, str] = field(default_factory=dict)
     studies: Mapping[str, EstimationStudy] = field(default_factory=dict)
+    open: Sequence[OpenItem] = ()
+    completions: Mapping[str, RunSpecification | EstimationStudy] = field(default_factory=dict)
+    reduced_runs: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
-        for name in ("runs", "description", "studies"):
+        object.__setattr__(self, "open", tuple(self.open))
+        for name in ("runs", "description", "studies", "completions"):
             object.__setattr__(self, name, dict(getattr(self, name)))
         object.__setattr__(self, "claims", tuple(self.claims))
         object.__setattr__(self, "figures", tuple(self.figures))
@@ -199,12 +275,59 @@ class Experiment(Value):
         pairs = [{check.run, check.relative_to} for check in checks if check.relative_to]
         while more := [pair for pair in pairs if pair & whole and pair - whole]:
             whole.update(*more)
-        runs = {
-            name: run if name in whole else replace(run, seeds=min(run.seeds, seeds))
-            for name, run in self.runs.items()
-        }
-        studies = {
-            name: study if name in whole else replace(study, seeds=min(study.seeds, seeds))
-            for name, study in self.studies.items()
-        }
-        return replace(self, runs=runs, studies=studies)
+        runs = {name: _fewer(run, name, whole, seeds) for name, run in self.runs.items()}
+        studies = {name: _fewer(study, name, whole, seeds) for name, study in self.studies.items()}
+        fewer = {name for name, run in self.runs.items() if run.seeds != runs[name].seeds}
+        fewer |= {name for name, one in self.studies.items() if one.seeds != studies[name].seeds}
+        reduced = self.reduced_runs | fewer
+        return replace(self, runs=runs, studies=studies, reduced_runs=reduced)
+
+    def held_out(self, group: int = 0) -> Experiment:
+        """The same experiment on seeds by which no setting and no bound was chosen.
+
+        Parameters
+        ----------
+        group : int
+            Which of the groups of such seeds; every one is disjoint from the others.
+
+        Examples
+        --------
+        >>> from rcac_numeric.dissertation import load_example
+        >>> experiment = load_example("5.1")
+        >>> experiment.main_run.seed, experiment.held_out(2).main_run.seed
+        (0, 1002000)
+        """
+        shift = JUDGING + GROUP * integer(group, "group", at_least=0)
+
+        def moved(these: Mapping[str, Any]) -> dict[str, Any]:
+            return {name: replace(one, seed=one.seed + shift) for name, one in these.items()}
+
+        return replace(
+            self,
+            runs=moved(self.runs),
+            studies=moved(self.studies),
+            completions=moved(self.completions),
+        )
+
+    def only(self, claims: Iterable[Claim]) -> Experiment:
+        """The same experiment with these of its claims, and the runs that they need."""
+        kept = tuple(claims)
+        needed = {run for claim in kept for check in claim.checks for run in check.runs}
+        needed |= {name for claim in kept for name in (*claim.over, claim.run, claim.control)}
+        needed |= {r for c in kept for n in c.over for k in c.moved(n) for r in k.runs}
+        if any(claim.control for claim in kept):
+            needed |= {r for c in kept if c.control for k in c.moved(c.control) for r in k.runs}
+        runs = {name: run for name, run in self.runs.items() if name in needed}
+        studies = {name: study for name, study in self.studies.items() if name in needed}
+        return replace(self, claims=kept, runs=runs, studies=studies)
+
+    def completed(self, names: Iterable[str] | None = None) -> Experiment:
+        """The same experiment with its completions, or those of these names, among its runs."""
+        chosen = self.completions if names is None else {n: self.completions[n] for n in names}
+        runs = {n: one for n, one in chosen.items() if isinstance(one, RunSpecification)}
+        studies = {n: one for n, one in chosen.items() if isinstance(one, EstimationStudy)}
+        return replace(self, runs={**self.runs, **runs}, studies={**self.studies, **studies})
+
+
+def _fewer(one: Any, name: str, whole: set[str], seeds: int) -> Any:
+    return one if name in whole else replace(one, seeds=min(one.seeds, seeds))

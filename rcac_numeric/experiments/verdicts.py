@@ -6,23 +6,18 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from compensator_theory.errors import CompensatorError, InputError
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.claims import Check, CheckResult, Verdict
 from rcac_numeric.experiments.estimation.measures import MEASURES as ESTIMATION_MEASURES
 from rcac_numeric.experiments.estimation.studies import StudyResult
-from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
 from rcac_numeric.experiments.figure_requests import STANDARD_FIGURES, FigureRequest
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.judging.claim import Measured, Verdict, judged
+from rcac_numeric.experiments.judging.interval import Check
 from rcac_numeric.experiments.measures.measures import MEASURES
-
-Result = RunResult | StudyResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,43 +139,11 @@ def verify(
     for name, study in experiment.studies.items():
         progress(name)
         estimates[name] = study.execute()
-    measured: dict[str, Result] = {**results, **estimates}
+    measured: dict[str, Measured] = {**results, **estimates}
     verdicts = tuple(
-        Verdict(claim, tuple(_result(check, measured) for check in claim.checks))
-        for claim in experiment.claims
+        judged(claim, measured, experiment.reduced_runs) for claim in experiment.claims
     )
     return Verification(experiment, results, verdicts, estimates)
-
-
-def _result(check: Check | ExactCheck, results: Mapping[str, Result]) -> CheckResult | ExactResult:
-    return check.evaluate() if isinstance(check, ExactCheck) else _evaluate(check, results)
-
-
-def _evaluate(check: Check, results: Mapping[str, Result]) -> CheckResult:
-    values = _values(check, results[check.run])
-    if check.relative_to:
-        others = _values(check, results[check.relative_to])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            values = tuple(float(np.divide(a, b)) for a, b in zip(values, others, strict=True))
-    result = results[check.run]
-    of = result.study if isinstance(result, StudyResult) else result.specification
-    return CheckResult(check, values, over_seeds=of.seeds > 1)
-
-
-def _values(check: Check, result: Result) -> tuple[float, ...]:
-    if isinstance(result, StudyResult):
-        return result.values(check.measure, check.arguments)
-
-    def value(repetition: AnalysedRun) -> float:
-        try:
-            measured = repetition if check.until is None else repetition.until(check.until)
-            return MEASURES[check.measure](measured, **check.arguments)
-        except CompensatorError:
-            if repetition.run.outcome != "completed":
-                return float("nan")  # nothing to measure at the end; the check fails
-            raise
-
-    return tuple(value(repetition) for repetition in result.repetitions)
 
 
 def _known(check: Check, experiment: Experiment) -> None:

@@ -286,9 +286,8 @@ def filter_gain(
         return -least_squares(
             np.vstack([inputs.D_2.T, T @ plant.C.T]), np.vstack([from_w.T, T @ regulator.gain.T])
         ).T
-    from_w = -np.linalg.solve(
-        regulator.innovation, plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1
-    )
+    known: Array = plant.E_2.T @ inputs.E_0 + plant.B.T @ regulator.P @ inputs.D_1
+    from_w = np.asarray(-np.linalg.solve(regulator.innovation, known), dtype=float)
     correlation = regulator.gain @ estimator.P @ plant.C.T + from_w @ inputs.D_2.T
     return np.asarray(np.linalg.solve(estimator.innovation, correlation.T).T)
 

@@ -7,13 +7,14 @@ controller goes on from where it stopped, and its settings run once more with on
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
+import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.values import replaced
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
@@ -88,9 +89,10 @@ def next_disturbance(run: Run) -> NextDisturbance | None:
     rest = np.broadcast_to(run.w[-1], kick.shape)
     with np.errstate(all="ignore"):
         try:
-            go_on = {"start": run.state, "saturation": run.saturation}
-            plain = simulate(run.plant, run.settings, rest, **go_on)
-            kicked = simulate(run.plant, run.settings, rest + kick, **go_on)
+            plain, kicked = (
+                simulate(run.plant, run.settings, w, start=run.state, saturation=run.saturation)
+                for w in (rest, rest + kick)
+            )
             held = FixedController(run.compensator)
             response = simulate(plant_at(run.plant, run.first_step + run.steps - 1), held, kick)
         except CompensatorError:
@@ -132,11 +134,11 @@ def what_places_them(found: AnalysedRun) -> str | None:
         return None
     longer = min(max(50, 10 * settings.k_w), run.steps // 2)
     R_theta = np.asarray(settings.update.R_theta)
-    lighter = replaced(
+    lighter = attrs.evolve(
         settings.update, R_theta=R_theta * 1e-6 if R_theta.ndim else R_theta[()] * 1e-6
     )
     later = {"k_w": longer, "k_update": max(longer, settings.k_update)}
-    trials: list[tuple[str, dict[str, object]]] = []
+    trials: list[tuple[str, dict[str, Any]]] = []
     if longer > settings.k_w:
         trials.append((f"k_w = {longer}, so that more than the start excites theta", dict(later)))
     trials.append((f"R_theta {_times(1e-6)}", {"update": lighter}))
@@ -146,7 +148,7 @@ def what_places_them(found: AnalysedRun) -> str | None:
         try:
             with np.errstate(all="ignore"):
                 other = simulate(
-                    run.plant, replaced(settings, **change), run.w, x_0=run.x_0,
+                    run.plant, attrs.evolve(settings, **change), run.w, x_0=run.x_0,
                     saturation=run.saturation, stride=max(run.steps, 1),
                 )  # fmt: skip
             if other.outcome != "completed":

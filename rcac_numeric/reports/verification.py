@@ -7,9 +7,19 @@ from typing import Any
 import numpy as np
 
 from rcac_numeric.analysis.loop_analysis import attempted
-from rcac_numeric.experiments.claims import CORRECTED, NOT_REPRODUCED, REPRODUCED, Verdict
 from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.experiment import RunResult
+from rcac_numeric.experiments.judging.claim import (
+    DEPENDS,
+    FAILS,
+    HOLDS,
+    MISPRINT,
+    OURS,
+    REPRODUCED,
+    OpenItem,
+    Verdict,
+    outcome_of,
+)
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
@@ -19,7 +29,8 @@ from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import fitted_section, joined, match_section, split_section
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
-LEVELS: dict[str, Level] = {REPRODUCED: "good", CORRECTED: "warning", NOT_REPRODUCED: "bad"}
+LEVELS: dict[str, Level] = {REPRODUCED: "good", MISPRINT: "good", HOLDS: "plain", FAILS: "plain"}
+MOST_COMPLETIONS = 6  # of an outcome that are named; of more, how many there are
 
 
 def verification_sheet(verification: Verification) -> Sheet:
@@ -103,41 +114,112 @@ def _problem(verification: Verification, health: LoopHealth | None) -> Section:
 
 
 def _claims(verification: Verification) -> Section:
+    """First what a source says, then what is asked besides."""
+    verdicts = sorted(verification.verdicts, key=lambda v: v.claim.whose == OURS)
+    quoted = any(v.claim.quote for v in verdicts)
     rows = tuple(
-        cells(v.claim.text, v.claim.claimed, [Text(str(r)) for r in v.results], _verdict(v))
-        for v in verification.verdicts
+        cells(_words_of(v), [Text(str(r)) for r in v.results], _verdict(v)) for v in verdicts
     )
-    record = [
-        {
-            "text": v.claim.text,
-            "claimed": v.claim.claimed,
-            "measured": v.measured,
-            "verdict": v.verdict,
-            "correction": v.claim.correction or None,
-            "reason": _reason(v) or None,
-            "run": v.claim.run or None,
-            "recorded": v.claim.recorded or None,
-        }
-        for v in verification.verdicts
-    ]
-    table = (Table(("claim", "claimed", "measured", "verdict"), rows),)
-    return Section("Claims" if rows else "", table if rows else (), {"claims": record})
+    heads = ("the text's words" if quoted else "claim", "measured", "verdict")
+    table = (Table(heads, rows),)
+    opens = tuple(Fact(item.what, _open_words(item)) for item in verification.experiment.open)
+    left = Section("What the text leaves open", opens) if opens else Section()
+    record = {"claims": [claim_record(v) for v in verification.verdicts]}
+    return joined("Claims" if rows else "", Section("", table if rows else (), record), left)
+
+
+def claim_record(v: Verdict) -> dict[str, Any]:
+    """A claim, what was measured and its verdict, as JSON can hold them.
+
+    Examples
+    --------
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_numeric.reports.verification import claim_record
+    >>> record = claim_record(verify(load_example("B.5")).verdicts[0])
+    >>> record["whose"], record["verdict"]
+    ('the text', 'reproduced')
+    """
+    claim = v.claim
+    return {
+        "whose": claim.whose,
+        "quote": claim.quote or None,
+        "place": claim.place or None,
+        "reading": claim.reading or None,
+        "text": claim.text,
+        "measured": v.measured,
+        "verdict": v.verdict,
+        "depends_on": list(claim.open) if v.verdict == DEPENDS else [],
+        "outcomes": v.outcomes,
+        "control": outcome_of(v.control) if v.control else None,
+        "misprint": claim.misprint or None,
+        "completion": claim.completion or None,
+        "reason": _reason(v) or None,
+        "run": claim.run or None,
+        "recorded": claim.recorded or None,
+    }
+
+
+def _words_of(v: Verdict) -> list[Text]:
+    claim = v.claim
+    if claim.whose == OURS:
+        return [Text(claim.text)]
+    said = [Text(f"\N{LEFT DOUBLE QUOTATION MARK}{claim.quote}\N{RIGHT DOUBLE QUOTATION MARK}")]
+    said.append(Text(claim.place, "quiet"))
+    if claim.reading:
+        said.append(Text(f"read as: {claim.reading}", "quiet"))
+    if claim.text != claim.quote:
+        said.append(Text(f"checked: {claim.text}", "quiet"))
+    return said
+
+
+def _open_words(item: OpenItem) -> str:
+    others = f"; tried too: {', '.join(item.completions)}" if item.completions else ""
+    reason = f". {item.reason}" if item.reason else ""
+    return f"chosen: {item.chosen}{others}{reason}"
 
 
 def _verdict(verdict: Verdict) -> list[Text]:
-    lines = [Text(verdict.verdict, LEVELS.get(verdict.verdict, "warning"))]
-    if verdict.claim.correction:
-        lines.append(Text(verdict.claim.correction, "quiet"))
+    claim = verdict.claim
+    lines = [Text(verdict.words, LEVELS.get(verdict.verdict, "warning"))]
+    for name, words in (("misprint", claim.misprint), ("chosen", claim.completion)):
+        if words:
+            lines.append(Text(f"{name}: {words}", "quiet"))
+    lines += [Text(line, "quiet") for line in map_lines(verdict)]
     if reason := _reason(verdict):
         lines.append(Text(reason, "quiet"))
     if verdict.has_changed:
-        lines.append(Text(f"was: {verdict.claim.recorded}", "bad"))
+        lines.append(Text(f"was: {claim.recorded}", "bad"))
+    return lines
+
+
+def map_lines(verdict: Verdict) -> list[str]:
+    """For which completions a claim holds, and on which run its checks succeed, in words.
+
+    Examples
+    --------
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.dissertation import load_example
+    >>> from rcac_numeric.reports.verification import map_lines
+    >>> map_lines(verify(load_example("B.5")).verdicts[0])
+    []
+    """
+    outcomes = verdict.outcomes
+    lines = []
+    if len(outcomes) > 1:
+        for outcome in dict.fromkeys(outcomes.values()):
+            names = [name for name, found in outcomes.items() if found == outcome]
+            told = "; ".join(names) if len(names) <= MOST_COMPLETIONS else f"{len(names)} of them"
+            lines.append(f"{outcome}, of {len(outcomes)} completions: {told}")
+    if verdict.control:
+        found = outcome_of(verdict.control)
+        lines.append(f"control, run {verdict.claim.control}: {found}")
     return lines
 
 
 def _reason(verdict: Verdict) -> str:
     """Why the claim does not hold, where it does not."""
-    return "" if verdict.verdict in (REPRODUCED, CORRECTED) else verdict.claim.reason
+    return "" if verdict.verdict in (REPRODUCED, MISPRINT, HOLDS) else verdict.claim.reason
 
 
 def _runs(verification: Verification) -> Section:

@@ -104,6 +104,16 @@ INTERVALS = nonzero_rationals().map(
 PARITIES = strictly_proper_plants().map(exact.decide_strong_stabilisability)
 EXPANSIONS = strictly_proper_plants().map(exact.partial_fractions)
 
+MARGINS = st.sampled_from(["10", "100", "1"]).map(
+    lambda gain: exact.stability_margins(f"{gain}/(s*(s + 1)*(s + 5))", feedback=-1)
+)
+LOCI = st.sampled_from(["1/(s*(s + 1)*(s + 2))", "(s + 2)/(s**2 + 2*s + 3)"]).map(
+    lambda loop: exact.root_locus(loop, feedback=-1)
+)
+DELAYS = st.sampled_from([["s", "1"], ["s**2 + 4", "-1"], ["s**2 + 2*s + 5", "4"]]).map(
+    exact.stability_delays
+)
+
 STATE_SPACES = st.builds(
     lambda plant, a: exact.Realisation(*plant, variable="z") if a is None else
     exact.Realisation([[0, a], [0, 0]], [[0], [1]], [[1, 0]], variable="q"),
@@ -283,6 +293,15 @@ SAMPLES = {
     ),
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
+    results.StabilityMargins: MARGINS,
+    results.GainCrossover: MARGINS.map(lambda found: found.gain_crossovers[0]),
+    results.PhaseCrossover: MARGINS.map(lambda found: found.phase_crossovers[0]),
+    results.RootLocus: LOCI,
+    results.LocusBreak: LOCI.map(lambda found: found.breaks[0]),
+    results.LocusCrossing: LOCI.map(lambda found: found.crossings[0]),
+    results.LocusAngles: LOCI.map(lambda found: found.departures[0]),
+    results.StabilityDelays: DELAYS,
+    results.DelayCrossing: DELAYS.map(lambda found: found.crossings[0]),
     results.RiccatiFormula: st.sampled_from(["continuous", "discrete"]).map(
         lambda time: exact.riccati_formula([["a"]], [[1]], Q=[["q"]], R=[[1]], time=time)
     ),

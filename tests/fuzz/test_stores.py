@@ -10,11 +10,11 @@ import random
 import sqlite3
 import sys
 from contextlib import closing, suppress
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.sweeps import StoreError, check_store, read_table, repair_store, run_study
 from rcac_numeric.sweeps.chunks.failures import FAILED
 from rcac_numeric.sweeps.store.store import DONE, Store, chunk_digest, digest_of, signals_digest

@@ -55,6 +55,7 @@ LAYERS = {
         "estimation.refinement",
         "estimation.riccati",
         "experiments.format",
+        "experiments.judging",
         "experiments.exact",
         "experiments.estimation",
         "experiments.measures",

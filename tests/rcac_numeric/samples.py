@@ -3,7 +3,6 @@
 Different seeds make different data. A new public data class gets a line in `SAMPLES`.
 """
 
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import numpy as np
 
 import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results, sweeps
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.signals.signal import Scaled, Sum
@@ -362,6 +362,10 @@ SAMPLES = {
     ),
     results.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
+    ),
+    # export
+    results.Export: lambda seed: results.Export(
+        Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
     ),
     # errata
     results.Erratum: erratum,

@@ -65,6 +65,13 @@ class Core:
         self.state = ctypes.c_void_p(self.library.make())
         self.u = np.zeros(tables.l_u, self.real)
 
+    def another(self):
+        """A state of its own in the same library."""
+        twin = object.__new__(Core)
+        twin.tables, twin.real, twin.library = self.tables, self.real, self.library
+        twin.state, twin.u = ctypes.c_void_p(self.library.make()), np.zeros_like(self.u)
+        return twin
+
     def _array(self, values):
         if values is None:
             return None

@@ -1,7 +1,5 @@
 """Settings with everything that the stand-alone core knows, and closed loops that drive them."""
 
-from dataclasses import replace
-
 import numpy as np
 from hypothesis import strategies as st
 
@@ -17,6 +15,7 @@ from rcac_numeric import (
     TargetModel,
     VariableRateForgetting,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from tests.support.engine_cases import engine_plants, positive, settings_for, structures
 from tests.support.strategies import seeds
 

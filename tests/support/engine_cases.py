@@ -1,7 +1,5 @@
 """Random structures with their regressors from the text, and random settings for them."""
 
-from dataclasses import replace
-
 import numpy as np
 from hypothesis import strategies as st
 
@@ -20,6 +18,7 @@ from rcac_numeric import (
     pid,
     quasi_fir,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from tests.support import textbook as book
 from tests.support.strategies import seeds, targets
 

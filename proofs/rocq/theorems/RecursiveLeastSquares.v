@@ -125,8 +125,9 @@ Fixpoint theta_and_P k : 'cV[R]_l_theta * 'M[R]_l_theta :=
   else (theta_0, invmx R_theta).
 
 Hypotheses (lambda_positive : 0 < lambda) (R_theta_definite : positive_definite R_theta).
-Hypotheses (R_z_definite : forall i, positive_definite (R_z i)).
-Hypotheses (R_u_semidefinite : forall i, positive_semidefinite (R_u i)).
+Hypotheses (R_z_symmetric : forall i, (R_z i)^T = R_z i).
+Hypotheses (R_u_symmetric : forall i, (R_u i)^T = R_u i).
+Hypotheses (sum_definite : forall i, positive_definite (R_z i + R_u i)).
 
 Lemma cost_step k x : cost k.+1 x
   = lambda * cost k x + stage (Phi k.+1) (R_z k.+1) (R_u k.+1) (z k.+1 - u_f k.+1) x.
@@ -146,15 +147,14 @@ elim: k => [|k IH] /=.
   have at_0 : value R_theta 0 = 0 by rewrite /value /bilinear mulmx0 mxE.
   by rewrite /cost !big_geq // expr0 !mul1r !add0r invmxK subrr at_0 addr0.
 case: (theta_and_P k) IH => theta P [definite quadratic].
-have W_definite : positive_definite (R_z k.+1 + R_u k.+1) by apply: definite_add.
+have W_definite := sum_definite k.+1.
 have inverse := next_P_inverse (Phi k.+1) definite lambda_positive W_definite.
 split=> [|x].
   by rewrite inverse; apply/definite_inverse/next_H_definite.
-have [[R_z_symmetric _] [R_u_symmetric _]] := (R_z_definite k.+1, R_u_semidefinite k.+1).
 rewrite !cost_step inverse invmxK (quadratic x) (quadratic (next_theta _ _ _ _ _ _ _)).
 move: (cost k theta) => least; rewrite !mulrDr addrAC.
-rewrite (step_completes_the_square (Phi k.+1) definite lambda_positive R_z_symmetric
-  R_u_symmetric (erefl _) W_definite).
+rewrite (step_completes_the_square (Phi k.+1) definite lambda_positive
+  (R_z_symmetric _) (R_u_symmetric _) (erefl _) W_definite).
 by rewrite -[LHS]addrA; congr (_ + _); rewrite addrAC.
 Qed.
 

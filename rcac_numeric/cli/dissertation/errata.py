@@ -6,7 +6,7 @@ import click
 import numpy as np
 
 from rcac_numeric.cli.output import as_json_option, show
-from rcac_numeric.dissertation.errata.checking import check_erratum
+from rcac_numeric.dissertation.errata.checking import can_run, check_erratum
 from rcac_numeric.dissertation.errata.reading import find_errata
 from rcac_numeric.dissertation.errata.sheet import errata_sheet
 
@@ -24,8 +24,6 @@ def errata(where: tuple[str, ...], checks: bool, as_json: bool) -> int:
     place = " ".join(where)
     entries = find_errata(place)
     with np.errstate(all="ignore"):
-        found = {
-            entry.name: check_erratum(entry) for entry in entries if checks and entry.evidence.check
-        }
+        found = {entry.name: check_erratum(entry) for entry in entries if checks and can_run(entry)}
     show(errata_sheet(entries, place, found), as_json)
     return 0 if all(checked.holds for checked in found.values()) else 1

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.dissertation.errata.entries import Erratum
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
+from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.judging.claim import DEPENDS, MISPRINT, REPRODUCED, UNDETERMINED
+from rcac_numeric.experiments.verdicts import verify
 
 EVIDENCE = "rcac_numeric.dissertation.errata.evidence"
+LEDGER = "proofs.counterexamples"
+# The verdicts on a claim by which an erratum of a kind is shown; of the others any.
+SHOWN_BY = {"misprint": (MISPRINT, REPRODUCED), "depends": (DEPENDS, UNDETERMINED)}
 
 
 @dataclass(frozen=True)
@@ -43,12 +53,13 @@ class Checked(Value):
 
 
 def check_erratum(erratum: Erratum) -> Checked:
-    """Run the check of an erratum.
+    """Run what shows an erratum: its check, the counterexample of the ledger, or its claim.
 
     Raises
     ------
     InputError
-        If its evidence is of another kind, or names a check that is not there.
+        If its evidence names what is not there, or is of the ledger of proofs, which only a
+        checkout has.
 
     Examples
     --------
@@ -57,20 +68,55 @@ def check_erratum(erratum: Erratum) -> Checked:
     >>> checked.holds, checked.facts[0].words
     (True, 'as printed the weights add up to 7/3 for n = 3, alpha = 1')
     """
-    if not erratum.evidence.check:
-        raise InputError(f"the evidence of {erratum.name!r} is no check: {erratum.evidence.words}")
-    module, _, name = erratum.evidence.check.partition(".")
+    evidence = erratum.evidence
+    if evidence.example:
+        return Checked(erratum, (_fact_of_claim(erratum),))
+    if evidence.counterexample:
+        names = (evidence.counterexample, *evidence.others)
+        return Checked(
+            erratum, tuple(f for name in names for f in _facts(_resolved(LEDGER, name, erratum)))
+        )
+    if not evidence.check:
+        raise InputError(f"the evidence of {erratum.name!r} cannot be run: {evidence.words}")
+    return Checked(erratum, _facts(_resolved(EVIDENCE, evidence.check, erratum)))
+
+
+def can_run(erratum: Erratum) -> bool:
+    """Whether what shows it can be run here: the ledger of proofs is in a checkout alone."""
+    evidence = erratum.evidence
+    if evidence.counterexample:
+        return importlib.util.find_spec("proofs") is not None
+    return bool(evidence.check or evidence.example)
+
+
+def _resolved(package: str, name: str, erratum: Erratum) -> Callable[[], Iterable[tuple[str, Any]]]:
+    module, _, function = name.partition(".")
     try:
-        home = f"{EVIDENCE}.{module}" if module.isidentifier() else ""
-        found = getattr(importlib.import_module(home), name)
+        home = f"{package}.{module}" if module.isidentifier() else ""
+        found = getattr(importlib.import_module(home), function)
         if found.__module__ != home:  # what the module imports is no check
-            raise AttributeError(name)
+            raise AttributeError(function)
     except (ImportError, ValueError, AttributeError):
-        raise InputError(
-            f"{EVIDENCE} has no check {erratum.evidence.check!r}; correct {erratum.name!r}."
-        ) from None
-    facts = tuple(Fact(words, _truth(words, holds)) for words, holds in found())
-    return Checked(erratum, facts)
+        raise InputError(f"{package} has no check {name!r}; correct {erratum.name!r}.") from None
+    checked: Callable[[], Iterable[tuple[str, Any]]] = found
+    return checked
+
+
+def _facts(check: Callable[[], Iterable[tuple[str, Any]]]) -> tuple[Fact, ...]:
+    return tuple(Fact(words, _truth(words, holds)) for words, holds in check())
+
+
+def _fact_of_claim(erratum: Erratum) -> Fact:
+    """The claim that shows it has the verdict of record, and one that goes with the kind."""
+    number = erratum.evidence.example
+    experiment = build(example_table(number), number)
+    claims = [c for c in experiment.claims if c.text.startswith(erratum.evidence.claim)]
+    if not claims:
+        raise InputError(f"example {experiment.id} has no such claim; correct {erratum.name!r}.")
+    verdict = verify(experiment.held_out().only(claims[:1]).reduced()).verdicts[0]
+    agrees = verdict.verdict in SHOWN_BY.get(erratum.kind, (verdict.verdict,))
+    words = f"Example {experiment.id}, {claims[0].text!r}: {verdict.words}"
+    return Fact(words, agrees and verdict.verdict == claims[0].recorded)
 
 
 def _truth(words: str, holds: object) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from compensator_theory.errors import InputError
@@ -12,15 +12,17 @@ from rcac_numeric.arrays.values import Value
 
 KINDS = {
     "misprint": "a slip that a reader mends by looking twice",
-    "false": "a statement or formula that is not true as it stands",
-    "number": "a number that the text's own data do not give",
-    "missing": "data without which the example cannot be run",
+    "inconsistent": "two places of the text disagree",
+    "needs a hypothesis": "true where the text means it, and false without a condition that is "
+    "not written",
+    "unstated": "data without which the example cannot be run, or a number compared",
+    "depends": "true of some completions of what the text leaves open, and not of others",
+    "false": "not true as it stands, and no charitable reading was found by a second reader",
 }
 EVIDENCE = {
     "check": "by a check that runs",
     "ledger": "by the ledger of proofs",
     "example": "by a claim of an example",
-    "derivation": "by derivation",
 }
 _EQUATION = re.compile(r"\(([1-9AB]\.\d+)\)(?:-\(([1-9AB])\.(\d+)\))?")
 _NAMED = re.compile(
@@ -30,7 +32,7 @@ _NAMED = re.compile(
 
 @dataclass(frozen=True)
 class ErratumEvidence(Value):
-    """What shows that an erratum is right: one of four kinds.
+    """What shows that an erratum is right: one of three kinds, each of which runs.
 
     Attributes
     ----------
@@ -40,8 +42,8 @@ class ErratumEvidence(Value):
         An entry of the ledger of proofs and, where there is one, the case that refutes the print.
     example, claim : str
         The number of an example, and the words that its claim begins with.
-    derivation : str
-        Two sentences, where nothing can be run yet.
+    others : sequence of str
+        Further counterexamples of the ledger.
     """
 
     check: str = ""
@@ -49,9 +51,10 @@ class ErratumEvidence(Value):
     counterexample: str = ""
     example: str = ""
     claim: str = ""
-    derivation: str = ""
+    others: Sequence[str] = ()
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "others", tuple(self.others))
         given = [name for name in EVIDENCE if getattr(self, name)]
         if len(given) != 1:
             raise InputError(
@@ -59,6 +62,8 @@ class ErratumEvidence(Value):
             )
         if bool(self.example) != bool(self.claim):
             raise InputError("example and claim go together: a claim of which example?")
+        if self.others and not self.counterexample:
+            raise InputError("further counterexamples follow a first one; name it.")
         if self.counterexample and not self.ledger:
             raise InputError("a counterexample belongs to an entry of the ledger; name it.")
 
@@ -75,7 +80,7 @@ class ErratumEvidence(Value):
         if self.ledger:
             case = f", refuted by {self.counterexample}" if self.counterexample else ""
             return f"ledger of proofs: {self.ledger}{case}"
-        return f"Example {self.example}: {self.claim}" if self.example else self.derivation
+        return f"Example {self.example}: {self.claim}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +115,7 @@ class Erratum(Value):
     printed: str
     true: str
     evidence: ErratumEvidence = field()
+    charity: str = ""
     chapter: str = ""
 
     def __post_init__(self) -> None:

@@ -13,7 +13,7 @@ from rcac_numeric.dissertation.errata.entries import KINDS, Erratum, ErratumEvid
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
-from rcac_numeric.experiments.format.values import Choice
+from rcac_numeric.experiments.format.values import Choice, Text
 
 CHAPTERS = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "A", "B")
 _NUMBER = re.compile(r"[1-9AB]\.\d+")
@@ -27,7 +27,10 @@ def _file(chapter: str, erratum: list[Any]) -> str:
 _ERRATUM: Table[Erratum] = Table(
     Erratum,
     given=["chapter"],
-    forms={"evidence": Table(ErratumEvidence), "kind": Choice(tuple(KINDS))},
+    forms={
+        "evidence": Table(ErratumEvidence, forms={"others": ListOf(Text())}),
+        "kind": Choice(tuple(KINDS)),
+    },
 )
 _FILE: Table[str] = Table(
     _file, forms={"chapter": Choice(CHAPTERS), "erratum": ListOf(_ERRATUM, 1)}
@@ -99,7 +102,8 @@ def _every() -> tuple[Erratum, ...]:
     entries: list[Erratum] = []
     for chapter in CHAPTERS:
         name = f"{'appendix' if chapter in 'AB' else 'chapter'}_{chapter}.toml"
-        entries += read_chapter(tomllib.loads(folder.joinpath(name).read_text("utf-8")), name)
+        if (file := folder.joinpath(name)).is_file():  # Chapter 9 has none
+            entries += read_chapter(tomllib.loads(file.read_text("utf-8")), name)
     _require_different(tuple(entries), "the errata")
     return tuple(entries)
 

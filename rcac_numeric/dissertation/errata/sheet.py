@@ -46,6 +46,7 @@ def _section(entry: Erratum, checked: Checked | None) -> Section:
     blocks: list[Block] = [
         Fact("printed", entry.printed),
         Fact("true", entry.true),
+        Fact("read with charity", entry.charity),
         Fact("evidence", entry.evidence.words),
     ]
     if checked is not None:
@@ -66,6 +67,7 @@ def _record(entry: Erratum, checked: Checked | None) -> dict[str, object]:
         "kind": entry.kind,
         "printed": entry.printed,
         "true": entry.true,
+        "charity": entry.charity or None,
         "evidence": {"kind": entry.evidence.kind, "words": entry.evidence.words},
     }
     if checked is not None:

@@ -64,6 +64,7 @@ def _window(r: EstimatedRun, start: int, stop: int | None) -> slice:
     return slice(start, end)
 
 
+OF_ESTIMATES = ("mean_error", "median_error", "mean_deviation", "final_estimate")
 MEASURES: dict[str, Callable[..., float]] = {
     function.__name__: function
     for function in (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -113,7 +113,7 @@ def refined(
     delays: Sequence[int] | None = None,
     window: int | None = None,
     d: int | None = None,
-    method: str = "nearest",
+    method: Literal["nearest", "smallest", "pseudoinverse", "direct"] = "nearest",
     eta_bar: float = 0.0,
     k_update: int | None = None,
     theta_0: float = 0.0,

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.estimation.measures import MEASURES
+from rcac_numeric.experiments.estimation.measures import MEASURES, OF_ESTIMATES
 from rcac_numeric.experiments.estimation.runs import EstimatedRun, Estimation
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem
 
@@ -60,8 +62,29 @@ class StudyResult(Value):
     study: EstimationStudy
     repetitions: tuple[EstimatedRun, ...]
 
-    def values(self, measure: str, arguments: Mapping[str, object]) -> tuple[float, ...]:
+    @property
+    def over_seeds(self) -> bool:
+        """Whether its repetitions are other draws."""
+        return self.study.seeds > 1
+
+    def silence(self, measure: str) -> str:
+        """Why it answers nothing: an estimate that never leaves where it began."""
+        if measure not in OF_ESTIMATES:
+            return ""
+        still = all(np.ptp(run.estimate) == 0 for run in self.repetitions if len(run.estimate))
+        return "the estimate never moves" if still else ""
+
+    @property
+    def may_end(self) -> bool:
+        """That an estimator diverges is an answer."""
+        return True
+
+    def values(
+        self, measure: str, arguments: Mapping[str, object], until: int | None = None
+    ) -> tuple[float, ...]:
         """A measure of each run; NaN where a run diverged before what is measured."""
+        if until is not None:
+            raise InputError(f"until = {until} is for runs of loops; leave it out.")
         return tuple(_value(run, measure, arguments) for run in self.repetitions)
 
 

@@ -12,19 +12,22 @@ from compensator_theory.errors import InputError
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.estimation.runs import Estimation
 from rcac_numeric.experiments.estimation.studies import EstimationStudy
-from rcac_numeric.experiments.estimation_files.claims import (
-    CLAIM,
-    FIGURE,
-    estimation_claim,
-    estimation_figure,
-    require_run,
-)
+from rcac_numeric.experiments.estimation_files.claims import CLAIM, FIGURE, estimation_figure
 from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL, Trial
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Table
+from rcac_numeric.experiments.judging.reading import (
+    OpenItems,
+    check_of,
+    claims_of,
+    completed_runs,
+    completion_name,
+    opens,
+    require_run,
+)
 
 Raw = Mapping[str, Any]
 KEPT = 6  # numbers that are kept of each step
@@ -47,12 +50,20 @@ class EstimationRun:
     estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
     correction: Annotated[
         str,
-        "What this run reads differently from the source: its claims that hold are reproduced "
-        "with that correction.",
+        "What this run reads differently from the source.",
     ] = ""
 
 
 RUN = Table(EstimationRun)
+
+
+@attrs.frozen(eq=False)
+class EstimationValue:
+    """One of the values that a reader would try."""
+
+    name: Annotated[str, "What it is called."]
+    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
+    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
 
 
 @attrs.frozen(eq=False)
@@ -79,6 +90,11 @@ class EstimationFile:
         list[FigureRequest],
         ListOf(FIGURE, needed="an array of tables, [[figures]]"),
         "What is said and drawn of it.",
+    ] = attrs.field(factory=list)
+    open: Annotated[
+        list[Any],
+        opens(Table(EstimationValue)),
+        "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)
     title: Annotated[str, AS_ELSEWHERE] = ""
     id: Annotated[str, AS_ELSEWHERE] = ""
@@ -129,7 +145,19 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
             studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
     errors.raise_any()
     _require_budget(studies, budget)
-    corrections = {name: study.correction for name, study in studies.items()}
+    items = OpenItems.of(table.get("open", ()))
+    claims = [
+        claim for part in read.claims for claim in claims_of(part, tuple(studies), items, check_of)
+    ]
+    completions = {}
+    for of_run, values in completed_runs(claims, items):
+        tables = raw[of_run]
+        for value in values:  # what a value names it replaces as a whole
+            tables = {
+                key: {**inner, **items.tables[value].get(key, {})} for key, inner in tables.items()
+            }
+        name = completion_name(of_run, values)
+        completions[name] = _study(name, tables, file, studies[of_run].correction)
     return Experiment(
         id=read.id or Path(file).stem,
         title=read.title,
@@ -137,8 +165,10 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         notes=read.notes.strip(),
         runs={},
         studies=studies,
-        claims=tuple(estimation_claim(part, corrections) for part in read.claims),
-        figures=[estimation_figure(figure, corrections) for figure in read.figures],
+        claims=claims,
+        open=items.items,
+        completions=completions,
+        figures=[estimation_figure(figure, list(studies)) for figure in read.figures],
         description={"truth": _words(table["estimation"])},
     )
 

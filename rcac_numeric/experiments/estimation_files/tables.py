@@ -99,7 +99,9 @@ class Filter(Shorthand):
     R: Annotated[Array, "Covariance of the noise of y."]
     x_0: Annotated[Array | None, "What is believed of [x; p] at first."] = None
     P_0: Annotated[float | Array, Numbers(), "Its covariance."] = 1.0
-    alpha: Annotated[float | None, "Of the UKF, see {py:class}`rcac_numeric.UKF`."] = None
+    alpha: Annotated[float | None, "Of the UKF, see {py:class}`rcac_numeric.estimation.UKF`."] = (
+        None
+    )
 
     def made(self) -> JointFilter:
         """The filter."""

@@ -72,8 +72,17 @@ class ExactCheck(Value):
         except TypeError as error:
             raise InputError(f"the statement {self.statement!r}: {error}.") from None
 
-    def evaluate(self) -> ExactResult:
-        """Decide it.
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """None: nothing runs."""
+        return ()
+
+    def moved(self, moves: Mapping[str, str]) -> ExactCheck:
+        """Itself: it is of no run."""
+        return self
+
+    def evaluate(self, results: Mapping[str, object] | None = None) -> ExactResult:
+        """Decide it; nothing that ran has a part in it.
 
         Raises
         ------
@@ -98,11 +107,14 @@ class ExactResult(Value):
         None where it is undecided.
     found : str
         In words.
+    silence : str
+        Empty: what is decided exactly has an answer.
     """
 
     check: ExactCheck
     holds: bool | None
     found: str
+    silence: str = ""
 
     def __str__(self) -> str:
         return self.found

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import compensator_theory as exact
 from compensator_theory.matrices.exact_matrices import exact_matrix
-from rcac_numeric.experiments.exact.system import ExactSystem
+from rcac_numeric.experiments.exact.system import Entry, ExactSystem
 
 
 class Found(NamedTuple):
@@ -17,7 +17,7 @@ class Found(NamedTuple):
     words: str
 
 
-def regulator_gain(system: ExactSystem, poles: Any, equals: Any) -> Found:
+def regulator_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Found:
     """The gain K with the eigenvalues of A + BK, (7.27).
 
     Parameters
@@ -32,7 +32,7 @@ def regulator_gain(system: ExactSystem, poles: Any, equals: Any) -> Found:
     return Found(exact_matrix(equals, "equals") == K, f"K = {_row(K)}")
 
 
-def observer_gain(system: ExactSystem, poles: Any, equals: Any) -> Found:
+def observer_gain(system: ExactSystem, poles: Entry, equals: Entry) -> Found:
     """The gain F with the eigenvalues of A - FC, (7.30).
 
     Parameters
@@ -48,7 +48,7 @@ def observer_gain(system: ExactSystem, poles: Any, equals: Any) -> Found:
 
 
 def observer_based_compensator(
-    system: ExactSystem, regulator: Any, observer: Any, equals: str
+    system: ExactSystem, regulator: Entry, observer: Entry, equals: str
 ) -> Found:
     """The pair (N_c, D_c) of the compensator (7.11), (7.12), with the sign of the loop.
 
@@ -80,7 +80,7 @@ def closed_loop(system: ExactSystem, compensator: str, polynomial: str) -> Found
 
 
 def placement(
-    system: ExactSystem, poles: Any, compensator: str, n_c: int | None = None, decimals: int = -1
+    system: ExactSystem, poles: Entry, compensator: str, n_c: int | None = None, decimals: int = -1
 ) -> Found:
     """The compensator that places poles, (7.37), and that there is no other with deg N_c < n.
 
@@ -106,7 +106,9 @@ def placement(
     return Found(is_claimed, f"{words}, unique")
 
 
-def no_unique_placement(system: ExactSystem, poles: Any, n_c: int, numerator_degree: int) -> Found:
+def no_unique_placement(
+    system: ExactSystem, poles: Entry, n_c: int, numerator_degree: int
+) -> Found:
     """That several compensators of some degrees place the same poles.
 
     Parameters
@@ -151,7 +153,7 @@ def observer_based(
     return Found(decision.answer is answer and counted, words)
 
 
-def placed_pair_is_observer_based(system: ExactSystem, poles: Any, answer: bool = True) -> Found:
+def placed_pair_is_observer_based(system: ExactSystem, poles: Entry, answer: bool = True) -> Found:
     """Whether the compensator of order n that places poles is observer-based over the reals.
 
     Parameters

@@ -7,10 +7,10 @@ from typing import Any
 import compensator_theory as exact
 from compensator_theory.matrices.exact_matrices import exact_matrix
 from rcac_numeric.experiments.exact.placements import Found
-from rcac_numeric.experiments.exact.system import ExactSystem
+from rcac_numeric.experiments.exact.system import Entry, ExactSystem
 
 
-def sylvester_matrix(system: ExactSystem, equals: Any, second: bool = False) -> Found:
+def sylvester_matrix(system: ExactSystem, equals: Entry, second: bool = False) -> Found:
     """The Sylvester matrix M_1(a, b) of (B.1), or M_2(a, b) of (B.2).
 
     Parameters
@@ -40,7 +40,7 @@ def sylvester_rank(system: ExactSystem, equals: int, second: bool = False) -> Fo
     return Found(rank == equals, f"rank M_{1 + second} = {rank} of {M.rows}")
 
 
-def sylvester_determinant(system: ExactSystem, equals: Any, second: bool = False) -> Found:
+def sylvester_determinant(system: ExactSystem, equals: Entry, second: bool = False) -> Found:
     """The determinant of M_1(a, b) or of M_2(a, b).
 
     Parameters

@@ -10,29 +10,11 @@ from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
 from rcac_numeric.experiments.exact.system import ExactSystem
 from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.format.values import Exact, Form, Integer
 
-FORMS: dict[str, Form] = {
-    "poles": Exact(), "regulator": Exact(), "observer": Exact(), "n_c": Integer(),
-    "decimals": Integer(), "forms": Integer(), "numerator_degree": Integer(),
-}  # fmt: skip
-SYSTEM = Table(ExactSystem)
-
-
-def _statements() -> Kinds[Any]:
-    """Every statement with its arguments; the system itself is given."""
-    tables = {}
-    for name, function in STATEMENTS.items():
-        exactly = (
-            {} if function.__annotations__.get("equals") in ("int", "str") else {"equals": Exact()}
-        )
-        known = {key: form for key, form in FORMS.items() if key in function.__annotations__}
-        has_equals = exactly if "equals" in function.__annotations__ else {}
-        tables[name] = Table(function, given=["system"], forms={**known, **has_equals})
-    return Kinds(tables)
-
-
-STATEMENT_KINDS = _statements()
+# Every statement with its arguments; the system itself is given.
+STATEMENT_KINDS: Kinds[Any] = Kinds(
+    {name: Table(function, given=["system"]) for name, function in STATEMENTS.items()}
+)
 
 
 @attrs.frozen(eq=False)

@@ -8,39 +8,17 @@ from typing import Annotated, Any
 
 import attrs
 
-from rcac_numeric.experiments.claims import VERDICTS, Claim
 from rcac_numeric.experiments.exact.system import ExactSystem
-from rcac_numeric.experiments.exact.tables import CHECK, StatementTable
+from rcac_numeric.experiments.exact.tables import CHECK
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.experiments.format.values import Choice
+from rcac_numeric.experiments.judging.claim import Claim
+from rcac_numeric.experiments.judging.reading import OpenItems, claim_table, claims_of
 
-
-@attrs.frozen(eq=False)
-class ExactClaim:
-    """Something said of the example."""
-
-    text: Annotated[str, "What is said, and what is claimed."]
-    checks: Annotated[
-        list[StatementTable],
-        ListOf(CHECK, 1),
-        "What decides it: it holds where all of them do.",
-    ]
-    claimed: Annotated[str, "What is said, and what is claimed."] = ""
-    correction: Annotated[str, "What had to be read differently from the source."] = ""
-    reason: Annotated[str, "Where it does not hold: why, in a sentence."] = ""
-    verdict: Annotated[str, Choice(VERDICTS), "The verdict of record."] = ""
-
-    def of(self, system: ExactSystem) -> Claim:
-        """The claim of a system."""
-        checks = tuple(check.of(system) for check in self.checks)
-        return Claim(
-            self.text, self.claimed, checks, self.correction, self.verdict, reason=self.reason
-        )
-
-
+CLAIM: Table[Any] = claim_table(CHECK, runs=False)
 AS_ELSEWHERE = "As of any experiment."
 
 
@@ -50,8 +28,8 @@ class ExactFile:
 
     exact: Annotated[ExactSystem, "What its statements are about."]
     claims: Annotated[
-        list[ExactClaim],
-        ListOf(Table(ExactClaim), 1, needed="an array of tables, [[claims]]"),
+        list[Any],
+        ListOf(CLAIM, 1, needed="an array of tables, [[claims]]"),
         "What is said of it.",
     ]
     title: Annotated[str, AS_ELSEWHERE] = ""
@@ -82,16 +60,20 @@ def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     >>> from rcac_numeric.dissertation import load_example
     >>> verification = verify(load_example("B.2"))
     >>> verification.results, [v.verdict for v in verification.verdicts]
-    ({}, ['reproduced', 'reproduced with a correction'])
+    ({}, ['reproduced', 'reproduced'])
     """
     read: ExactFile = EXACT_FILE.read(table, Place(file))
+
+    def made(part: Part[Any]) -> list[Claim]:
+        return claims_of(part, (), OpenItems((), {}), lambda one, _: one.of(read.exact))
+
     return Experiment(
         id=read.id or Path(file).stem,
         title=read.title,
         source=read.source,
         notes=read.notes.strip(),
         runs={},
-        claims=tuple(claim.of(read.exact) for claim in read.claims),
+        claims=[claim for part in read.claims for claim in made(part)],
         description={name: _words(value) for name, value in table["exact"].items()},
     )
 

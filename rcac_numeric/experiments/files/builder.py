@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,10 +14,11 @@ from rcac_numeric.experiments.estimation_files.reading import estimation_experim
 from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, FigureRequest, require_drawable
-from rcac_numeric.experiments.files.claims import CLAIM, claims_of
+from rcac_numeric.experiments.files.claims import CLAIM, STANDARD_CLAIMS
 from rcac_numeric.experiments.files.documents import named, read_file, require_plain
 from rcac_numeric.experiments.files.runs import (
     CONTROLLERS,
+    OPEN_VALUE,
     OVERRIDE,
     TABLES,
     Override,
@@ -28,6 +30,14 @@ from rcac_numeric.experiments.files.runs import (
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
+from rcac_numeric.experiments.judging.reading import (
+    OpenItems,
+    check_of,
+    claims_of,
+    completed_runs,
+    completion_name,
+    opens,
+)
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 
@@ -71,6 +81,11 @@ class File:
         list[FigureRequest],
         ListOf(FIGURE, needed="an array of tables, [[figures]]"),
         "What is drawn of it; a sheet on the main run where they are left out.",
+    ] = attrs.field(factory=list)
+    open: Annotated[
+        list[Any],
+        opens(OPEN_VALUE),
+        "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)
 
 
@@ -142,16 +157,25 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
-    corrections = {run.name: run.correction for run in runs}
-    claims = tuple(claim for part in read.claims for claim in claims_of(part, corrections))
-    common = runs[0].plant.build()
-    plants = [
-        run.plant.build() if "plant" in override else common
-        for run, override in zip(runs, overrides, strict=True)
+    items = OpenItems.of(table.get("open", ()))
+    claims = [
+        claim
+        for part in read.claims
+        for claim in claims_of(part, names, items, check_of, STANDARD_CLAIMS)
     ]
+    errors, plants = Errors(), []
+    common: Plant | PlantSchedule | None = None  # made once for all that take it as it is
+    for run, override in zip(runs, overrides, strict=True):
+        with errors:
+            if "plant" in override:
+                plants.append(run.plant.build())
+            else:
+                common = run.plant.build() if common is None else common
+                plants.append(common)
+    errors.raise_any()
     pairs = list(zip(runs, plants, strict=True))
     budget.require_operations(sum(run.cost(plant, budget) for run, plant in pairs))
-    made, errors = {}, Errors()
+    made = {}
     for run, plant in pairs:
         with errors:
             made[run.name] = _made(run, plant, len(pairs) > 1)
@@ -159,6 +183,17 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         with errors:
             require_drawable(figure, names)
     errors.raise_any()
+    of_run = dict(zip(names, overrides, strict=True))
+    completions = {}
+    for base, values in completed_runs(claims, items):
+        changes = [items.tables[value] for value in values]
+        name = completion_name(base, values)
+        completed = read_run(table, _override_of(name, of_run[base], changes), file)
+        assert completed is not None, "no table of it is wrong"
+        is_other = any("plant" in change for change in changes)
+        plant = completed.plant.build() if is_other else made[base].plant
+        budget.require_operations(completed.cost(plant, budget))
+        completions[name] = _made(completed, plant, True)
     return Experiment(
         id=read.id or Path(file).stem,
         title=read.title,
@@ -166,6 +201,8 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         notes=read.notes.strip(),
         runs=made,
         claims=claims,
+        open=items.items,
+        completions=completions,
         figures=read.figures,
         description=_description(table),
     )
@@ -194,6 +231,16 @@ def _read(table: Raw, file: str) -> tuple[File, list[RunTables]]:
 
 def _overrides(table: Raw) -> list[Raw]:
     return table.get("runs") or [{"name": "main"}]
+
+
+def _override_of(name: str, override: Raw, changes: Sequence[Raw]) -> dict[str, Any]:
+    """What a completion overrides: what its run does, and then each value."""
+    joined = dict(override)
+    for change in changes:
+        for key, value in change.items():
+            old = joined.get(key, {})
+            joined[key] = TABLES[key].joined(old, value) if key in TABLES else value
+    return {**joined, "name": name}
 
 
 def _made(

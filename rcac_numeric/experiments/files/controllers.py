@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import attrs
@@ -151,6 +152,7 @@ CONTROLLER = Deferred(
         forms=FORMS,
         docs=DOCS,
         elsewhere=(SEVERAL, "only [[controllers]] read"),
+        is_later=True,
     )
 )
 ONE_OF_SEVERAL = Deferred(
@@ -159,6 +161,7 @@ ONE_OF_SEVERAL = Deferred(
         given=["learning"],
         forms={**FORMS, "structure": STRUCTURES, "target": TARGET},
         docs={**DOCS, "target": "A target model of its own, or what differs from [target]."},
+        is_later=True,
     )
 )
 
@@ -201,20 +204,21 @@ NO_TARGET = (
 
 
 def read_controllers(
-    common: Raw, target: Raw, several: list[Raw], note: tuple[str, ...], file: str
+    common: Raw, target: Raw, several: list[Raw], place: Callable[[str], Place]
 ) -> ControllerSpecification:
     """What [controller], [target] and [[controllers]] ask for.
 
-    Each of several takes from [controller] and [target] what it does not say itself.
+    Each of several takes from [controller] and [target] what it does not say itself. `place` says
+    where the table of a name stands.
     """
-    here = Place(file, "controller", notes=note)
+    here = place("controller")
     if not several:
         if not target:
             raise InputError(NO_TARGET)
         errors, of_target = Errors(), None
         read: tuple[Any, ...] = ()
         with errors:
-            of_target = TARGET.table.read(target, Place(file, "target", notes=note))
+            of_target = TARGET.table.read(target, place("target"))
         with errors:
             read = (CONTROLLER.table.read(common, here),)
         errors.raise_any()
@@ -225,11 +229,13 @@ def read_controllers(
     parts, errors = [], Errors()
     for number, own in enumerate(several, 1):
         joined = ONE_OF_SEVERAL.joined(base, own)
-        place = Place(file, "controllers", notes=(f"no. {number}", *note))
+        there = place("controllers")
+        run = there.notes or here.notes or place("target").notes
+        there = replace(there, notes=(f"no. {number}", *run))
         joined_target = TARGET.joined(target, joined.pop("target", {}))
         with errors:
-            part = ONE_OF_SEVERAL.table.read({**joined, "target": {}}, place)
-            part.arguments["target"] = TARGET.table.read(joined_target, place.at("target").inside())
+            part = ONE_OF_SEVERAL.table.read({**joined, "target": {}}, there)
+            part.arguments["target"] = TARGET.table.read(joined_target, there.at("target").inside())
             parts.append(part)
     errors.raise_any()
     return ControllerSpecification(tuple(parts), None, beside.shared_u)

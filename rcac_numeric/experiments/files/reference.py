@@ -12,7 +12,7 @@ from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
 from rcac_numeric.experiments.files.controllers import CONTROLLER
 from rcac_numeric.experiments.files.plants import CHANGE, PLANT, PROBLEMS
-from rcac_numeric.experiments.files.runs import COURSE, OVERRIDE, SATURATION
+from rcac_numeric.experiments.files.runs import COURSE, OPEN_VALUE, OVERRIDE, SATURATION
 from rcac_numeric.experiments.files.signals import SIGNAL, SIGNALS
 from rcac_numeric.experiments.files.structures import Derived
 from rcac_numeric.experiments.files.targets import TARGETS
@@ -25,6 +25,7 @@ from rcac_numeric.experiments.format.markdown import (
     with_tables,
 )
 from rcac_numeric.experiments.format.tables import Kinds, Table
+from rcac_numeric.experiments.judging.reading import open_table
 
 
 def reference_tables() -> dict[str, str]:
@@ -51,6 +52,7 @@ def reference_tables() -> dict[str, str]:
         "runs": keys_table(OVERRIDE),
         "claims": keys_table(CLAIM),
         "claims.checks": keys_table(CHECK),
+        "open": keys_table(open_table(OPEN_VALUE)),
         "figures": keys_table(FIGURE),
     }
     spread: dict[str, tuple[str, Kinds[Any]]] = {

@@ -112,12 +112,28 @@ class Override:
     run: Annotated[Raw | None, COURSE, DIFFERS] = None
     correction: Annotated[
         str,
-        "What this variant reads differently from the source, or adds to it: its claims that hold"
-        " are reproduced with that correction.",
+        "What this variant reads differently from the source, or adds to it.",
     ] = ""
 
 
 OVERRIDE = Table(Override)
+
+
+@attrs.frozen(eq=False)
+class OpenValue:
+    """One of the values that a reader would try."""
+
+    name: Annotated[str, "What it is called."]
+    plant: Annotated[Raw | None, PLANT, DIFFERS] = None
+    signals: Annotated[Raw | None, TABLES["signals"], DIFFERS] = None
+    target: Annotated[Raw | None, TARGET, DIFFERS] = None
+    controller: Annotated[Raw | None, CONTROLLER, DIFFERS] = None
+    controllers: Annotated[list[Raw] | None, CONTROLLERS, "In place of [[controllers]]."] = None
+    saturation: Annotated[Raw | None, SATURATION, DIFFERS] = None
+    run: Annotated[Raw | None, COURSE, DIFFERS] = None
+
+
+OPEN_VALUE = Table(OpenValue)
 
 
 @attrs.frozen(eq=False)
@@ -237,8 +253,7 @@ def read_run(base: Raw, override: Raw, file: str, wrong: Collection[str] = ()) -
             if course is not None and course.arithmetic in UPDATES.kinds:  # it says the update too
                 common = {"update": course.arithmetic, **common}
             several = override.get("controllers", base.get("controllers", []))
-            note = place("controller").notes or place("target").notes or place("controllers").notes
-            controller = read_controllers(common, joined["target"], several, note, file)
+            controller = read_controllers(common, joined["target"], several, place)
             if course is not None:
                 for part in controller.parts:
                     _require_agreement(part, course.arithmetic, place("controller"))

@@ -6,8 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from rcac_numeric.experiments.format.signatures import Key
-from rcac_numeric.experiments.format.tables import ByKey, Kinds, Table
+from rcac_numeric.experiments.format.tables import ByKey, Key, Kinds, Table
 
 MARKERS = re.compile(r"(<!-- table: (?P<name>[^\n]*?) -->\n).*?(\n<!-- end of table -->)", re.S)
 

@@ -21,7 +21,6 @@ from typing import (
     Literal,
     TypeVar,
     Union,
-    cast,
     get_args,
     get_origin,
     get_type_hints,
@@ -34,7 +33,6 @@ from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf
 from rcac_numeric.experiments.format.parts import Part, Shorthand
 from rcac_numeric.experiments.format.places import Errors, Place, brief, did_you_mean
-from rcac_numeric.experiments.format.signatures import Key, keys_of, parameters_in, summary_of
 from rcac_numeric.experiments.format.values import (
     Choice,
     Flag,
@@ -54,14 +52,37 @@ FORMS: dict[Any, Form] = {
 }  # fmt: skip
 
 
-def keys_of_class(
-    cls: type[Any], forms: Mapping[str, Form] | None = None, given: Collection[str] = ()
+@dataclass(frozen=True)
+class Key:
+    """A key of a table, and the parameter that it stands for.
+
+    Attributes
+    ----------
+    name, parameter : str
+        In the file and in Python, where lambda is written `lambda_`.
+    form : Form
+    is_required : bool
+    default : object
+    doc : str
+        What the docstring says of the parameter.
+    """
+
+    name: str
+    parameter: str
+    form: Form
+    is_required: bool
+    default: object
+    doc: str
+
+
+def keys_of(
+    make: Any, forms: Mapping[str, Form] | None = None, given: Collection[str] = ()
 ) -> tuple[Key, ...]:
-    """The keys of an attrs class, in the order of its fields.
+    """The keys of the fields of an attrs class, or of the parameters of a function, in order.
 
     Parameters
     ----------
-    cls : class
+    make : class or callable
     forms : mapping from fields
         What their annotations do not say.
     given : collection of str
@@ -71,36 +92,50 @@ def keys_of_class(
     --------
     >>> import attrs
     >>> from typing import Annotated, Literal
-    >>> from rcac_numeric.experiments.format.tables import keys_of_class
+    >>> from rcac_numeric.experiments.format.tables import keys_of
     >>> @attrs.frozen
     ... class Pid:
     ...     terms: Annotated[Literal["P", "PI"], "Which terms."] = "PI"
-    >>> [(key.name, key.form.words, key.default, key.doc) for key in keys_of_class(Pid)]
+    >>> [(key.name, key.form.words, key.default, key.doc) for key in keys_of(Pid)]
     [('terms', 'one of P, PI', 'PI', 'Which terms.')]
     """
-    described = parameters_in(cls.__doc__ or "")
-    hints = get_type_hints(cls, include_extras=True)
+    described = parameters_in(make.__doc__ or "")
+    is_plain_class = isinstance(make, type) and not attrs.has(make)
+    hints = get_type_hints(make.__init__ if is_plain_class else make, include_extras=True)
     keys = []
-    for one in attrs.fields(cls):
-        if not one.init or one.name in given:
+    for name, default in _defaults_of(make):
+        if name in given:
             continue
         try:
-            form = (forms or {}).get(one.name) or form_of(hints[one.name])
+            form = (forms or {}).get(name) or form_of(hints[name])
         except TypeError as error:
-            raise TypeError(f"{cls.__qualname__}: {error} for {one.name}") from None
-        default = one.default.factory() if isinstance(one.default, attrs.Factory) else one.default  # type: ignore[arg-type]
+            raise TypeError(f"{make.__qualname__}: {error} for {name}") from None
         is_required = default is attrs.NOTHING
         keys.append(
             Key(
-                name=one.name.rstrip("_"),
-                parameter=one.name,
+                name=name.rstrip("_"),
+                parameter=name,
                 form=form,
                 is_required=is_required,
                 default=None if is_required else default,
-                doc=_words_of(hints[one.name]) or described.get(one.name, ("", ""))[1],
+                doc=_words_of(hints[name]) or described.get(name, ""),
             )
         )
     return tuple(keys)
+
+
+def _defaults_of(make: Any) -> Iterator[tuple[str, Any]]:
+    """Every field or parameter with its default, attrs.NOTHING where it has none."""
+    if _is_class(make):
+        for one in attrs.fields(make):
+            if one.init:
+                is_made = isinstance(one.default, attrs.Factory)  # type: ignore[arg-type]
+                yield one.name, one.default.factory() if is_made else one.default
+        return
+    for name, parameter in inspect.signature(make).parameters.items():
+        if parameter.kind not in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            is_needed = parameter.default is parameter.empty
+            yield name, attrs.NOTHING if is_needed else parameter.default
 
 
 def _words_of(hint: Any) -> str:
@@ -144,6 +179,54 @@ def form_of(hint: Any) -> Form:
     raise TypeError(f"no form is known of {hint}")
 
 
+def summary_of(make: Callable[..., Any]) -> str:
+    """The first sentence of a docstring.
+
+    Examples
+    --------
+    >>> from rcac_numeric import fir
+    >>> from rcac_numeric.experiments.format.tables import summary_of
+    >>> summary_of(fir)
+    'The FIR structure (2.34)-(2.35): every pole of the controller is at zero.'
+    """
+    return " ".join(inspect.cleandoc(make.__doc__ or "").split("\n\n")[0].split())
+
+
+def parameters_in(doc: str) -> dict[str, str]:
+    """What is said under Parameters or Attributes of a numpydoc docstring.
+
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.format.tables import parameters_in
+    >>> parameters_in('''Do it.
+    ...
+    ... Parameters
+    ... ----------
+    ... a, b : int
+    ...     Two
+    ...     numbers.
+    ... ''')
+    {'a': 'Two numbers.', 'b': 'Two numbers.'}
+    """
+    said: dict[str, str] = {}
+    names: list[str] = []
+    is_inside = False
+    lines = inspect.cleandoc(doc).splitlines()
+    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+        if following.startswith("---"):
+            is_inside, names = line in ("Parameters", "Attributes"), []
+        elif not is_inside or line.startswith("---") or not line.strip():
+            continue
+        elif line.startswith(" "):
+            for name in names:
+                said[name] = f"{said[name]} {line.strip()}".strip()
+        else:
+            names = [name.strip() for name in line.partition(" : ")[0].split(",")]
+            for name in names:  # a name may be described in two entries
+                said.setdefault(name, "")
+    return said
+
+
 class Table(Form, Generic[T]):
     """A table whose keys are the fields of an attrs class, or the parameters of a function.
 
@@ -157,6 +240,8 @@ class Table(Form, Generic[T]):
         Forms, names of keys and descriptions that belong to this table alone.
     elsewhere : pair of Table and str, optional
         Keys that may stand here too, and who alone reads them.
+    is_later : bool
+        Whether a class, too, is a `Part`, since some of its fields do not stand in the file.
 
     Notes
     -----
@@ -187,8 +272,10 @@ class Table(Form, Generic[T]):
         names: Mapping[str, str] | None = None,
         docs: Mapping[str, str] | None = None,
         elsewhere: tuple[Table[Any], str] | None = None,
+        is_later: bool = False,
     ) -> None:
         self.make, self.given, self.elsewhere = make, tuple(given), elsewhere
+        self.is_later = is_later or not self.is_class
         self._forms, self._names, self._docs = forms or {}, names or {}, docs or {}
 
     @property
@@ -199,17 +286,14 @@ class Table(Form, Generic[T]):
     @cached_property
     def keys(self) -> tuple[Key, ...]:
         """The keys, in the order of the fields."""
-        forms, names, docs = self._forms, self._names, self._docs
-        if not self.is_class:
-            given = frozenset(self.given)
-            return keys_of(self.make, given=given, forms=forms, names=names, docs=docs)
+        names, docs = self._names, self._docs
         return tuple(
             replace(
                 key,
                 name=names.get(key.parameter, key.name),
                 doc=docs.get(key.parameter, key.doc),
             )
-            for key in keys_of_class(cast(type[Any], self.make), forms, self.given)
+            for key in keys_of(self.make, self._forms, self.given)
         )
 
     @property
@@ -277,7 +361,7 @@ class Table(Form, Generic[T]):
         return self._made(values, here)
 
     def _made(self, values: dict[str, Any], here: Place) -> Any:
-        if not self.is_class:
+        if self.is_later:
             return Part(self.make, values)
         try:
             made: Any = self.make(**values)

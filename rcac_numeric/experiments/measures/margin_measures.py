@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 import numpy as np
 
 from rcac_numeric.analysis.closed_loop import frozen_loop
@@ -17,10 +19,11 @@ from rcac_numeric.margins.boundaries import (
 from rcac_numeric.margins.crossovers import gain_crossovers, phase_crossovers
 from rcac_numeric.margins.opened_loop import broken_loop
 
-MARGINS = ("gain up", "gain down", "phase lag", "phase lead", "delay")
+MarginKind = Literal["gain up", "gain down", "phase lag", "phase lead", "delay"]
+MARGINS: tuple[str, ...] = get_args(MarginKind)
 
 
-def margin(r: AnalysedRun, kind: str = "gain up") -> float:
+def margin(r: AnalysedRun, kind: MarginKind = "gain up") -> float:
     """A stability margin of the loop with the final controller; not a number if it is unstable.
 
     Parameters
@@ -31,7 +34,7 @@ def margin(r: AnalysedRun, kind: str = "gain up") -> float:
     return _boundary(r, kind).value
 
 
-def margin_frequency(r: AnalysedRun, kind: str = "gain up") -> float:
+def margin_frequency(r: AnalysedRun, kind: MarginKind = "gain up") -> float:
     """Frequency in rad/sample at which the loop loses stability at that margin."""
     return _boundary(r, kind).omega
 

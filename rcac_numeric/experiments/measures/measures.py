@@ -38,6 +38,18 @@ for _function in (
     measure(_function)
 
 
+# What is so of a plant, whatever the controller does.
+OF_PLANT = frozenset(
+    function.__name__
+    for function in (
+        *plant_measures.PLANT_MEASURES,
+        cost_measures.high_authority_cost,
+        cost_measures.high_authority_exists,
+        cost_measures.high_authority_pole_distance,
+    )
+)
+
+
 @measure
 def worst_pole_distance(r: AnalysedRun) -> float:
     """Largest distance between a pole of G_f and the closed-loop pole assigned to it."""

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.engine.learning.target_learner import acting_input
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.identification.windows import IdentifiedWindow, identify_windows
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.gallery.zeros import plant_zeros
+from rcac_numeric.plants.problems import standard_plant
 
 WINDOW = 70  # samples, section 3.6
 
@@ -50,6 +53,84 @@ def plant_spectral_radius(r: AnalysedRun, at: int = 0) -> float:
         A step.
     """
     return float(np.abs(np.linalg.eigvals(plant_at(r.run.plant, at).A)).max(initial=0.0))
+
+
+def growth_rate(r: AnalysedRun, period: float, at: int = 0) -> float:
+    """Largest real part, in rad/s, of a pole of the continuous plant that a hold has sampled.
+
+    Parameters
+    ----------
+    period : number
+        The sampling period h, in seconds: a pole p is at exp(p h).
+    at : int
+        A step.
+    """
+    return float(np.log(plant_spectral_radius(r, at)) / number(period, "period"))
+
+
+def delay_bound(r: AnalysedRun, period: float, at: int = 0) -> float:
+    """The delay, in seconds, that no controller's delay margin reaches: 2 over the growth rate.
+
+    Parameters
+    ----------
+    period : number
+        The sampling period, in seconds.
+    at : int
+        A step.
+    """
+    return 2 / growth_rate(r, period, at)
+
+
+def continuous_zero_distance(r: AnalysedRun, value: float, period: float, at: int = 0) -> float:
+    """Distance, in rad/s, from a number to a zero of the plant that Euler's rule has sampled.
+
+    Parameters
+    ----------
+    value : number
+        In rad/s.
+    period : number
+        The sampling period h, in seconds: a zero s is at 1 + h s.
+    at : int
+        A step.
+    """
+    zeros = plant_zeros(plant_at(r.run.plant, at))
+    return float(
+        np.abs((zeros - 1) / number(period, "period") - number(value, "value")).min(initial=np.inf)
+    )
+
+
+def printed_plant_distance(r: AnalysedRun, printed: str) -> float:
+    r"""How far the first plant, up to its sign, is from a transfer function as it is printed.
+
+    The largest difference of the two frequency responses at eleven frequencies, relative to the
+    printed one; the sign is that of the problem, standard or servo.
+
+    Parameters
+    ----------
+    printed : str
+        A fraction of LaTeX, ``\frac{...}{...}`` with ``\mathbf{q}``.
+    """
+    plant, other = plant_at(r.run.plant, 0), standard_plant(_from_latex(printed))
+    z = np.exp(1j * np.linspace(0.1, 3.0, 11))
+    here, there = (
+        np.array([(p.E_1 @ np.linalg.solve(x * np.eye(p.n) - p.A, p.B) + p.E_2)[0, 0] for x in z])
+        for p in (plant, other)
+    )
+    apart = min(np.abs(here - there).max(), np.abs(here + there).max())
+    return float(apart / np.abs(there).max())
+
+
+def _from_latex(printed: str) -> str:
+    """A fraction of LaTeX in the notation of files."""
+    text = re.sub(r"\\mathbf\{([a-z])\}", "q", printed).replace(" ", "").replace("^", "**")
+    found = re.fullmatch(r"\\frac\{([^{}]*)\}\{([^{}]*)\}", text)
+    if found is None:
+        raise InputError(f"printed = {printed!r} is no fraction of polynomials in q.")
+    top, bottom = (
+        re.sub(r"(?<=[\d)])(?=[q(])(?<!\*\*)", "*", part).replace("**2*(", "**2*(")
+        for part in found.groups()
+    )
+    return f"({top})/({bottom})"
 
 
 def identified_zero_error(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
@@ -96,5 +177,9 @@ PLANT_MEASURES = (
     largest_plant_zero,
     plant_zero_distance,
     plant_spectral_radius,
+    growth_rate,
+    delay_bound,
+    continuous_zero_distance,
+    printed_plant_distance,
     identified_zero_error,
 )

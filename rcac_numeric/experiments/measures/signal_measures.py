@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, one_of
 from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 
-SIGNALS = ("z", "y", "u", "u_applied", "w")
+SignalName = Literal["z", "y", "u", "u_applied", "w"]
+SIGNALS: tuple[str, ...] = get_args(SignalName)
 
 
 def settling_step(r: AnalysedRun, band: float = 0.02) -> float:
@@ -29,7 +32,7 @@ def peak(
     r: AnalysedRun,
     start: int = 0,
     stop: int | None = None,
-    signal: str = "z",
+    signal: SignalName = "z",
     channel: int | None = None,
 ) -> float:
     """Largest size of a signal over start <= k < stop; of one channel or of all of them.
@@ -51,7 +54,7 @@ def rms(
     r: AnalysedRun,
     start: int = 0,
     stop: int | None = None,
-    signal: str = "z",
+    signal: SignalName = "z",
     channel: int | None = None,
 ) -> float:
     """Root mean square of a signal over start <= k < stop."""
@@ -62,7 +65,7 @@ def mean(
     r: AnalysedRun,
     start: int = 0,
     stop: int | None = None,
-    signal: str = "z",
+    signal: SignalName = "z",
     channel: int = 0,
 ) -> float:
     """Mean of one channel of a signal over start <= k < stop."""

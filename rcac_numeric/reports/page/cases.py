@@ -10,26 +10,45 @@ from typing import Any
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.experiments.claims import CORRECTED, REPRODUCED, Verdict
+from rcac_numeric.experiments.judging.claim import HOLDS, MISPRINT, REPRODUCED, Verdict
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.page.displays import small_pictures_of
-from rcac_numeric.reports.page.html import sheet_html, words
+from rcac_numeric.reports.page.html import sheet_html
 from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
-from rcac_numeric.reports.verification import verification_sheet
+from rcac_numeric.reports.verification import map_lines, verification_sheet
 
 FIRST = 2  # sections of a verification's sheet that come before the pictures: problem and claims
 
 
 @dataclass(frozen=True)
 class ClaimRow(Value):
-    """A claim and its verdict, in words."""
+    """A claim and its verdict, in words.
 
+    Attributes
+    ----------
+    whose : str
+        A key of `judging.claim.CLASSES`.
+    quote, place, reading, text : str
+        The words of the source and where they stand, how they are read, and what is checked.
+    measured, verdict, words : str
+        What was measured; the verdict, and the verdict with what it depends on.
+    notes : tuple of str
+        What is mended or chosen, for which completions it holds, on which run its checks succeed.
+    reason, run, was : str
+        Why it does not hold; the variant that it is judged on; the verdict of record where another
+        one came out.
+    """
+
+    whose: str
+    quote: str
+    place: str
+    reading: str
     text: str
-    claimed: str
     measured: str
     verdict: str
-    correction: str
+    words: str
+    notes: tuple[str, ...]
     reason: str
     run: str
     was: str
@@ -95,7 +114,9 @@ class Case(Value):
             If it is something else.
         """
         try:
-            claims = tuple(ClaimRow(**row) for row in record["claims"])
+            claims = tuple(
+                ClaimRow(**{**row, "notes": tuple(row["notes"])}) for row in record["claims"]
+            )
             pictures = tuple(Picture(**picture) for picture in record["pictures"])
             return cls(**{**record, "claims": claims, "pictures": pictures})
         except (KeyError, TypeError) as error:
@@ -134,14 +155,18 @@ def case_of(verification: Verification) -> Case:
 
 def _row(verdict: Verdict) -> ClaimRow:
     claim = verdict.claim
-    holds = verdict.verdict in (REPRODUCED, CORRECTED)
+    mended = [("misprint", claim.misprint), ("chosen", claim.completion)]
     return ClaimRow(
+        whose=claim.whose,
+        quote=claim.quote,
+        place=claim.place,
+        reading=claim.reading,
         text=claim.text,
-        claimed=claim.claimed,
         measured=verdict.measured,
         verdict=verdict.verdict,
-        correction=claim.correction,
-        reason="" if holds else claim.reason,
+        words=verdict.words,
+        notes=(*(f"{name}: {told}" for name, told in mended if told), *map_lines(verdict)),
+        reason="" if verdict.verdict in (REPRODUCED, MISPRINT, HOLDS) else claim.reason,
         run=claim.run,
         was=claim.recorded if verdict.has_changed else "",
     )
@@ -175,8 +200,3 @@ def _settings(verification: Verification) -> str:
             for name, study in studies.items()
         ]
     )
-
-
-def picture_html(picture: Picture) -> str:
-    """A figure with its caption."""
-    return f"<figure>{picture.svg}<figcaption>{words(picture.title)}</figcaption></figure>"

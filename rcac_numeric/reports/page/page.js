@@ -7,6 +7,9 @@
       : matchMedia("(prefers-color-scheme: dark)").matches;
     root.dataset.theme = dark ? "light" : "dark";
   });
+  const opened = part => {  // and all that it is folded in
+    for (let one = part; one; one = one.parentElement) if (one.tagName === "DETAILS") one.open = true;
+  };
   const filters = get("filters");
   if (filters) {
     const rows = [...document.querySelectorAll("#claims tbody tr")];
@@ -47,12 +50,14 @@
     addEventListener("keydown", event => {
       if (event.key === "/" && !/INPUT|SELECT|TEXTAREA/.test(event.target.tagName)) {
         event.preventDefault();
+        opened(filters);
         query.focus();
       } else if (event.key === "Escape" && event.target === query) {
         query.value = "";
         apply();
       }
     });
+    if (query.value || verdict.value || chapter.value) opened(filters);
     apply();
   }
   // Parts that are not drawn yet have a guessed height: go to the target again once it is known.
@@ -60,6 +65,7 @@
     const target = location.hash && get(decodeURIComponent(location.hash.slice(1)));
     if (!target) return;
     target.hidden = false;
+    opened(target);
     requestAnimationFrame(() => requestAnimationFrame(() =>
       target.scrollIntoView({ behavior: "instant" })));
   };

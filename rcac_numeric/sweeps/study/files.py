@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
@@ -13,16 +14,17 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.experiments.files.claims import FORMS
 from rcac_numeric.experiments.files.documents import named, read_file, require_plain
 from rcac_numeric.experiments.files.schema import json_schema
-from rcac_numeric.experiments.format.lists import ListOf, MapOf
+from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.markdown import keys_table
-from rcac_numeric.experiments.format.parts import Part
-from rcac_numeric.experiments.format.places import Place
+from rcac_numeric.experiments.format.parts import Part, Shorthand
+from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import Kinds, Raw, Table, require_table
-from rcac_numeric.experiments.format.values import Choice, Form, Integer, Numbers, Schema
+from rcac_numeric.experiments.format.values import Choice, Form, Integer, Numbers, Schema, as_float
 from rcac_numeric.sweeps.study.axes import LARGEST_AXIS, Axis, RandomAxis, pair, too_many
 from rcac_numeric.sweeps.study.measures import STUDY_MEASURES, Kept
 from rcac_numeric.sweeps.study.study import SIGNALS, Study
 
+BETWEEN = "Drawn at random between these two, evenly or evenly in the logarithm; `draws` of them."
 # What says something of an experiment and decides no number of it.
 WORDS = ("title", "id", "source", "notes", "claims")
 
@@ -36,119 +38,95 @@ class _Values(Form):
         """As they stand; whether they fit is known when they are put where they belong."""
         if not isinstance(value, list) or not value:
             raise place.refuse(value, self.words)
-        return value
+        return [_floats(entry) for entry in value]
 
     def schema(self) -> Schema:
         """An array."""
         return {"type": "array", "minItems": 1}
 
 
-def _axis(
-    sets: str,
-    values: Any = None,
-    range: Any = None,
-    grid: Any = None,
-    decades: Any = None,
-    points: int | None = None,
-    uniform: Any = None,
-    log_uniform: Any = None,
-    normal: Any = None,
-    draws: int | None = None,
-) -> str:
-    """One thing that varies.
-
-    Parameters
-    ----------
-    sets : str
-        Where its value goes: a dotted path in this file, "controller.R_theta" for instance, or
-        "plant.changes.0.delay" into the first of several.
-    values : list
-        The values themselves.
-    range : list of integers
-        `[first, last]` or `[first, last, step]`, the last one included.
-    grid : pair of numbers
-        Evenly spaced from the first to the last, `points` of them.
-    decades : pair of numbers
-        Powers of ten, their exponents evenly spaced, `points` of them.
-    points : int
-        How many.
-    uniform, log_uniform : pair of numbers
-        Drawn at random between these two, evenly or evenly in the logarithm; `draws` of them.
-    normal : pair of numbers
-        Drawn from a normal distribution of this mean and standard deviation.
-    draws : int
-        How many; the first ones stay when there are more.
-    """
-    return sets
+Pair = Annotated[Any, Numbers(longest=3)]
 
 
-def _kept(measure: Any, name: str = "") -> str:
-    """A number that is kept of every run.
+@attrs.frozen(eq=False)
+class AxisTable:
+    """One thing that varies."""
 
-    Parameters
-    ----------
-    measure : str
-        What is measured.
-    name : str
-        Of its column; the measure's where it is left out.
-    """
-    return name
+    sets: Annotated[
+        str,
+        'Where its value goes: a dotted path in this file, "controller.R_theta" for instance, or '
+        '"plant.changes.0.delay" into the first of several.',
+    ]
+    values: Annotated[list[Any] | None, _Values(), "The values themselves."] = None
+    range: Annotated[Pair, "`[first, last]` or `[first, last, step]`, the last one included."] = (
+        None
+    )
+    grid: Annotated[Pair, "Evenly spaced from the first to the last, `points` of them."] = None
+    decades: Annotated[Pair, "Powers of ten, their exponents evenly spaced, `points` of them."] = (
+        None
+    )
+    points: Annotated[int | None, Integer(2), "How many."] = None
+    uniform: Annotated[Pair, BETWEEN] = None
+    log_uniform: Annotated[Pair, BETWEEN] = None
+    normal: Annotated[
+        Pair, "Drawn from a normal distribution of this mean and standard deviation."
+    ] = None
+    draws: Annotated[
+        int | None, Integer(1), "How many; the first ones stay when there are more."
+    ] = None
 
-
-def _study(
-    axes: Any = None,
-    keep: Any = None,
-    repetitions: int = 1,
-    seed: int = 0,
-    common_noise: bool = False,
-    lanes: bool = True,
-    keep_signals: Any = None,
-) -> int:
-    """Many runs of this experiment.
-
-    Parameters
-    ----------
-    axes : table of tables
-        What varies, by name; every combination of their values is a cell.
-    keep : tables
-        What is measured of every run, beside its outcome.
-    repetitions : int
-        Runs of every cell. They differ in their noise, and in w by `perturbation` of [run].
-    seed : int
-        Of all that is random.
-    common_noise : bool
-        Whether the n-th run has the same noise in all cells.
-    lanes : bool
-        Whether eligible runs go eight at a time.
-    keep_signals : list
-        Which of "w", "u", "y", "z" and "theta" are stored of every run.
-    """
-    return repetitions
+    def named(self, name: str) -> Axis | RandomAxis:
+        """The axis of this name."""
+        given = {key: v for key, v in attrs.asdict(self, recurse=False).items() if v is not None}
+        return axis_of(name, given.pop("sets"), given)
 
 
 MEASURE_KINDS: Kinds[Any] = Kinds(
     {name: Table(f, given=["r"], forms=FORMS) for name, f in STUDY_MEASURES.items()}
 )
-AXIS = Table(
-    _axis,
-    forms={
-        "values": _Values(),
-        "points": Integer(2),
-        "draws": Integer(1),
-        **dict.fromkeys(("range", "grid", "decades", "uniform", "log_uniform", "normal"),
-                        Numbers(longest=3)),
-    },
-)  # fmt: skip
-KEPT = Table(_kept, forms={"measure": MEASURE_KINDS})
-STUDY = Table(
-    _study,
-    forms={
-        "axes": MapOf(AXIS),
-        "keep": ListOf(KEPT, needed="an array of tables"),
-        "repetitions": Integer(1),
-        "keep_signals": ListOf(Choice(SIGNALS)),
-    },
-)
+
+
+@attrs.frozen(eq=False)
+class KeptTable(Shorthand):
+    """A number that is kept of every run."""
+
+    measure: Annotated[Part[float], MEASURE_KINDS, "What is measured."]
+    name: Annotated[str, "Of its column; the measure's where it is left out."] = ""
+
+    def made(self) -> Kept:
+        """What is kept."""
+        return Kept(self.measure.make.__name__, self.name, self.measure.arguments)
+
+
+@attrs.frozen(eq=False)
+class StudyTable:
+    """Many runs of this experiment."""
+
+    axes: Annotated[
+        dict[str, AxisTable],
+        "What varies, by name; every combination of their values is a cell.",
+    ] = attrs.field(factory=dict)
+    keep: Annotated[
+        list[Kept],
+        ListOf(Table(KeptTable), needed="an array of tables"),
+        "What is measured of every run, beside its outcome.",
+    ] = attrs.field(factory=list)
+    repetitions: Annotated[
+        int,
+        Integer(1),
+        "Runs of every cell. They differ in their noise, and in w by `perturbation` of [run].",
+    ] = 1
+    seed: Annotated[int, "Of all that is random."] = 0
+    common_noise: Annotated[bool, "Whether the n-th run has the same noise in all cells."] = False
+    lanes: Annotated[bool, "Whether eligible runs go eight at a time."] = True
+    keep_signals: Annotated[
+        list[str],
+        ListOf(Choice(SIGNALS)),
+        'Which of "w", "u", "y", "z" and "theta" are stored of every run.',
+    ] = attrs.field(factory=list)
+
+
+STUDY = Table(StudyTable)
 
 
 def load_study(path: str | Path) -> Study:
@@ -207,8 +185,8 @@ def study_tables() -> dict[str, str]:
     """The tables of the documentation of [study], in Markdown, by name."""
     return {
         "study": keys_table(STUDY),
-        "study.axes": keys_table(AXIS),
-        "study.keep": keys_table(KEPT),
+        "study.axes": keys_table(Table(AxisTable)),
+        "study.keep": keys_table(Table(KeptTable)),
     }
 
 
@@ -216,32 +194,33 @@ def _read(table: Raw, file: str) -> Study:
     if "study" not in table:
         raise InputError("there is no table [study]; it says what varies. See `rcac sweep --help`.")
     place = Place(file, "study")
-    read: Part[Any] = STUDY.read(require_table(table["study"], place), place)
-    arguments = dict(read.arguments)
-    axes = [
-        axis_of(name, part.arguments["sets"], part.arguments)
-        for name, part in arguments.pop("axes", {}).items()
-    ]
-    keep = [
-        Kept(
-            part.arguments["measure"].make.__name__,
-            part.arguments.get("name", ""),
-            part.arguments["measure"].arguments,
-        )
-        for part in arguments.pop("keep", [])
-    ]
-    base: Mapping[str, Any] = {
-        key: value for key, value in table.items() if key not in ("study", *WORDS)
-    }
+    read: StudyTable = STUDY.read(require_table(table["study"], place), place)
+    errors, axes = Errors(), []
+    for name, axis in read.axes.items():
+        with errors:
+            axes.append(axis.named(name))
+    errors.raise_any()
+    base = {key: _floats(value) for key, value in table.items() if key not in ("study", *WORDS)}
     title = table.get("title", "")
     return Study(
         base,
         axes,
-        keep,
+        read.keep,
+        repetitions=read.repetitions,
+        seed=read.seed,
+        common_noise=read.common_noise,
+        lanes=read.lanes,
+        keep_signals=read.keep_signals,
         file=file,
         title=title if isinstance(title, str) else "",
-        **arguments,
     )
+
+
+def _floats(value: Any) -> Any:
+    """The data of a study with numbers of float64 alone, as its fingerprint knows them."""
+    if isinstance(value, Mapping):
+        return {key: _floats(entry) for key, entry in value.items()}
+    return [_floats(v) for v in value] if isinstance(value, list) else as_float(value)
 
 
 # The values of an axis, as a file names them: a list, a range, a grid, decades, draws.

@@ -296,6 +296,21 @@ def test_several_signals_and_stable_hidden_modes_have_controllers():
     assert found.regulator.factor.enclosure.centre.eval(sympy.Rational(-1, 2)) < 1e-20
 
 
+def test_gains_are_exact_where_their_joint_field_is_too_large():
+    """Order 6: each gain in a field of degree 64 at most, the compensator as two of them."""
+    n = 6
+    A = [[int(j == i + 1) for j in range(n)] for i in range(n - 1)] + [[1, -2, 0, 3, -1, 2]]
+    plant = StandardProblem(
+        A, [[0]] * (n - 1) + [[1]], [[1] + [0] * (n - 1)], [[i % 2, 0] for i in range(n)], None,
+        [[0, 1]], [[1, 1] + [0] * (n - 2), [0] * n], [[0], [1]], None, variable="s",
+    )  # fmt: skip
+    found = lqg_controller(plant)
+    assert found.is_exact and found.regulator.field.degree == 64
+    assert found.regulator.certificate.holds and found.estimator.certificate.holds
+    assert found.matrices_in_field is found.realisation is found.compensator is found.cost is None
+    assert found.cost_enclosure.centre > 0 and str(found).startswith("D = ")
+
+
 def test_the_budget_is_a_door():
     plant = standard_problem("(q**2 - 3*q + 1)/(q**3 - 5)")
     with budget(field_degree=64):

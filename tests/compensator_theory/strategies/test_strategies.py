@@ -34,6 +34,14 @@ ALL = {
     "irrational_polynomials": ours.irrational_polynomials(2),
     "minimal_mimo_plants": ours.minimal_mimo_plants(2),
     "derogatory_loops": ours.derogatory_loops(2),
+    "symmetric_matrices": ours.symmetric_matrices(3),
+    "semidefinite_matrices": ours.semidefinite_matrices(3),
+    "definite matrices": ours.semidefinite_matrices(2, is_definite=True),
+    "hurwitz_matrices": ours.hurwitz_matrices(3),
+    "schur_matrices": ours.schur_matrices(3),
+    "plants_with_gain": ours.plants_with_gain(),
+    "plants_and_compensators": ours.plants_and_compensators(),
+    "plants_with_common_factor": ours.plants_with_common_factor(),
 }
 
 
@@ -139,3 +147,72 @@ def test_bad_input():
     for order, hidden in ((1, ("both", "both")), (2, ("invisible",)), (-1, ())):
         with pytest.raises(InputError):
             occurs(ours.compensators(order, hidden), lambda c: True)
+
+
+def share(strategy, condition, examples=150):
+    """The share of draws, always the same ones, of which a condition holds."""
+    seen = []
+
+    @settings(max_examples=examples, database=None, derandomize=True, deadline=None,
+              phases=[Phase.generate], suppress_health_check=list(HealthCheck))  # fmt: skip
+    @given(strategy)
+    def run(drawn):
+        seen.append(bool(condition(drawn)))
+
+    run()
+    return sum(seen) / len(seen)
+
+
+def observability(A, C):
+    return controllability(A.T, C.T)
+
+
+@pytest.mark.parametrize(
+    ("strategy", "condition", "least", "most"),
+    [
+        (ours.strictly_proper_plants(), lambda G: G.numerator.degree() == 0, 0.15, 0.55),
+        (ours.strictly_proper_plants(),
+         lambda G: G.denominator.gcd(G.denominator.diff()).degree() > 0, 0.15, 0.6),
+        (ours.plants_with_gain(),
+         lambda c: observability(c[0] + c[1] * c[3], c[2]) < c[0].rows, 0.15, 0.6),
+        (ours.plants_and_compensators(),
+         lambda c: (c[0].numerator * c[1].numerator).gcd(
+             c[0].denominator * c[1].denominator).degree() > 0, 0.25, 0.75),
+        (ours.plants_with_common_factor(),
+         lambda c: c[0].denominator.gcd(c[1].denominator).degree() > 0, 0.25, 0.85),
+        (ours.semidefinite_matrices(2), lambda M: rank(M) < 2, 0.25, 0.85),
+        (ours.schur_matrices(2), lambda A: A[0, 0] * sympy.eye(2) == A, 0.01, 0.4),
+    ],
+    ids=["constant numerator", "multiple pole", "hidden by the gain", "cancellation", "common pole",
+         "singular", "scalar"],
+)  # fmt: skip
+def test_corners_occur_as_often_as_they_should(strategy, condition, least, most):
+    assert least <= share(strategy, condition) <= most
+
+
+def test_kinds_of_matrices_are_what_they_say():
+    @settings(max_examples=40)
+    @given(ours.hurwitz_matrices(2), ours.schur_matrices(3), ours.symmetric_matrices(2),
+           ours.semidefinite_matrices(2, is_definite=True))  # fmt: skip
+    def check(hurwitz, schur, symmetric, definite):
+        assert decide_stability(hurwitz.charpoly("s"), time="continuous").is_stable
+        assert decide_stability(schur.charpoly("q"), time="discrete").is_stable
+        assert symmetric == symmetric.T and definite == definite.T
+        assert definite[0, 0] > 0 and definite.det() > 0
+
+    check()
+
+
+def test_elements_are_those_that_are_given():
+    @given(ours.matrices(2, 2, elements=st.integers(-1, 1)))
+    def check(matrix):
+        assert set(matrix) <= {-1, 0, 1}
+
+    check()
+
+
+def test_observability_does_not_survive_feedback():
+    """A false theorem is refuted within 60 examples."""
+    case = ours.plants_with_gain()
+    quick = settings(max_examples=60, database=None, phases=[Phase.generate], derandomize=True)
+    find(case, lambda c: observability(c[0] + c[1] * c[3], c[2]) < c[0].rows, settings=quick)

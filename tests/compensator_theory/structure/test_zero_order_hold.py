@@ -13,10 +13,13 @@ from sympy import Matrix, Rational, Symbol, log
 import compensator_theory as exact
 from compensator_theory import (
     Realisation,
+    first_order_hold,
     polynomial,
     sampling_zero_polynomial,
+    tustin,
     zero_order_hold,
 )
+from compensator_theory.errors import NoSolutionError
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer
@@ -77,6 +80,96 @@ def test_the_poles_are_exponentials(plant):
         for k in range(multiplicity):
             value = sympy.diff(at_one, Symbol("z"), k).subs(Symbol("z"), sympy.exp(pole))
             assert abs(float(value.evalf(40))) < 1e-20
+
+
+@st.composite
+def oscillating_plants(draw):
+    """Companions of quadratic factors: complex, irrational, repeated, commensurate or neither."""
+    quadratics = [
+        "s**2 + 1",
+        "s**2 + 4",
+        "s**2 - 2",
+        "s**2 + 2*s + 3",
+        "s**2 + s + 1",
+        "s + 1",
+        "s",
+    ]
+    factors = draw(st.lists(st.sampled_from(quadratics), min_size=1, max_size=2))
+    p = polynomial("*".join(f"({f})" for f in factors), "s")
+    n = int(p.degree())
+    C = draw(matrices(1, n))
+    return Realisation(exact.realisation(f"1/({p.as_expr()})").A, [[0]] * (n - 1) + [[1]], C, [[0]])
+
+
+@fewer(2)
+@given(oscillating_plants(), st.sampled_from([Rational(1, 10), Rational(1), Rational(7, 3)]))
+def test_scipy_agrees_on_complex_and_irrational_poles(plant, step):
+    found = zero_order_hold(plant, step)
+    assert found.certificate.holds
+    values = dict(found.exponentials)
+    mine = [numbers(part, values) for part in (found.realisation.A, found.realisation.B)]
+    source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
+    theirs = scipy.signal.cont2discrete(source, float(step), "zoh")
+    for one, other in zip(mine, theirs[:2], strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(("function", "name"), [(first_order_hold, "foh"), (tustin, "tustin")])
+@fewer(2)
+@given(plants() | oscillating_plants(), st.sampled_from([Rational(1, 10), Rational(1)]))
+def test_other_rules_against_scipy(function, name, plant, step):
+    """The transfer functions: SciPy's realisation of Tustin's rule has another basis."""
+    try:
+        found = function(plant, step)
+    except NoSolutionError:  # 2/h is a pole
+        assert function is tustin and (sympy.eye(plant.n) - plant.A * step / 2).det() == 0
+        return
+    assert found.certificate.holds
+    values = dict(found.exponentials)
+    S = found.realisation
+    A, B, C, D = (numbers(part, values) for part in (S.A, S.B, S.C, S.D))
+    source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
+    a, b, c, d, _ = scipy.signal.cont2discrete(source, float(step), name)
+    for z in (2.5 + 0.5j, -3.0, 7j):
+        mine = C @ np.linalg.solve(z * np.eye(plant.n) - A, B) + D
+        theirs = c @ np.linalg.solve(z * np.eye(plant.n) - a, b) + d
+        np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-8)
+
+
+def test_the_rules_of_integrators():
+    """h (z + 1)/(2 (z - 1)) is both the line's and Tustin's."""
+    expected = exact.transfer_function("h*(z + 1)/(2*(z - 1))", "z")
+    assert first_order_hold("1/s").transfer_function() == expected
+    assert tustin("1/s").transfer_function() == expected
+    double = first_order_hold("1/s**2").transfer_function()
+    assert double == exact.transfer_function("h**2*(z**2 + 4*z + 1)/(6*(z - 1)**2)", "z")
+    with pytest.raises(exact.CompensatorError, match="another step"):
+        tustin("1/(s - 2)", 1)
+    with pytest.raises(exact.CompensatorError, match="rational number or a symbol"):
+        tustin("1/(s + 2)", log(2))
+
+
+def test_oscillators_of_the_textbooks():
+    """(1 - c)(z + 1)/(z**2 - 2 c z + 1), and that of damping, with c = cos h, x = exp(-h)."""
+    z, y = sympy.symbols("z y")
+    c, s = (1 - y**2) / (1 + y**2), 2 * y / (1 + y**2)
+    found = zero_order_hold("1/(s**2 + 1)").transfer_function()
+    expected = (1 - c) * (z + 1) / (z**2 - 2 * c * z + 1)
+    assert sympy.cancel(found.numerator.as_expr() / found.denominator.as_expr() - expected) == 0
+    damped = zero_order_hold("1/((s + 1)**2 + 1)").transfer_function()
+    expected = ((1 - x * c - x * s) * z + x * (x + s - c)) / (2 * (z**2 - 2 * x * c * z + x**2))
+    assert sympy.cancel(damped.numerator.as_expr() / damped.denominator.as_expr() - expected) == 0
+
+
+def test_frequencies_with_rational_ratios_share_one_symbol():
+    found = zero_order_hold("1/((s**2 + 4/9)*(s**2 + 1))")
+    ((_, value),) = found.exponentials
+    assert value == 3 * sympy.tan(h / 6)
+    assert len(zero_order_hold("1/((s**2 + 2)*(s**2 + 1))").exponentials) == 2
+    irrational = zero_order_hold("1/(s**2 - 2)").exponentials
+    assert irrational[0][1] == sympy.sqrt(2) * sympy.tanh(sympy.sqrt(2) * h / 2) / 2
+    general = zero_order_hold("w**2/(s**2 + 2*d*w*s + w**2)", "h", "s")
+    assert general.certificate.holds and len(general.exponentials) == 2
 
 
 def test_the_examples_of_the_notes():
@@ -145,8 +238,8 @@ def test_a_name_that_is_taken():
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: zero_order_hold("1/(s**2 + 1)"),
-        lambda: zero_order_hold("1/(s**2 - 2)"),
+        lambda: zero_order_hold("1/(s**3 - 2)"),
+        lambda: zero_order_hold("1/(s**2 + 1)", log(2)),
         lambda: zero_order_hold("1/(s - 1/(a + 1))", "h", "s"),
         lambda: zero_order_hold("1/(z + 1)"),
         lambda: zero_order_hold("1/(s + 1)", 0),

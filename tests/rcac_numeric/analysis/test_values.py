@@ -3,7 +3,7 @@
 import pickle
 import subprocess
 import sys
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass
 
 import numpy as np
 import pytest
@@ -31,6 +31,7 @@ from rcac_numeric import (
     target_model,
 )
 from rcac_numeric.analysis.internal_models import drift_of, internal_models
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.h2.loop_costs import loop_costs
 from rcac_numeric.h2.noise import noise_inputs
 from rcac_numeric.identification import eigensystem_realisation, identify_markov_parameters

@@ -1,7 +1,5 @@
 """The check of a controller: a log of another program, our own logs, and what cannot be said."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy.io
@@ -31,6 +29,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.checks.replays import replay_compensator
 from rcac_numeric.dissertation import load_example
 from tests.support.strategies import controllers, plants, seeds

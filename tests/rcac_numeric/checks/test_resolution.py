@@ -1,7 +1,6 @@
 """The digits of a log: what they leave open, and no more, counts as the same u."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
 from rcac_numeric import ControllerLog, check_controller, iir, replay
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.checks.resolution import resolution_of
 from tests.support.strategies import seeds
 

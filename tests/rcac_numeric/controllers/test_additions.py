@@ -1,7 +1,6 @@
 """What published settings have beside the text's: engine, reference, states and lanes."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -35,6 +34,7 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.controllers.normalization import FUNCTIONS
 from tests.support.engine_cases import cases, engine_plants
 from tests.support.signals import noise

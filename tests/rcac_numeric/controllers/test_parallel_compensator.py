@@ -1,7 +1,5 @@
 """A fixed compensator beside the one that adapts: for RCAC it belongs to the plant."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -26,6 +24,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.checks.check import arguments_of_run
 from tests.support.engine_cases import engine_plants
 from tests.support.signals import noise

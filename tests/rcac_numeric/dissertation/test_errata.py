@@ -1,14 +1,15 @@
 """Every erratum has evidence that stands: checks hold, entries of the ledger and claims exist."""
 
 import pickle
-from collections import Counter
 
 import pytest
 
 from compensator_theory import InputError
 from proofs.ledger.checks import run_counterexample
 from proofs.ledger.ledger import ledger
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import check_erratum, find_errata, load_example
+from rcac_numeric.dissertation.errata.checking import SHOWN_BY, can_run
 from rcac_numeric.dissertation.errata.entries import EVIDENCE
 from rcac_numeric.dissertation.errata.reading import CHAPTERS, read_chapter
 from rcac_numeric.dissertation.examples import example_ids
@@ -22,10 +23,9 @@ def named(entry):
     return entry.name
 
 
-def test_every_chapter_has_some_and_most_are_shown_by_what_runs():
-    assert {entry.chapter for entry in ERRATA} == set(CHAPTERS)
-    count = Counter(entry.evidence.kind for entry in ERRATA)
-    assert sum(count.values()) - count["derivation"] > 3 * count["derivation"]
+def test_every_chapter_has_some():
+    """Chapter 9 is of work to come."""
+    assert {entry.chapter for entry in ERRATA} == set(CHAPTERS) - {"9"}
 
 
 @pytest.mark.parametrize("erratum", OF["check"], ids=named)
@@ -47,29 +47,51 @@ def test_the_ledger_has_the_entry_and_its_counterexample_holds(erratum):
         assert entry.difference or erratum.where in entry.text
 
 
+# Hypotheses more than needed, and customs that are not spelt out: nothing is wrong.
+READING_NOTES = {
+    "placement.more_states_than_the_plant",
+    "placement.separated_pair",
+    "resultants.multiple_roots",
+    "theorem_1.distinct_roots",
+    "theorem_1.multiplicity",
+}
+
+
 def test_no_wording_that_the_ledger_refutes_is_missing():
-    """Each counterexample to a wording of the text is the evidence of an erratum."""
+    """Each counterexample to a wording of the text is that of an erratum, or a reading note."""
     known = {erratum.evidence.counterexample for erratum in ERRATA}
+    known |= {name for erratum in ERRATA for name in erratum.evidence.others}
     refuted = {case.check for entry in ledger() for case in entry.counterexamples if case.in_text}
-    assert refuted <= known
+    assert refuted - known == READING_NOTES
 
 
 @pytest.mark.parametrize("erratum", OF["example"], ids=named)
-def test_the_claim_exists_and_its_verdict_is_not_plainly_reproduced(erratum):
-    """What is wrong in the text shows as a correction, or as a claim that does not reproduce."""
+def test_the_claim_exists_and_its_verdict_goes_with_the_kind(erratum):
+    """A misprint shows as one, and what depends on something does."""
     assert erratum.evidence.example in example_ids()
     example = load_example(erratum.evidence.example)
     said = {c.text for c in example.claims if c.text.startswith(erratum.evidence.claim)}
     assert len(said) == 1, "the words are those of one claim"
-    verdicts = {claim.recorded for claim in example.claims if claim.text in said}
-    assert verdicts != {"reproduced"} or "diverges" in said.pop()
+    claims = [claim for claim in example.claims if claim.text in said]
+    verdicts = {claim.recorded for claim in claims if claim.quote or len(claims) == 1}
+    assert verdicts <= set(SHOWN_BY.get(erratum.kind, verdicts))
 
 
-@pytest.mark.parametrize("erratum", OF["derivation"], ids=named)
-def test_a_derivation_is_two_sentences(erratum):
-    text = erratum.evidence.derivation
-    assert text.endswith(".")
-    assert 1 <= text.count(". ") <= 2
+def test_each_says_its_charitable_reading_and_can_be_run():
+    assert all(len(erratum.charity) > 12 and erratum.charity.endswith(".") for erratum in ERRATA)
+    assert all(can_run(erratum) for erratum in ERRATA)
+
+
+def test_few_are_called_false():
+    """Where a charitable reading holds the kind says so."""
+    assert {erratum.name for erratum in ERRATA if erratum.kind == "false"} == {"redrawn-points"}
+
+
+def test_a_claim_as_evidence_is_run():
+    entry = next(erratum for erratum in ERRATA if erratum.name == "theorem-of-b-5")
+    assert check_erratum(entry).holds
+    other = replace(entry, kind="depends")  # its claim is a misprint: the kinds do not agree
+    assert not check_erratum(other).holds
 
 
 @pytest.mark.parametrize(

@@ -7,18 +7,21 @@ import signal
 import subprocess
 import sys
 import time
+import zipfile
 from concurrent.futures import Executor, Future
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from compensator_theory import InputError
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation import load_example, reproduce
+from rcac_numeric.dissertation.archive import write_archive
 from rcac_numeric.dissertation.reproduction import FEW, KeptCases, digest_of, made, reduced
 from rcac_numeric.dissertation.workers import case_workers
+from rcac_numeric.experiments.judging.interval import Check
 
 NUMBERS = ("7.1", "7.6", "B.1", "B.2", "B.3")
 
@@ -116,18 +119,44 @@ def test_the_digest_is_the_same_in_every_process():
 def test_one_that_cannot_be_verified_costs_no_other(experiments, tmp_path):
     bad = load_example("B.1")
     [claim, *_] = bad.claims
-    check = replace(claim.checks[0], system=replace(claim.checks[0].system, b=None))
-    bad = replace(bad, id="bad", claims=[replace(claim, checks=(check,))])
+    unknown = Check("rsm", "main", at_most=1)
+    bad = replace(bad, id="bad", claims=[replace(claim, checks=(unknown,))])
     found = reproduce([bad, experiments[1]], tmp_path)
     assert [case.status for case in found.cases] == [2, 0] and found.exit_status == 2
     assert "could not be verified" in found.page.read_text()
     assert not (tmp_path / "cases" / "bad.json").exists(), "it is tried again"
 
 
-def test_a_quick_look_repeats_less():
+def test_a_quick_look_repeats_less_and_says_so():
     example = load_example("4.6")
-    counts = [run.repetitions for run in reduced(example).runs.values()]
+    quick = reduced(example)
+    counts = [run.repetitions for run in quick.runs.values()]
     assert max(counts) == FEW < max(run.repetitions for run in example.runs.values())
+    assert "k_w = 5, 1e-20, plain" in quick.reduced_runs
+    assert "k_w = 50, 1e-20, UD" not in quick.reduced_runs
+
+
+def test_an_archive_holds_what_a_reader_needs(experiments, tmp_path):
+    found = reproduce(experiments, tmp_path)
+    for name in ("a.zip", "b.zip"):
+        write_archive(found, tmp_path / name)
+    assert (tmp_path / "a.zip").read_bytes() == (tmp_path / "b.zip").read_bytes()
+    with zipfile.ZipFile(tmp_path / "a.zip") as archive:
+        names = set(archive.namelist())
+        assert archive.read("index.html") == found.page.read_bytes()
+        assert "numpy" in json.loads(archive.read("environment.json"))["versions"]
+    needed = {"README.txt", "cases/7.6.json", "examples/4.7.toml", "errata/chapter_7.toml"}
+    needed |= {"sources/rcac_numeric/dissertation/reproduce.py"}
+    needed |= {"sources/compensator_theory/errors.py"}
+    assert needed <= names
+
+
+def test_an_archive_of_another_name_is_refused_before_anything_runs(tmp_path):
+    for name, message in (("a.tar", "must end in .zip"), ("x/a.zip", "there is no folder")):
+        arguments = ["reproduce", "-o", str(tmp_path / "o"), "--archive", str(tmp_path / name)]
+        result = CliRunner().invoke(main, arguments)
+        assert result.exit_code == 2 and message in result.output
+    assert not (tmp_path / "o").exists()
 
 
 def test_a_folder_that_cannot_be_written_is_named(experiments, tmp_path):

@@ -1,7 +1,7 @@
 """What nobody has registered is refused by name, and never run as something it is derived from."""
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import pytest
 
@@ -29,6 +29,7 @@ from rcac_numeric import (
     simulate_many,
     simulate_reference,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.engine.compiled.updates import ARGUMENTS

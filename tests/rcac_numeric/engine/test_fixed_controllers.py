@@ -1,7 +1,5 @@
 """A fixed controller is its difference equation, in every loop that an adaptive one runs in."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -27,6 +25,7 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from tests.support.changing_plants import schedules
 from tests.support.comparisons import identical, tame
 from tests.support.engine_cases import engine_plants, settings_for, structures

@@ -1,7 +1,5 @@
 """Runs in lanes: as accurate as `simulate`, the same in any company, refused where they must be."""
 
-from dataclasses import replace
-
 import attrs
 import numpy as np
 import pytest
@@ -19,6 +17,7 @@ from rcac_numeric import (
     simulate_many,
     simulate_reference,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.plants.linear import MATRICES

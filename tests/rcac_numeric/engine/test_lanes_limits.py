@@ -1,7 +1,5 @@
 """Runs that lanes refuse, and runs that fail in them: as in the ordinary loop."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -30,6 +28,7 @@ from rcac_numeric import (
     simulate_many,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from tests.support.comparisons import identical
 from tests.support.function_plants import as_functions
 from tests.support.lane_cases import GOOD, PLANT, SIGNALS, arguments

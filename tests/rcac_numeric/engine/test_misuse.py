@@ -5,7 +5,6 @@ import pickle
 import subprocess
 import sys
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +33,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 
 SETTINGS = ControllerSettings(
     structure=iir(2), target=TargetModel([0, 1.0]), update=UD(R_theta=1.0)

@@ -1,7 +1,5 @@
 """The recursion against the batch minimiser of (2.41), and its signal alignment."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from flint import arb, arb_mat, ctx
@@ -9,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rcac_numeric import UD, Controller, ControllerSettings, Covariance, TargetModel, fir, iir
+from rcac_numeric.arrays.values import replaced as replace
 from tests.support.strategies import controllers, seeds, sizes
 
 

@@ -1,6 +1,5 @@
 """The closed loop: one step for both doors, start-up, divergence, and the exact reference."""
 
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -30,6 +29,7 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant

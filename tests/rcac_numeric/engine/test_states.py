@@ -1,6 +1,5 @@
 """Runs that are cut, saved, restored, frozen or driven step by step are the same runs."""
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -33,6 +32,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from tests.support.changing_plants import schedules
 from tests.support.engine_cases import cases, engine_plants, positive, with_update
 from tests.support.function_plants import as_functions

@@ -1,7 +1,5 @@
 """Long runs and small R_theta: what can be trusted, digit by digit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy import signal
@@ -18,6 +16,7 @@ from rcac_numeric import (
     simulate_reference,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
 from tests.support.dissertation_plants import PLANT_4_1
 

@@ -4,11 +4,11 @@ import copy
 import pickle
 import subprocess
 import sys
-from dataclasses import replace
 
 import pytest
 
 from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids
 

@@ -1,7 +1,6 @@
 """Runs over seeds and initial states, and runs that are cut off, against single runs."""
 
 import copy
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +10,7 @@ from hypothesis import strategies as st
 from compensator_theory import InputError
 from rcac_numeric import simulate
 from rcac_numeric.analysis.closed_loop import frozen_loop
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.signals.signal import exogenous

@@ -3,7 +3,6 @@
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -22,6 +21,7 @@ from rcac_numeric import (
     iir,
     pid,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.export.header import config_header
 from rcac_numeric.export.tables import core_tables, scaled
 from tests.support import core_builds
@@ -119,10 +119,15 @@ FUZZED = {
 }
 
 
-@pytest.mark.parametrize("real", ["float64", "float32"])
+@pytest.mark.long
 @pytest.mark.parametrize("name", FUZZED)
-def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name, real):
+def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name):
     """10^5 steps in full: u stays finite and, where it is limited, bounded; the status says why."""
+    for real in ["float64", "float32"] if in_full else ["float64" if name == "iir" else "float32"]:
+        fuzz(tmp_path, name, real, 100_000 if in_full else 5000)
+
+
+def fuzz(tmp_path, name, real, steps):
     given_settings, more = FUZZED[name]
     tables = core_tables(given_settings, **more)
     tables = scaled(tables) if real == "float32" else tables
@@ -131,7 +136,7 @@ def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name, real):
     command = [
         "gcc", "-std=c99", "-O1", "-g", *WARNINGS, "-Wno-float-equal", "-Wno-conversion",
         "-fsanitize=address,undefined", "-fno-sanitize-recover=all",
-        f"-DSTEPS={100_000 if in_full else 5000}L", f"-DSEED={len(name)}u",
+        f"-DSTEPS={steps}L", f"-DSEED={len(name)}u",
         f"-DLIMIT={1 if 'saturation' in more else 0}", f"-I{tmp_path}", f"-I{CORE}",
         tmp_path / "fuzz.c", CORE / "rcac.c", "-o", tmp_path / "fuzz",
     ]  # fmt: skip
@@ -147,7 +152,7 @@ def test_fuzzed_inputs_under_sanitizers(tmp_path, in_full, name, real):
 
 def test_the_linked_image_holds_nothing_but_itself(tmp_path):
     """No heap, no libm, no exceptions: what the core needs of others is what compilers call."""
-    for number, (given_settings, more) in enumerate(FUZZED.values()):
+    for number, (given_settings, more) in enumerate([FUZZED["iir"], FUZZED["rich"]]):
         (tmp_path / "rcac_config.h").write_text(config_header(core_tables(given_settings, **more)))
         for cc, standard in (("gcc", "c99"), ("g++", "c++17")):
             if shutil.which(cc) is None:
@@ -167,31 +172,38 @@ def test_the_linked_image_holds_nothing_but_itself(tmp_path):
             assert not re.findall(r" [bBdD] (\w+)", out)  # no memory of its own
 
 
-@settings(max_examples=6, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
+@settings(max_examples=3, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(core_settings(), seeds, st.sampled_from(["gcc", "clang"]))
 def test_float32_follows_float64(case, seed, cc):
-    """Closed loops of all kinds: no NaN, and the signals of float64 as long as it is quiet."""
+    """Closed loops of all kinds: no NaN, and the signals of float64 as far as the loop allows.
+
+    The measure is the same loop in float64 with w moved by one rounding of float32.
+    """
     given_settings, plant = case
     cc = cc if shutil.which(cc) else "gcc"
-    single = Core(scaled(core_tables(given_settings)), "float32", cc=cc)
-    double = Core(core_tables(given_settings))
-    loops = [Loop(plant, given_settings.l_r, 80, seed) for _ in range(2)]
-    largest, gap = 1.0, 0.0
+    tables = core_tables(given_settings)
+    cores = [Core(scaled(tables), "float32", cc=cc), Core(tables)]
+    cores.append(cores[1].another())
+    loops = [Loop(plant, given_settings.l_r, 80, seed) for _ in cores]
+    moved = 6e-8 * np.random.default_rng(seed).standard_normal(loops[2].w.shape)
+    loops[2].w = loops[2].w * (1 + moved)
+    largest, gaps = 1.0, np.zeros(2)
+    # D <= D(0) is another rule where something is forgotten, and at R_theta = 1e-18 a direction
+    # that float32 cannot see is learnt differently.
+    is_bound = not tables.forgets and max(tables.D_0) < 1e3
     for k in range(80):
         answers = []
-        for core, loop in zip((single, double), loops, strict=True):
+        for core, loop in zip(cores, loops, strict=True):
             status, u = core.step(*loop.signals(k))
             assert np.isfinite(u).all()
             if status & DIVERGED or np.abs(u).max() > 1e3:
                 return
             answers.append(u.astype(float))
             loop.move(k, answers[-1])
-        assert np.isfinite(single.theta).all()
+        assert np.isfinite(cores[0].theta).all()
         largest = max(largest, np.abs(answers[1]).max())
-        gap = max(gap, np.abs(answers[0] - answers[1]).max())
-    # At R_theta = 1e-18 a direction that float32 cannot see may be learnt differently.
-    if min(1 / d for d in core_tables(given_settings).D_0) > 1e-3:
-        assert gap < 2e-2 * largest
+        gaps = np.maximum(gaps, [np.abs(answers[i] - answers[1]).max() for i in (0, 2)])
+        assert not is_bound or gaps[0] < 1e-4 * largest + 300 * gaps[1]
 
 
 @pytest.mark.long

@@ -4,7 +4,6 @@ import json
 import re
 import shutil
 import subprocess
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -30,6 +29,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.export import building, folder
@@ -275,3 +275,27 @@ def test_a_name_cannot_bring_code_along(tmp_path):
     for name in found.files:
         assert "return 7" not in (tmp_path / name).read_text()
     assert "a table of taps" in (tmp_path / "README.md").read_text()
+
+
+ARDUINO = """
+unsigned long micros(); int analogRead(int); void analogWrite(int, int);
+template <class T> T constrain(T x, T a, T b) { return x < a ? a : x > b ? b : x; }
+struct Port { void begin(long); void println(const char *); void println(int); };
+extern Port Serial;
+const int A0 = 14;
+"""
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="there is no C compiler on this machine")
+def test_the_sketch_is_c_plus_plus(tmp_path):
+    """Against what Arduino declares; which board it is for does not matter to the sketch."""
+    export_controller(SETTINGS, tmp_path, layout="arduino", prefix="roll")
+    (tmp_path / "Arduino.h").write_text(ARDUINO)
+    properties = (tmp_path / "library.properties").read_text()
+    assert "name=roll" in properties and "includes=roll.h" in properties
+    command = [
+        "g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-x", "c++",
+        "-include", tmp_path / "Arduino.h", f"-I{tmp_path / 'src'}",
+        tmp_path / "examples" / "roll" / "roll.ino",
+    ]  # fmt: skip
+    subprocess.run(command, check=True)

@@ -1,7 +1,6 @@
 """The health of a loop: what is wrong is said first, with the mend that cures it."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,6 +27,7 @@ from rcac_numeric import (
     standard_plant,
     verify,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.health.excitation import excitation_of
 from rcac_numeric.health.margin_words import small_margins
 from rcac_numeric.health.target_errors import target_errors

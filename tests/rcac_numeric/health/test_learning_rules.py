@@ -1,7 +1,5 @@
 """What a run that learns its target model is warned of, and that the named mend cures it."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -17,6 +15,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.health.excitation import excitation_of
 from rcac_numeric.reports.health import health_lines, health_record
 

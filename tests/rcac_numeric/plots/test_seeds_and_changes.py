@@ -1,11 +1,10 @@
 """Figures of runs with seeds, of plants that change and of loops that diverge."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from rcac_numeric import FigureRequest, lqg, plot_request, verify
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.files.builder import build
 

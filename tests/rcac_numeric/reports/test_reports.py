@@ -3,7 +3,6 @@
 import json
 import pickle
 import re
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import place_poles
 from rcac_numeric import Compensator, check_controller, verify
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.experiment import Claim
 from rcac_numeric.reports.check import check_sheet

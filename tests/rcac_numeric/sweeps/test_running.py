@@ -11,7 +11,6 @@ import time
 import warnings
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from contextlib import closing, suppress
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +20,7 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
 from rcac_numeric import simulate
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.engine.compiled.instruction_sets import instruction_set
 from rcac_numeric.sweeps import (
     Axis,

@@ -1,13 +1,13 @@
 """A store chooses no code and no files: what a replay runs and reads comes from who calls it."""
 
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.cli.main import main
 from rcac_numeric.sweeps import Kept, StoreError, load_study, replay_run, run_study
 from rcac_numeric.sweeps.store.store import Store

@@ -8,6 +8,7 @@ import numpy as np
 from sympy import Symbol, symbols
 
 import compensator_theory as exact
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
 from rcac_numeric.plants.problems import servo_plant, standard_plant
 from rcac_numeric.targets.pole_placement import pole_placement_target
 
@@ -65,3 +66,11 @@ def direct_markov_parameter() -> Facts:
     yield "the sum with H_0 = E_2 tends to 11/3", abs(float(limit - series)) < 1e-20
     yield "E_1(zI - A)^-1 B + E_2 is 11/3", whole(2) == limit
     yield "E_1(zI - A)^-1 B, as it is printed, is 2/3", proper(2) == exact.exact_number("2/3")
+
+
+def pid_labels() -> Facts:
+    """The example that applies the PID controller, and the equations that it names."""
+    source = str(example_table("2.5")["source"])
+    yield "Example 2.5 applies (2.58) to (2.62), before its plant (2.63)", "(2.58)-(2.63)" in source
+    quasi_fir = str(example_table("6.4")["controller"].get("structure", ""))
+    yield "the integrator of Chapter 6 is of another structure than pid", "pid" not in quasi_fir

@@ -8,25 +8,12 @@ from fractions import Fraction
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.plants.problems import standard_plant
+from rcac_numeric.plants.problems import servo_plant, standard_plant
 
 Facts = Iterator[tuple[str, bool]]
-G_2 = "(q - 0.5)*(q**2 - 1.92*q + 1.44)/((q - 1)*(q - 0.9)*(q**2 - 1.62*q + 0.81))"
-G_3 = (
-    "(q**2 - 1.7*q + 0.785)*(q**2 - 1.4*q + 0.85)"
-    "/((q - 0.5)*(q**2 - 1.8*q + 0.97)*(q**2 - 1.4*q + 0.98))"
-)
-A_4 = [
-    [0.9, 1, 0, 0, 0],
-    [0, 0.95, -0.1507, -0.1674, 0.5189],
-    [0, 0, 0.65, 1, 0],
-    [0, 0, -0.4225, 0.65, 0.434],
-    [0, 0, 0, 0, 0.95],
-]
-B_4 = [[0], [0], [0], [0], [1]]
-C_4 = [[0.1596, 0.3991, -0.2405, -0.2672, 0.8283]]
 
 
 def cross_term() -> Facts:
@@ -48,36 +35,64 @@ def direct_term() -> Facts:
     yield "tr(Q_1 R_1) alone is less", cost - Q > 0.5
 
 
-def cost_of_example_4_2() -> Facts:
-    """The LQG cost of (4.29), and that of the scaled plant."""
-    cost = lqg(standard_plant(G_2)).cost.value
-    scaled = 0.60864 * cost  # z = y, and G_zw scales by the factor's root
-    yield "the LQG cost of (4.29) is 47.57", round(cost, 2) == 47.57
-    yield "that of sqrt(0.60864) G is 28.96, as printed", abs(scaled - 28.96) < 0.01
+def cascade_scales() -> Facts:
+    """LQG for G over norm(B) norm(C) of its cascade: u, a strictly proper block, proper blocks.
 
-
-def cost_of_example_4_3() -> Facts:
-    """The LQG cost of (4.30), and the least that a strictly proper controller can reach."""
-    plant = standard_plant(G_3)
-    cost = lqg(plant).cost.value
-    first = float((plant.C @ plant.D_1)[0, 0])
-    second = float((plant.C @ plant.A @ plant.D_1)[0, 0])
-    yield (
-        "no control comes before two steps: J >= 1 + 0.6^2",
-        np.allclose([first, second], [1, 0.6]),
+    Each block is the real form [a 1; c a] or the pole itself, b = e_n, balanced so that norm(b) =
+    norm(c) for what stands beside the direct 1. The blocks are those of the text's factors.
+    """
+    q_8, q_9 = np.array([1, -1.8, 0.97]), np.array([1, -1.4, 0.98])
+    cases = (
+        ("4.2", 28.96, 5e-3, [([1, -0.5], [1, -1.62, 0.81])], [([1, -1.92, 1.44], [1, -1.9, 0.9])]),
+        ("4.3", 1.072, 1e-3, [([1], [1, -0.5])], [([1, -1.7, 0.785], q_8), ([1, -1.4, 0.85], q_9)]),
+        ("6.1", 1.4798, 5e-5, [([1, -1.1], [1, -1.9, 1])], [([1, -0.8], [1, -0.5])]),
+        ("6.2", 1.7252, 5e-5, [([1], [1, -0.85])], [([1, -1.52, 0.9025], [1, -1.8, 1])]),
     )
-    yield "LQG attains 1.36", abs(cost - 1.36) < 1e-6
-    yield "1.072 is that of sqrt(0.78869) G", abs(0.78869 * cost - 1.0726) < 1e-4
+    for example, printed, half, first, others in cases:
+        n_s, *n = [_size(*block) for block in (*first, *others)]
+        gain = float(1 / np.sqrt(n_s * (n_s + sum(n))))
+        plant = _plant([*first, *others], gain)
+        noise = {"d": 1.0} if example == "4.3" else None
+        cost = lqg(plant, noise=noise).cost.value
+        words = f"LQG of {example} costs {printed} for {gain:.5f} G"
+        yield words, abs(cost - printed) <= half
 
 
-def independent_noises() -> Facts:
-    """The LQG cost of Example 4.4 with two noises, and with one for both."""
-    B = np.array(B_4, dtype=float)
-    zero = np.zeros((5, 1))
-    two = Plant(A=A_4, B=B_4, D_1=np.hstack([B, zero]), C=C_4, D_2=[[0, 1]], E_1=C_4, E_0=[[0, 0]])
-    one = Plant(A=A_4, B=B_4, D_1=B, C=C_4, D_2=[[1]], E_1=C_4, E_0=[[0]])
-    yield "independent d and v give the printed 2.5437", abs(lqg(two).cost.value - 2.5437) < 3e-4
-    yield "one signal for both gives 0.686", abs(lqg(one).cost.value - 0.686) < 1e-3
+def _size(numerator: list[float], denominator: list[float]) -> float:
+    """The norm of c of a block with b = e_n, beside its direct term."""
+    a = np.asarray(denominator, dtype=float)
+    rest = np.concatenate([np.zeros(len(a) - len(numerator)), numerator]) - a * (
+        len(numerator) == len(a)
+    )
+    if len(a) == 2:
+        return abs(float(rest[1]))
+    corner = 0.9 if np.allclose(a, [1, -1.9, 0.9]) else -a[1] / 2  # a real pair of poles: (1,1)
+    return float(np.hypot(rest[1], rest[2] + corner * rest[1]))
+
+
+def _plant(blocks: list[tuple[list[float], list[float]]], gain: float) -> Plant:
+    factors = [
+        f"({'+'.join(f'({c!r})*q**{len(p) - 1 - i}' for i, c in enumerate(map(float, p)))})"
+        for block in blocks
+        for p in block
+    ]
+    tops, bottoms = "*".join(factors[::2]), "*".join(factors[1::2])
+    G = f"{gain!r}*{tops}/({bottoms})"
+    return servo_plant(G) if len(blocks) == 3 else standard_plant(G)
+
+
+def labels() -> Facts:
+    """What the examples of those numbers are about, and the figures that are theirs."""
+    title, source = (
+        {n: str(example_table(n)[key]) for n in ("4.2", "4.6", "A.2")}
+        for key in ("title", "source")
+    )
+    yield "an internal model of a disturbance is that of 4.2", "Biased" in title["4.2"]
+    yield (
+        "Figure 4.10 is of 4.6, which places poles",
+        ("4.10" in source["4.6"] and "Pole placement" in title["4.6"]),
+    )
+    yield "Figure A.2 is of A.2", "figure A.2" in source["A.2"]
 
 
 def sensor_noise() -> Facts:
@@ -86,3 +101,10 @@ def sensor_noise() -> Facts:
     yield "(sigma_v/sigma_d)^2 = 0.25", (v / d) ** 2 == Fraction(1, 4)
     yield "0.025 [1 0 -1][1 0 -1]' = 0.05 holds a deviation and counts r", v * 2 == Fraction("0.05")
     yield "with the variance and v alone it would be 0.000625", v**2 == Fraction("0.000625")
+
+
+def well_posed_loop() -> Facts:
+    """G_yu = 1 + 1/(q - 0.5) and G_c = 1: what (4.16) inverts, at infinity and elsewhere."""
+    at_infinity = 1 - 1.0 * 1.0  # I - G_yu G_c, both with their direct terms
+    yield "I - G_yu G_c is 0 at infinity, so that its inverse is improper", at_infinity == 0
+    yield "with a strictly proper G_c, as all examples have, it is 1", 1 - 1.0 * 0.0 == 1

@@ -95,3 +95,107 @@ def unexciting_ramp() -> Facts:
 
 def _died_out(values: list[float]) -> bool:
     return abs(values[-1]) < 1e-4 * max(map(abs, values))
+
+
+# What (8.25) to (8.63) say of inputs, outputs and sizes, on the system of Example 8.1.
+
+_A = np.array([[1.0, 0.1], [0.0, 0.5]])  # the stiffness enters by u = -kappa y_0
+_B, _D = np.array([0.0, -0.1]), np.array([0.0, 0.1])
+_E, _C = np.array([1.0, 0.0]), np.array([0.0, 1.0])  # y_0 = x_1 and y = x_2
+
+
+def _responses(w: np.ndarray, kappa: float, noise: np.ndarray | None = None) -> np.ndarray:
+    """The velocity y of the stiffness kappa, driven by y_0 with `noise` added to it."""
+    x, found = np.array([0.1, 0.01]), []
+    for k, now in enumerate(w):
+        found.append(_C @ x)
+        y_0 = _E @ x + (0.0 if noise is None else noise[k])
+        x = _A @ x + _B * kappa * y_0 + _D * now
+    return np.array(found)
+
+
+def model_without_the_input() -> Facts:
+    """A model with the right stiffness, driven by w and not."""
+    w = 100 * np.cos(0.8 * np.arange(200))
+    true = _responses(w, 10.0)
+    yield "with w and the right parameter it follows", np.allclose(_responses(w, 10.0), true)
+    error = np.abs(_responses(0 * w, 10.0) - true).max() / np.abs(true).max()
+    yield "without w it does not, though the parameter is right", error > 0.5
+
+
+def noise_in_the_dynamics() -> Facts:
+    """Noise in y_0, which drives the unknown subsystem, and noise in the measured y."""
+    w, v = np.cos(0.8 * np.arange(200)), 0.1 * np.cos(2.1 * np.arange(200))
+    true = _responses(w, 10.0)
+    driven = _responses(w, 10.0, v)
+    yield "noise added to y_0 moves the true state", np.abs(driven - true).max() > 1e-3
+    yield "and is not what (8.65) adds to y", not np.allclose(driven, true + v)
+
+
+def gain_of_the_update() -> Facts:
+    """The covariance after an update with a gain, and the one that (8.16) has."""
+    P, R = Fraction(3), Fraction(1)
+    K = P / (P + R)
+    after = (1 - K) ** 2 * P + K**2 * R  # of the error after x + K (y - y^), any K
+    yield "with K_k of (8.17) it is P - K (P + R) K' of (8.16)", after == P - K * (P + R) * K
+    other = Fraction(1, 2)
+    wrong = (1 - other) ** 2 * P + other**2 * R
+    yield "with another gain it is not", wrong != P - K * (P + R) * K
+
+
+def measured_output() -> Facts:
+    """The residual of the right parameter, from the measured y and from y_0."""
+    w = np.cos(0.8 * np.arange(50))
+    y = _responses(w, 10.0)
+    x, y_0 = np.array([0.1, 0.01]), []
+    for now in w:
+        y_0.append(_E @ x)
+        x = _A @ x + _B * 10.0 * y_0[-1] + _D * now
+    residual, printed = _responses(w, 10.0) - y, _responses(w, 10.0) - np.array(y_0)
+    yield "y^ - y is zero for the right parameter", np.abs(residual).max() < 1e-12
+    yield "y^ - y_0 is not: y is the velocity, y_0 the position", np.abs(printed).max() > 1e-2
+
+
+def stacked_residuals() -> Facts:
+    """z(k) split by two choices of the retained entries, two rows of S."""
+    markov, past = np.array([3.0, -2.0, 0.5]), np.array([1.0, 4.0, -1.0])
+    z = float(markov @ past)
+    kept = ([0], [1])  # H~_1 holds the first Markov parameter, H~_2 the second
+    S = [z - float(markov[j] @ past[j]) for j in kept]
+    yield "S_1 and S_2 of one k differ", abs(S[0] - S[1]) > 1
+    rows = [S[i] + float(markov[j] @ past[j]) for i, j in enumerate(kept)]
+    yield "each row needs its own S_j to add up to z", np.allclose(rows, z)
+    wrong = [S[0] + float(markov[j] @ past[j]) for j in kept]
+    yield "one S for both rows does not", not np.allclose(wrong, z)
+
+
+def linear_term() -> Facts:
+    """The expansion of |Z - H~U~ + H~U|^2 in U, and B(k) as a column."""
+    H, U, R = np.array([[1.0, 2.0], [0.5, -1.0], [3.0, 0.0]]), np.array([0.3, -0.7]), np.eye(3)
+    rest = np.array([1.0, -2.0, 0.5])
+    B = 2 * H.T @ R @ rest
+    whole = (rest + H @ U) @ R @ (rest + H @ U)
+    yield "B is a column of as many entries as U", B.shape == U.shape and H.shape[1] == 2
+    parts = U @ H.T @ R @ H @ U + B @ U + rest @ R @ rest
+    yield "the linear term is B'U", abs(whole - parts) < 1e-12
+
+
+def index_of_the_sum() -> Facts:
+    """The least squares of a sum whose summand has the index i, and of one that has k."""
+    phi, u = np.array([1.0, 2.0, -1.0]), np.array([2.0, 4.0, -2.0])  # u = 2 phi
+    yield "with i the parameter 2 is the minimiser", abs(phi @ u / (phi @ phi) - 2) < 1e-12
+    u_noisy = u + np.array([0.3, 0.0, 0.0])
+    whole, last = phi @ u_noisy / (phi @ phi), u_noisy[-1] / phi[-1]
+    yield "with k in every summand only the last data count", abs(whole - last) > 1e-3
+
+
+def transpose_of_8_62() -> Facts:
+    """The update P phi u' for a row theta of two outputs: sizes with and without the transpose."""
+    P, phi, u = np.eye(3), np.ones((3, 1)), np.ones((2, 1))
+    yield "P phi u' has the size of theta'", (P @ phi @ u.T).shape == (3, 2)
+    try:
+        P @ phi @ u
+        fits = True
+    except ValueError:
+        fits = False
+    yield "P phi u has none", not fits

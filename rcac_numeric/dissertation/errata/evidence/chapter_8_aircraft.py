@@ -8,6 +8,7 @@ import numpy as np
 
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.dissertation.errata.evidence.chapter_3 import A_0, A_1, B_0, B_1
+from rcac_numeric.dissertation.errata.evidence.tables import example_table
 
 Facts = Iterator[tuple[str, bool]]
 H = 0.001  # seconds
@@ -94,3 +95,31 @@ def _loop() -> tuple[Array, Array, Array]:
     regulator, observer = A_a + B_a @ K, A_a - F @ C_a
     loop = np.block([[A_a, B_a @ K], [F @ C_a, A_a + B_a @ K - F @ C_a]])
     return loop, regulator, observer
+
+
+def gain_of_the_observer() -> Facts:
+    """The error of an observer with its gain F, and with the input matrix in its place."""
+    A, C = np.array([[1.2, 0.1], [0.0, 0.9]]), np.array([[1.0, 0.0]])
+    F, B = np.array([[0.9], [0.1]]), np.array([[0.0], [1.0]])
+    right, other = (np.abs(np.linalg.eigvals(A - gain @ C)).max() for gain in (F, B))
+    yield "A - F C is stable with the gain of (8.99)", right < 1
+    yield "with another matrix for B_c(k) it need not be", other > 1
+
+
+def observer_of_8_7() -> Facts:
+    """Which of the two examples has an observer, and whose figures 8.15 and 8.16 are."""
+    full, output = (example_table(n) for n in ("8.6", "8.7"))
+    yield "Figures 8.15 and 8.16 are of Example 8.7", "8.15 and 8.16" in str(output["source"])
+    feedback = "output feedback" in str(output["title"])
+    yield (
+        "which is that of output feedback, and 8.6 that of full state",
+        (feedback and "full-state" in str(full["title"])),
+    )
+
+
+def one_parameter() -> Facts:
+    """How many entries the nominal and the off-nominal A of (8.85), (8.88) estimate: A_2,1."""
+    changed = [(i, j) for i in range(4) for j in range(4) if (i, j) == (1, 0)]
+    unknown = np.abs(A_1 - A_0) > 0
+    yield "A_2,1 changes between the two", bool(unknown[1, 0])
+    yield "its estimate is one number, so that l_u is 1 and not 4", len(changed) == 1

@@ -1,7 +1,5 @@
 """u~ with theta frozen: the signal itself, the zeros that it shows, runs that are cut, refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -24,6 +22,7 @@ from rcac_numeric import (
     simulate,
     standard_plant,
 )
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.engine.live.learner import FrozenPerturbation
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.identification import RecursiveARX

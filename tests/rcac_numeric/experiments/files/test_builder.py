@@ -197,6 +197,14 @@ def test_a_run_may_have_a_plant_of_its_own():
     assert [c.start for c in built["b"].plant.changes] == [0, 50]
 
 
+def test_the_plant_of_the_first_run_is_not_that_of_the_others():
+    other = {"problem": "servo", "A": [[0.5]], "B": [[1]], "C": [[1]]}
+    built = build(case(runs=[{"name": "a", "plant": other}, {"name": "b"}, {"name": "c"}]), "case")
+    alone = main_run().plant
+    assert [run.plant.n for run in built.runs.values()] == [1, 2, 2]
+    assert built.runs["b"].plant == built.runs["c"].plant == alone
+
+
 def test_a_changing_plant_is_analysed_as_it_ends():
     """The last plant with its delay as states: the frozen loop repeats the end of the run."""
     table = case(plant={"changes": [{"start": 30, "gain": 1.5, "delay": 2}]})

@@ -1,14 +1,15 @@
 """The page in headless Chromium, where there is one: no error, no request, filters, phones."""
 
 import shutil
-from dataclasses import replace
 
 import pytest
 
 from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
-from rcac_numeric.dissertation.pages import case_page, gallery_page, write_page
+from rcac_numeric.dissertation.pages import example_page, gallery_page
 from rcac_numeric.reports.page.cases import case_of
+from rcac_numeric.reports.page.rendering import write_page
 
 playwright = pytest.importorskip("playwright.sync_api", reason="needs playwright: pip install it")
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
@@ -71,23 +72,29 @@ def test_all_that_is_read_stands_in_a_landmark(opened):
 def test_the_keyboard_reaches_the_content_the_filters_and_the_words(opened):
     page = opened()
     reached = []
-    for _ in range(6):
+
+    def tab():
         page.keyboard.press("Tab")
         reached.append(
             page.evaluate("document.activeElement.id || document.activeElement.className "
+                          "|| document.activeElement.getAttribute('href') "
                           "|| document.activeElement.tagName")
         )  # fmt: skip
-    assert reached == ["skip", "theme", "SUMMARY", "query", "verdict", "chapter"]
-    page.keyboard.press("Shift+Tab")
-    page.keyboard.press("Shift+Tab")
-    page.keyboard.press("Shift+Tab")
+
+    for _ in range(3 + len(NUMBERS)):
+        tab()
+    assert reached == ["skip", "theme", *(f"#e{number}" for number in NUMBERS), "SUMMARY"]
     page.keyboard.press("Enter")
     assert page.locator("main > details[open]").count() == 1
+    page.keyboard.press("/")
+    assert page.evaluate("document.activeElement.id") == "query"
     assert "forward shift" in page.inner_text("main > details")
 
 
 def test_every_picture_is_there_and_not_empty(opened):
-    sizes = opened().evaluate(
+    page = opened()
+    page.evaluate("document.querySelectorAll('details').forEach(part => { part.open = true; })")
+    sizes = page.evaluate(
         "[...document.querySelectorAll('figure svg')].map(s => s.getBBox())"
         ".map(box => box.width * box.height)"
     )
@@ -101,14 +108,25 @@ def test_filters_work_and_stand_in_the_address(opened):
     page.keyboard.type("gain margin nothing")
     assert page.inner_text("#count").startswith("0 of")
     page.keyboard.press("Escape")
-    page.select_option("#verdict", "not reproduced")
-    lost = [n for n in NUMBERS for c in load_example(n).claims if c.recorded == "not reproduced"]
+    page.select_option("#verdict", "misprint")
+    lost = [n for n in NUMBERS for c in load_example(n).claims if c.recorded == "misprint"]
     shown = page.locator("#claims tbody tr:visible")
     assert shown.evaluate_all("rows => rows.map(r => r.dataset.case)") == [f"e{n}" for n in lost]
-    assert page.url.endswith("?verdict=not+reproduced")
-    assert page.locator(".case:visible").count() == len(set(lost)) < len(NUMBERS)
+    assert page.url.endswith("?verdict=misprint")
+    kept = page.locator(".case:not([hidden])")
+    assert kept.count() == len(set(lost)) < len(NUMBERS)
     page.reload()
     assert page.locator("#claims tbody tr:visible").count() == len(lost)
+
+
+def test_one_click_shows_the_picture_of_an_example(opened):
+    page = opened()
+    page.click("nav a[href='#e2.2']")
+    page.wait_for_timeout(400)
+    top = page.evaluate(
+        "document.querySelector('[id=\"e2.2\"] figure').getBoundingClientRect().top"
+    )
+    assert 0 < top < 900
 
 
 def test_a_link_to_an_example_leads_there(opened):
@@ -133,7 +151,7 @@ def test_an_injected_script_does_not_run(browser, tmp_path):
         "document.title = 'run'\">x</a><style>body { display: none }</style>"
     )
     fields = ("id", "title", "source", "body", "details", "settings")
-    text = case_page(replace(case, **dict.fromkeys(fields, attack)))
+    text = example_page(replace(case, **dict.fromkeys(fields, attack)))
     file = tmp_path / "page.html"
     write_page(text, file)
     refused = []

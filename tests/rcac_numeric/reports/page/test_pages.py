@@ -3,26 +3,27 @@
 import base64
 import hashlib
 import re
-from dataclasses import replace
 from itertools import pairwise
 
 import pytest
 from matplotlib.figure import Figure
 
 from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
-from rcac_numeric.dissertation.pages import (
-    LETTERS,
-    MEANINGS,
-    PHRASES,
-    case_page,
-    gallery_page,
-    told_of,
-)
-from rcac_numeric.experiments.claims import NOT_REPRODUCED, VERDICTS
+from rcac_numeric.dissertation.pages import LETTERS, WORK, example_page, gallery_page, headline
+from rcac_numeric.dissertation.typesetting import typeset
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.judging.claim import (
+    CLASSES,
+    DEPENDS,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    VERDICTS,
+)
 from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of
 from rcac_numeric.reports.page.html import sheet_html, words
+from rcac_numeric.reports.page.pages import case_page
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.reports.sheets.terminal import as_text
@@ -74,35 +75,49 @@ def test_every_claim_stands_in_the_table_with_its_verdict(gallery, cases):
     text = Page(gallery).text
     for case in cases:
         for claim in case.claims:
-            assert " ".join(claim.text.split()) in text
+            assert claim.quote or " ".join(claim.text.split()) in text
+            assert " ".join(claim.place.split()) in text
 
 
-def test_a_case_opens_with_what_is_so_and_why(cases):
-    case = next(case for case in cases if case.id == "7.1")
-    text = Page(case_page(case)).text
-    counts = [sum(row.verdict == v for row in case.claims) for v in VERDICTS]
-    said = f"{counts[0]} true as the text has it, {counts[1]} true with a correction, {counts[2]} "
-    assert f"Of {len(case.claims)} claims: {said}not true." in text
-    opened = text[: text.index("Decided exactly")]
-    for row in case.claims:
-        assert (row.text in opened) == (row.verdict == NOT_REPRODUCED) == bool(row.reason)
-        assert row.reason in opened
+def test_the_headline_counts_sentences_and_none_of_ours(cases):
+    row = ClaimRow("the text", "a", "(1)", "", "x", "", DEPENDS, "depends on w", (), "", "", "")
+    same, ours = replace(row, verdict=REPRODUCED), replace(row, whose="ours", quote="")
+    other = replace(row, whose="a reading", verdict=NOT_REPRODUCED)
+    case = replace(cases[0], claims=(row, same, ours, other))
+    count = headline([case])
+    assert count == {"the text": {DEPENDS: 1}, "a reading": {NOT_REPRODUCED: 1}}
 
 
-def test_a_claim_that_fails_for_variants_is_told_once_and_names_them(cases):
-    rows = [
-        ClaimRow("It holds.", "", "", NOT_REPRODUCED, "", "it does not", run, "") for run in "ab"
-    ]
-    text = " ".join(Page("".join(told_of(replace(cases[0], claims=tuple(rows))))).text.split())
-    assert text.endswith("why: It holds. (Run a, b.) But it does not.")
-    assert "Of 2 claims: 2 not true." in text
-    assert not list(told_of(replace(cases[0], claims=())))
+def test_the_author_stands_first_and_a_case_of_ones_own_knows_none(gallery, cases):
+    text = Page(gallery).text
+    assert text.index(WORK["author"]) < text.index("Sentences that the text states")
+    own = case_page(replace(cases[0], id="mine", source=""))
+    assert "issertation" not in own.split("<h2>Claims")[0] and WORK["author"] not in own
+
+
+def test_a_quick_look_says_so(cases):
+    assert "quick look" in Page(gallery_page(cases, is_quick=True)).text
+    assert "quick look" not in Page(gallery_page(cases)).text
+
+
+def test_an_example_is_one_click_away_and_opens_with_its_picture(gallery, cases):
+    page = Page(gallery)
+    links = [a["href"] for a in page.all("a") if a.get("href")]
+    for case in cases:
+        assert f"#{case.anchor}" in links
+        section = gallery[gallery.index(f'id="{case.anchor}"') :]
+        if case.pictures:
+            assert section.index("<svg") < section.index("<table")
 
 
 def test_every_verdict_is_explained(gallery):
-    assert set(MEANINGS) == set(PHRASES) == set(VERDICTS)
-    for name, told in (*MEANINGS.items(), *LETTERS.items()):
-        assert name in Page(gallery).text and " ".join(told.split()) in Page(gallery).text
+    text = Page(gallery).text
+    for name, told in (*VERDICTS.items(), *CLASSES.items(), *LETTERS.items()):
+        assert name in text and " ".join(told.split()) in text
+
+
+def test_quotes_are_typeset(gallery):
+    assert "<i>M<sub>" in str(typeset(r"$M_{2}$")) and "$H_2$" not in gallery
 
 
 def test_examples_that_run_have_pictures_with_titles(gallery, cases):
@@ -132,6 +147,7 @@ def test_every_control_has_a_label(gallery):
 
 def test_errata_of_the_examples_are_told(gallery):
     assert 'id="erratum-coefficient-8-26"' in gallery
+    assert "Errata of the text" in example_page(case_of(verify(load_example("7.1"))))
     assert "8.25 s + 23.25" in Page(gallery).text
 
 

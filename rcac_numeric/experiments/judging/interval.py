@@ -1,23 +1,21 @@
-"""What is said of an experiment, the checks that decide it, and the verdict that they give."""
+"""Checks of what ran: a measure of a loop or an estimator, and the interval for it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
 
 import numpy as np
+from scipy.stats import binomtest
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.exact.checks import ExactCheck, ExactResult
+from rcac_numeric.experiments.judging.claim import Measured
 
-REPRODUCED = "reproduced"
-CORRECTED = "reproduced with a correction"
-NOT_REPRODUCED = "not reproduced"
-ILL_POSED = "ill-posed"
-VERDICTS = (REPRODUCED, CORRECTED, NOT_REPRODUCED, ILL_POSED)
 STATISTICS = ("each", "median")
+CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +25,7 @@ class Check(Value):
     Attributes
     ----------
     measure, arguments
-        A name of `measures.MEASURES` and its keyword arguments.
+        A name of `measures.MEASURES`, or of those of estimators, and its keyword arguments.
     run, relative_to : names of runs
         With `relative_to` the measure is divided by that of the other run, repetition by
         repetition.
@@ -40,6 +38,8 @@ class Check(Value):
     until : int, optional
         The step at which the run is cut off before it is measured: its controller is then theta
         of that step, its plant that of the step before, its signals end there.
+    quoted : str
+        The number of the source, as printed, that the interval is made of.
     """
 
     measure: str
@@ -51,9 +51,10 @@ class Check(Value):
     arguments: Mapping[str, object] = field(default_factory=dict)
     share: float = 1.0
     until: int | None = None
+    quoted: str = ""
 
     def __post_init__(self) -> None:
-        for name in ("measure", "run", "relative_to", "statistic"):
+        for name in ("measure", "run", "relative_to", "statistic", "quoted"):
             instance_of(getattr(self, name), name, str)
         one_of(self.statistic, "statistic", STATISTICS)
         object.__setattr__(self, "arguments", dict(self.arguments))
@@ -74,32 +75,38 @@ class Check(Value):
                 f"{self.at_most}, which no number is."
             )
 
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """The runs that it needs."""
+        return tuple(name for name in (self.run, self.relative_to) if name)
 
-@dataclass(frozen=True, eq=False)
-class Claim(Value):
-    """Something said of an experiment, with the checks that decide whether it holds.
+    def moved(self, moves: Mapping[str, str]) -> Check:
+        """The same check of other runs."""
+        other = moves.get(self.relative_to, self.relative_to) if self.relative_to else ""
+        return replace(self, run=moves.get(self.run, self.run), relative_to=other)
 
-    Attributes
-    ----------
-    text, claimed : str
-        What is said, and the number or behaviour that is claimed.
-    correction : str
-        What had to be read differently from the source for the checks to be the right ones.
-    recorded : str
-        The verdict of record; a run that computes another one has changed.
-    run : str
-        The variant that the claim is judged on; empty where its checks are of several.
-    reason : str
-        Why it does not hold as it is said, from what was measured.
-    """
+    def evaluate(self, results: Mapping[str, Measured]) -> CheckResult:
+        """Measure it.
 
-    text: str
-    claimed: str
-    checks: tuple[Check | ExactCheck, ...]
-    correction: str = ""
-    recorded: str = ""
-    run: str = ""
-    reason: str = ""
+        Raises
+        ------
+        CompensatorError
+            Where the measure refuses what ran.
+        """
+        result = results[self.run]
+        values = result.values(self.measure, self.arguments, self.until)
+        silence = result.silence(self.measure)
+        if self.relative_to:
+            other = results[self.relative_to]
+            divisors = other.values(self.measure, self.arguments, self.until)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                values = tuple(
+                    float(np.divide(a, b)) for a, b in zip(values, divisors, strict=True)
+                )
+            silence = silence or other.silence(self.measure)
+        if not silence and not result.may_end and np.isnan(values).all():
+            silence = "the run ended before there was anything to measure"
+        return CheckResult(self, values, result.over_seeds, silence)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,15 +120,20 @@ class CheckResult(Value):
     over_seeds : bool
         Whether the repetitions are other draws of the noise; otherwise they have the same data
         but for their last digits.
+    silence : str
+        Why the values answer nothing; empty where they do.
     """
 
     check: Check
     values: tuple[float, ...]
     over_seeds: bool = False
+    silence: str = ""
 
     @property
     def holds(self) -> bool | None:
         """Whether the check holds; None where it hangs on the last digits of the input."""
+        if self.silence:
+            return None
         if self.check.statistic == "median":
             return self._inside(float(np.median(self.values)))
         if self.inside / len(self.values) >= self.check.share:
@@ -133,6 +145,12 @@ class CheckResult(Value):
     def inside(self) -> int:
         """How many repetitions lie in the interval."""
         return sum(map(self._inside, self.values))
+
+    @property
+    def proportion(self) -> tuple[float, float]:
+        """The interval of the share of draws that lie in it, at 95 %, Clopper and Pearson's."""
+        found = binomtest(self.inside, len(self.values)).proportion_ci(CONFIDENCE)
+        return float(found.low), float(found.high)
 
     def __str__(self) -> str:
         name = self.check.measure.replace("_", " ")
@@ -148,7 +166,11 @@ class CheckResult(Value):
                 value += f", {missing} without a value"
             if self.check.statistic == "each" and self.inside < len(self.values):
                 value += f", {self.inside} in the interval"
-        return f"{name}{step}{ratio} ({self.check.run}): {value}"
+            if self.over_seeds and self.check.statistic == "each":
+                low, high = self.proportion
+                value += f", a share between {low:.2f} and {high:.2f}"
+        silence = f" (no answer: {self.silence})" if self.silence else ""
+        return f"{name}{step}{ratio} ({self.check.run}): {value}{silence}"
 
     def _inside(self, value: float) -> bool:
         return self.check.at_least <= value <= self.check.at_most
@@ -162,33 +184,25 @@ class CheckResult(Value):
         return words
 
 
-@dataclass(frozen=True, eq=False)
-class Verdict(Value):
-    """A claim, what was measured, and whether it holds."""
+def quoted_interval(quoted: str, within: float | None) -> tuple[float, float]:
+    """What a printed number stands for: half a unit of its last digit, or so much of itself.
 
-    claim: Claim
-    results: tuple[CheckResult | ExactResult, ...]
-
-    @property
-    def verdict(self) -> str:
-        """One of `VERDICTS`.
-
-        A claim holds where all its checks do; it is ill-posed where repetitions that differ by
-        rounding only disagree.
-        """
-        outcomes = [result.holds for result in self.results]
-        if any(outcome is False for outcome in outcomes):
-            return NOT_REPRODUCED
-        if any(outcome is None for outcome in outcomes):
-            return ILL_POSED
-        return CORRECTED if self.claim.correction else REPRODUCED
-
-    @property
-    def has_changed(self) -> bool:
-        """Whether the verdict differs from the one of record."""
-        return bool(self.claim.recorded) and self.claim.recorded != self.verdict
-
-    @property
-    def measured(self) -> str:
-        """The measured values in words."""
-        return "; ".join(map(str, self.results))
+    Examples
+    --------
+    >>> from rcac_numeric.experiments.judging.interval import quoted_interval
+    >>> quoted_interval("1.274", None), quoted_interval("-4", 0.25)
+    ((1.2735, 1.2745), (-5.0, -3.0))
+    """
+    try:
+        value = Decimal(quoted)
+        digits = value.as_tuple().exponent
+    except ArithmeticError:
+        digits = None
+    if not isinstance(digits, int):
+        raise InputError(f"quoted = {quoted!r} must be a number as the source prints it.")
+    half = Decimal(5).scaleb(digits - 1)
+    if within is not None:
+        if not 0 < within < np.inf:
+            raise InputError(f"within = {within} must be above 0: a share of the quoted number.")
+        half = abs(value) * Decimal(repr(within))
+    return float(value - half), float(value + half)

@@ -1,0 +1,51 @@
+"""``python -m proofs.ledger.sign``: what changed since the statements were signed.
+
+With ``--write`` they are signed as they are now, but for a check of which no mutant is caught: that
+one would hold whatever it says.
+"""
+
+import sys
+
+from .ledger import ledger
+from .mutants import checks_of, first_caught
+from .signatures import Tree
+
+
+def main(arguments: list[str]) -> int:
+    """Show the differences, and sign them where that is asked for."""
+    tree = Tree()
+    differences = tree.differences()
+    for name, words in differences.items():
+        print(f"{name}: " + "; ".join(words))
+    if not differences:
+        print("every statement is as it was signed")
+        return 0
+    if "--write" not in arguments:
+        print("If that is what was meant: python -m proofs.ledger.sign --write, and read the diff.")
+        return 1
+    blind = _blind(differences)
+    for check, reason in blind.items():
+        print(f"NOT SIGNED: {check}: {reason}")
+    if not blind:
+        tree.sign()
+        print(f"signed: {len(differences)} changed")
+    return 1 if blind else 0
+
+
+def _blind(differences: dict[str, list[str]]) -> dict[str, str]:
+    """Say of each changed check, if so, that none of its mutants is caught."""
+    changed = {name for name, words in differences.items()}
+    found = {}
+    for entry in ledger():
+        if entry.name in changed:
+            words = " ".join(differences[entry.name])
+            for kind, check in checks_of(entry):
+                if check in words or "new" in differences[entry.name]:
+                    caught = first_caught(kind, check)
+                    if caught is None:
+                        found[check] = "no mutant of it is caught"
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,318 @@
+"""What is said of an experiment, whose words they are, and the verdict that its checks give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.arrays.values import Value
+
+# What comes of a claim on one completion of what its source says.
+HOLDS, FAILS = "holds", "does not hold"
+UNDETERMINED, NO_ANSWER = "undetermined", "no answer"
+OUTCOMES = {
+    HOLDS: "all of its checks do",
+    FAILS: "one of its checks does not, though what it measures is there",
+    UNDETERMINED: "repetitions that differ in their last digits disagree",
+    NO_ANSWER: "nothing was measured: the run ended, nothing was adapted, or a measure is refused",
+}
+
+# What is said of a sentence of a source.
+REPRODUCED, DEPENDS, NOT_REPRODUCED = "reproduced", "depends", "not reproduced"
+MISPRINT = "misprint"
+VERDICTS = {
+    REPRODUCED: "it holds for what the source states, and for every completion tried of what it "
+    "leaves open",
+    DEPENDS: "it holds for some completions of what the source leaves open and not for others; "
+    "which ones stands beside it",
+    NOT_REPRODUCED: "it holds for none of the completions that were tried, though the same checks "
+    "succeed on a run where they should; that is said of our runs, which may miss what the author "
+    "did",
+    MISPRINT: "it holds as it is evidently meant: a symbol or a digit of the print is mended, and "
+    "named",
+    UNDETERMINED: "rounding or chance decides, or nothing could be measured",
+}
+RECORDS = (*dict.fromkeys((*VERDICTS, *OUTCOMES)),)
+
+TEXT, READING, OURS = "the text", "a reading", "ours"
+CLASSES = {
+    TEXT: "the source says exactly this; its words are quoted",
+    READING: "the source says it in words that leave room; how they are read, with charity, stands "
+    "beside the quote",
+    OURS: "a question of ours: what was measured, and no verdict on the source",
+}
+
+
+class Measured(Protocol):
+    """What a run left behind, of which checks ask."""
+
+    @property
+    def over_seeds(self) -> bool:
+        """Whether its repetitions are other draws."""
+
+    def silence(self, measure: str) -> str:
+        """Why it has no answer to a measure, though it ran; empty where it has one."""
+
+    @property
+    def may_end(self) -> bool:
+        """Whether it is known to diverge, so that what is then not there is an answer."""
+
+    def values(
+        self, measure: str, arguments: Mapping[str, Any], until: int | None
+    ) -> tuple[float, ...]:
+        """A measure of each repetition; NaN where it ended before there was anything to measure."""
+
+
+class Answer(Protocol):
+    """What a check found."""
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether what is checked is so; None where that is undetermined."""
+
+    @property
+    def silence(self) -> str:
+        """Why there is no answer; empty where there is one."""
+
+
+class AnyCheck(Protocol):
+    """A check of a loop, of an estimator, or of something exact."""
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """The runs that it needs."""
+
+    def evaluate(self, results: Mapping[str, Measured]) -> Answer:
+        """Decide it."""
+
+    def moved(self, moves: Mapping[str, str]) -> AnyCheck:
+        """The same check of other runs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refused(Value):
+    """A check that could not be evaluated, and why; it spoils its own claim and no other."""
+
+    check: AnyCheck
+    silence: str
+    holds: bool | None = None
+
+    def __str__(self) -> str:
+        return f"no answer: {self.silence}"
+
+
+@dataclass(frozen=True, eq=False)
+class OpenItem(Value):
+    """Something that a source leaves open.
+
+    Attributes
+    ----------
+    what : str
+        Its name: ``"k_w"``.
+    chosen : str
+        What the runs have.
+    reason : str
+        What the source says of it, and why this was chosen.
+    completions : tuple of str
+        Names of the other members of the set that a reader would try.
+    """
+
+    what: str
+    chosen: str
+    reason: str = ""
+    completions: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Claim(Value):
+    """Something said of an experiment, with the checks that decide whether it holds.
+
+    Attributes
+    ----------
+    text : str
+        What the checks decide, in our words.
+    checks : tuple of checks
+        It holds where all of them do.
+    quote, place : str
+        The words of the source, and where they stand; without them the claim is ours.
+    reading : str
+        How words that leave room are read.
+    misprint : str
+        The slip of the print that is mended for the checks to be the right ones.
+    completion : str
+        What was chosen where the source is silent.
+    recorded : str
+        The verdict of record, of an own claim its outcome; a run that gives another has changed.
+    run : str
+        The variant that the claim is judged on; empty where its checks are of several.
+    reason : str
+        Why it does not hold as it is said, or what it depends on, from what was measured.
+    over : mapping from names to outcomes
+        The completions that it is judged over beside its run, with the outcomes of record.
+    open : tuple of str
+        The open items that those complete.
+    control : str
+        A run on which the same checks must succeed.
+
+    Examples
+    --------
+    >>> from rcac_numeric.dissertation import load_example
+    >>> claim = load_example("5.6").claims[1]
+    >>> claim.whose, claim.quote, claim.place
+    ('the text', 'using RCAC is 0.31 steps', 'Example 5.6')
+    """
+
+    text: str
+    checks: tuple[AnyCheck, ...]
+    quote: str = ""
+    place: str = ""
+    reading: str = ""
+    misprint: str = ""
+    completion: str = ""
+    recorded: str = ""
+    run: str = ""
+    reason: str = ""
+    over: Mapping[str, str] = field(default_factory=dict)
+    open: tuple[str, ...] = ()
+    control: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "over", dict(self.over))
+        if bool(self.quote) != bool(self.place):
+            raise InputError(f"the claim {self.text!r} needs quote and place, or neither.")
+        for name in ("reading", "misprint"):
+            if getattr(self, name) and not self.quote:
+                raise InputError(f"the claim {self.text!r} has {name} without a quote.")
+        allowed = VERDICTS if self.quote else OUTCOMES
+        if self.recorded and self.recorded not in allowed:
+            raise InputError(
+                f"the claim {self.text!r} has verdict = {self.recorded!r}; one that "
+                f"{'quotes' if self.quote else 'is our own, without a quote,'} has one of "
+                f"{', '.join(allowed)}."
+            )
+
+    @property
+    def whose(self) -> str:
+        """A key of `CLASSES`."""
+        return OURS if not self.quote else READING if self.reading else TEXT
+
+    def moved(self, to: str) -> tuple[AnyCheck, ...]:
+        """Its checks, those of its run being of another.
+
+        Where that completes its own run, "run; value", those of other runs are of their
+        completions by the same values.
+        """
+        runs = {run for check in self.checks for run in check.runs}
+        suffix = to.removeprefix(f"{self.run}; ") if to.startswith(f"{self.run}; ") else ""
+        moves = {run: f"{run}; {suffix}" for run in runs} if suffix else {self.run: to}
+        return tuple(check.moved(moves) for check in self.checks)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict(Value):
+    """A claim, what was measured, and whether it holds.
+
+    Attributes
+    ----------
+    claim : Claim
+    results : tuple
+        What its checks found on its own run.
+    others : mapping from names of completions
+        What they found on those that ran too; of the rest the outcome of record counts.
+    control : tuple
+        What they found on the run on which they must succeed.
+    is_reduced : bool
+        Whether fewer repetitions were made than the verdict of record has.
+    """
+
+    claim: Claim
+    results: tuple[Answer, ...]
+    others: Mapping[str, tuple[Answer, ...]] = field(default_factory=dict)
+    control: tuple[Answer, ...] = ()
+    is_reduced: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "others", dict(self.others))
+
+    @property
+    def outcome(self) -> str:
+        """A key of `OUTCOMES`: what came of it on its own run."""
+        return outcome_of(self.results)
+
+    @property
+    def outcomes(self) -> dict[str, str]:
+        """The map: from each completion, its own run first, to what came of it there."""
+        computed = {name: outcome_of(results) for name, results in self.others.items()}
+        record = {name: outcome for name, outcome in self.claim.over.items() if outcome}
+        return {self.claim.run: self.outcome, **record, **computed}
+
+    @property
+    def verdict(self) -> str:
+        """A key of `VERDICTS`, of a claim of ours its outcome; computed, never typed in."""
+        if not self.claim.quote:
+            return self.outcome
+        found = set(self.outcomes.values())
+        if found == {HOLDS}:
+            return MISPRINT if self.claim.misprint else REPRODUCED
+        if HOLDS in found:
+            return DEPENDS
+        if self.control and outcome_of(self.control) != HOLDS:
+            return UNDETERMINED  # checks that succeed nowhere show nothing
+        return NOT_REPRODUCED if found == {FAILS} else UNDETERMINED
+
+    @property
+    def words(self) -> str:
+        """The verdict, and what it depends on."""
+        on = f" on {', '.join(self.claim.open)}" if self.claim.open else ""
+        return self.verdict + (on if self.verdict == DEPENDS else "")
+
+    @property
+    def has_changed(self) -> bool:
+        """Whether the verdict, or an outcome of its map, differs from the one of record.
+
+        Fewer repetitions than it was recorded with change no verdict.
+        """
+        if self.is_reduced or not self.claim.recorded:
+            return False
+        return self.claim.recorded != self.verdict or bool(self.changed_completions)
+
+    @property
+    def changed_completions(self) -> tuple[str, ...]:
+        """The completions that gave another outcome than the one of record."""
+        found = self.outcomes
+        return tuple(
+            name for name, outcome in self.claim.over.items() if found.get(name, "") != outcome
+        )
+
+    @property
+    def measured(self) -> str:
+        """The measured values in words."""
+        return "; ".join(map(str, self.results))
+
+
+def outcome_of(results: tuple[Answer, ...]) -> str:
+    """A key of `OUTCOMES`: what several checks together give."""
+    if any(result.holds is False and not result.silence for result in results):
+        return FAILS
+    if any(result.silence for result in results):
+        return NO_ANSWER
+    return HOLDS if all(result.holds for result in results) else UNDETERMINED
+
+
+def judged(claim: Claim, results: Mapping[str, Measured], reduced: frozenset[str]) -> Verdict:
+    """The verdict of a claim from what ran."""
+
+    def answers(checks: tuple[AnyCheck, ...]) -> Iterator[Answer]:
+        for check in checks:
+            try:
+                yield check.evaluate(results)
+            except CompensatorError as error:
+                yield Refused(check, str(error))
+
+    others = {name: tuple(answers(claim.moved(name))) for name in claim.over if name in results}
+    control = tuple(answers(claim.moved(claim.control))) if claim.control else ()
+    needed = {run for check in claim.checks for run in check.runs} | {claim.control, *others}
+    own = tuple(answers(claim.checks))
+    return Verdict(claim, own, others, control, is_reduced=bool(needed & reduced))

@@ -1,0 +1,93 @@
+"""Pages from templates: every word of others is escaped, and one script and one style may run."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+from markupsafe import Markup
+
+from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.wording import in_a_line, printable
+
+HOME = "rcac_numeric.reports.page"
+
+
+def rendered(name: str, /, home: str = HOME, **values: Any) -> Markup:
+    """A template of a package's folder `templates` with these values.
+
+    Parameters
+    ----------
+    name : str
+        Of the template.
+    home : str
+        The package whose templates are looked at first; those of pages are there in any case.
+    **values
+        What it says. Text is escaped, and made printable; `Markup` stands as it is.
+
+    Examples
+    --------
+    >>> from rcac_numeric.reports.page.rendering import rendered
+    >>> str(rendered("sentence.html", level="quiet", words="0.5 < 1"))
+    '<p class="quiet">0.5 &lt; 1</p>'
+    """
+    return Markup(_environment(home).get_template(name).render(**values))
+
+
+def whole_page(name: str, /, home: str = HOME, **values: Any) -> str:
+    """A whole page from a template that extends ``page.html``, with style, script and policy."""
+    folder = resources.files(HOME)
+    css, js = (folder.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
+    css, js = f"\n{css}", f"\n{js}"
+    policy = (
+        f"default-src 'none'; script-src 'sha256-{_digest(js)}'; "
+        f"style-src-elem 'sha256-{_digest(css)}'; style-src-attr 'unsafe-inline'; "
+        "img-src data:; base-uri 'none'; form-action 'none'"
+    )
+    told = {"policy": Markup(policy), "css": Markup(css), "js": Markup(js)}
+    return f"{rendered(name, home, **told, **values)}\n"
+
+
+def write_page(page: str, path: str | Path) -> None:
+    """Write a page; the file that was there stays whole until the new one is."""
+    with replacing(path) as new:
+        new.write_text(page, encoding="utf-8")
+
+
+def _digest(text: str) -> str:
+    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
+
+@cache
+def _environment(home: str) -> Environment:
+    homes = dict.fromkeys((home, HOME))
+
+    def source(name: str) -> str | None:
+        for one in homes:
+            file = resources.files(one).joinpath("templates").joinpath(name)
+            if file.is_file():
+                return file.read_text("utf-8").rstrip("\n")
+        return None
+
+    environment = Environment(
+        loader=FunctionLoader(source),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=_printable,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["line"] = in_a_line
+    return environment
+
+
+def _printable(value: object) -> object:
+    """Text without control characters; what is markup already was made of such."""
+    if isinstance(value, Markup) or not isinstance(value, str):
+        return value
+    return printable(value)

@@ -1,0 +1,120 @@
+"""Margins: textbooks, python-control's in floats, and the loops themselves at the margins."""
+
+import control
+import numpy as np
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from compensator_theory import InputError, stability_margins
+from compensator_theory.errors import ImproperError
+from compensator_theory.strategies import strictly_proper_plants
+
+
+@pytest.mark.parametrize(
+    ("loop", "phases", "gains"),
+    [
+        ("10/(s*(s + 1)*(s + 5))", [(25.39, 1.2271)], [3]),
+        ("100/(s*(s + 1)*(s + 5))", [(-23.65, 3.9073)], [sympy.Rational(3, 10)]),
+        ("1/(s*(s + 1)**2)", [(21.386, 0.68233)], [2]),
+        ("1/(s*(s + 1))", [(51.827, 0.78615)], []),
+        ("7*(s + 10)**2/s**3", [(10.03, 11.9236)], [sympy.Rational(5, 7)]),
+        ("-2/(s + 1)", [(-60, np.sqrt(3))], [sympy.Rational(1, 2)]),
+    ],
+)
+def test_textbook_margins(loop, phases, gains):
+    """Of Ogata's and of Franklin, Powell and Emami-Naeini's examples; the last by hand."""
+    found = stability_margins(loop, feedback=-1)
+    mine = [(c.degrees, float(c.frequency)) for c in found.gain_crossovers]
+    assert np.allclose(mine, phases, rtol=2e-4)
+    assert [c.gain for c in found.phase_crossovers] == gains
+
+
+def test_answers_in_closed_form():
+    found = stability_margins("1/(s*(s + 1))", feedback=-1)
+    (crossover,) = found.gain_crossovers
+    assert crossover.square == (sympy.sqrt(5) - 1) / 2
+    assert abs(float(found.delay_margin) - 1.15061) < 1e-5 and found.gains.upper == sympy.oo
+    assert found.encirclements == 0 and found.open_loop.boundary == 1
+    irrational = stability_margins("1/((s + 1)*(s**2 + s + 3))", feedback=-1).phase_crossovers
+    assert [(c.square, c.gain) for c in irrational] == [(4, 5)]
+
+
+@given(strictly_proper_plants(max_order=4), st.sampled_from([-1, 1]))
+def test_against_python_control(G, sign):
+    """All of its crossovers are among ours; on a grid it finds no others."""
+    N, D = ([float(c) for c in p.all_coeffs()] for p in (G.numerator, G.denominator))
+    try:
+        found = stability_margins(G, feedback=sign)
+    except InputError:
+        return
+    loop = control.tf([-sign * c for c in N], D)
+    gm, pm, _, wg, wp, _ = control.stability_margins(loop, returnall=True)
+    mine = [float(c.frequency) for c in found.gain_crossovers]
+    for w, degrees in zip(wp, pm, strict=True):
+        assume(w > 1e-3)
+        nearest = min(
+            found.gain_crossovers, key=lambda c: abs(float(c.frequency) - w), default=None
+        )
+        if nearest is None or abs(float(nearest.frequency) - w) > 1e-5 * w:
+            assume(False)  # a touching point, which floats see or not
+        turn = (nearest.degrees - degrees) % 360
+        assert min(turn, 360 - turn) < 1e-3
+    assert len(mine) >= len(wp)
+    for w, factor in zip(wg, gm, strict=True):
+        if np.isfinite(factor) and w > 1e-3:
+            gaps = [abs(float(c.gain_enclosure) / factor - 1) for c in found.phase_crossovers]
+            assume(gaps)
+            assert min(gaps) < 1e-3
+
+
+@given(strictly_proper_plants(max_order=4), st.sampled_from([-1, 1]))
+def test_the_ends_of_the_gain_interval_are_crossovers(G, sign):
+    """With -1/L as factor a root is on the axis; the ends of the interval are among these."""
+    try:
+        found = stability_margins(G, feedback=sign)
+    except InputError:
+        return
+    gains = {c.gain for c in found.phase_crossovers}
+    if found.gains is not None:
+        for end in (found.gains.lower, found.gains.upper):
+            if end.is_finite and end > 0:
+                assert min(abs(float(end - g)) for g in gains) < 1e-9 * float(end)
+    for crossover in found.phase_crossovers:
+        closed = np.polyadd(
+            [float(c) for c in found.denominator.all_coeffs()],
+            [float(crossover.gain_enclosure) * float(c) for c in found.numerator.all_coeffs()],
+        )
+        roots = np.roots(closed)
+        near = 1j * float(crossover.frequency)
+        slope = np.polyval(np.polyder(closed), near)
+        assert abs(np.polyval(closed, near)) < 1e-6 * (1 + abs(slope)) * (1 + abs(roots).max())
+
+
+def test_discrete_loops():
+    found = stability_margins("0.5/(z - 0.5)", feedback=-1)
+    assert [c.gain for c in found.phase_crossovers] == [3] and found.gains.upper == 3
+    assert found.delay_margin is None and found.is_stable
+    double = stability_margins("0.2*(z + 0.8)/((z - 1)*(z - 0.5))", feedback=-1)
+
+    def at(theta):
+        z = np.exp(1j * theta)
+        return 0.2 * (z + 0.8) / ((z - 1) * (z - 0.5))
+
+    assert double.gain_crossovers and double.phase_crossovers
+    for gain in double.gain_crossovers:
+        there = at(float(gain.frequency))
+        assert np.isclose(abs(there), 1) and np.isclose(np.angle(-there), float(gain.phase_margin))
+    for phase in double.phase_crossovers:
+        assert np.isclose(-1 / at(float(phase.frequency)), float(phase.gain_enclosure))
+
+
+def test_what_is_refused():
+    for loop in ("a/(s + 1)", "1/(x + 1)", "1", "1/s**2", "(1 - s)/(1 + s)"):
+        with pytest.raises(InputError):
+            stability_margins(loop, feedback=-1, variable="x" if "x" in loop else "s")
+    with pytest.raises(ImproperError):
+        stability_margins("s**2/(s + 1)", feedback=-1)
+    assert str(stability_margins("2/(s - 1)", feedback=-1)).startswith("the loop is stable")
+    assert stability_margins("(s + 3)/(s + 1)", feedback=-1).delay_margin.centre == 0

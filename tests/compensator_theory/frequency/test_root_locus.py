@@ -1,0 +1,140 @@
+"""Root loci: textbooks, discriminants as the oracle of the breaks, closed loops in floats."""
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from sympy import Rational, pi, sqrt
+
+from compensator_theory import CompensatorError, InputError, root_locus, stabilising_gains
+from compensator_theory.strategies import strictly_proper_plants
+from tests.support.structure_cases import fewer
+
+k = sympy.Symbol("k")
+
+
+def floats(poly):
+    return [float(c) for c in poly.all_coeffs()]
+
+
+@pytest.mark.parametrize(
+    ("loop", "breaks", "crossings"),
+    [
+        (
+            "1/(s*(s + 1)*(s + 2))",
+            [(-1 - 1 / 3**0.5, -2 * sqrt(3) / 9), (-1 + 1 / 3**0.5, 2 * sqrt(3) / 9)],
+            [(0, 0), (2, 6)],
+        ),
+        (
+            "1/(s*(s + 4)*(s**2 + 4*s + 20))",
+            [(-2 + 6**0.5 * 1j, 100), (-2, 64)],
+            [(0, 0), (10, 260)],
+        ),
+        ("1/(s*(s + 4)*(s**2 + 4*s + 8))", [(-2, 16)], [(0, 0), (4, 80)]),
+        ("(s + 1)/(s**2*(s + 9))", [(-3, 27), (0, 0)], [(0, 0)]),
+        (
+            "(s + 2)/(s**2 + 2*s + 3)",
+            [(-2 - 3**0.5, 2 + 2 * sqrt(3)), (-2 + 3**0.5, 2 - 2 * sqrt(3))],
+            [(0, Rational(-3, 2))],
+        ),
+        ("(z + 1)/(z - 1)**2", [(-3, 8), (1, 0)], [(0, 0)]),
+    ],
+)
+def test_textbook_loci(loop, breaks, crossings):
+    """Of Ogata, and of Franklin, Powell and Emami-Naeini; the last by hand."""
+    found = root_locus(loop, feedback=-1)
+    assert [b.gain for b in found.breaks] == [gain for _, gain in breaks]
+    assert np.allclose([b.value for b in found.breaks], [place for place, _ in breaks])
+    assert [(c.square, c.gain) for c in found.crossings] == crossings
+
+
+def test_angles_orders_and_asymptotes():
+    four = root_locus("1/(s*(s + 4)*(s**2 + 4*s + 8))", feedback=-1)
+    assert [b.order for b in four.breaks] == [4] and four.centroid == -2
+    assert four.asymptotes == (pi / 4, 3 * pi / 4, 5 * pi / 4, 7 * pi / 4)
+    assert root_locus("(s + 1)/(s**2*(s + 9))", feedback=-1).breaks[0].order == 3
+    departure = root_locus("(s + 2)/(s**2 + 2*s + 3)", feedback=-1).departures[0].angles[0]
+    assert abs(float(sympy.tan(departure.centre)) + 1 / 2**0.5) < 1e-12
+    straight = root_locus("1/(s*(s + 4)*(s**2 + 4*s + 20))", feedback=-1)
+    down = next(a for a in straight.departures if a.at.value.imag)
+    assert abs(float(down.angles[0]) + np.pi / 2) < 1e-14
+    conditional = root_locus("(s**2 + 2*s + 4)/(s*(s + 4)*(s + 6)*(s**2 + 1.4*s + 1))", feedback=-1)
+    gains = [float(c.gain_enclosure) for c in conditional.crossings[1:]]
+    assert np.allclose(gains, [15.6106, 67.5126, 163.557], rtol=1e-5)
+    assert len(conditional.stable.intervals) == 2
+
+
+@fewer(2)
+@given(strictly_proper_plants(max_order=4), st.sampled_from([-1, 1]))
+def test_breaks_are_the_zeros_of_the_discriminant(G, sign):
+    """Exactly as many distinct real gains as the discriminant in s of D + k N has."""
+    try:
+        found = root_locus(G, feedback=sign)
+    except CompensatorError:
+        assume(False)
+    s = found.denominator.gen
+    whole = sympy.Poly(found.denominator.as_expr() + k * found.numerator.as_expr(), s)
+    if whole.degree() < 2:
+        assert not found.breaks
+        return
+    disc = sympy.Poly(whole.discriminant(), k)
+    gains = {b.gain for b in found.breaks}
+    assert len(set(disc.real_roots())) == len(gains)
+    for b in found.breaks:
+        near = float(sympy.N(b.gain))
+        closed = np.polyadd(floats(found.denominator), [near * c for c in floats(found.numerator)])
+        assert (
+            abs(np.polyval(closed, b.value))
+            < 1e-6 * (1 + np.abs(closed).max()) * (1 + abs(b.value)) ** 4
+        )
+        slope = np.polyval(np.polyder(closed), b.value)
+        assert abs(slope) < 1e-6 * (1 + np.abs(closed).max()) * (1 + abs(b.value)) ** 4
+
+
+@fewer(2)
+@given(strictly_proper_plants(max_order=4), st.sampled_from([-1, 1]))
+def test_crossings_and_departures_of_the_loop_itself(G, sign):
+    try:
+        found = root_locus(G, feedback=sign)
+    except CompensatorError:
+        assume(False)
+    N, D = floats(found.numerator), floats(found.denominator)
+    for crossing in found.crossings:
+        if crossing.frequency is None:
+            continue
+        point = 1j * float(crossing.frequency)
+        closed = np.polyadd(D, [float(crossing.gain_enclosure) * c for c in N])
+        assert (
+            abs(np.polyval(closed, point))
+            < 1e-6 * (1 + np.abs(closed).max()) * (1 + abs(point)) ** 4
+        )
+    ends = {
+        end
+        for cell in stabilising_gains(G, feedback=sign).intervals
+        for end in (cell.lower, cell.upper)
+        if end.is_finite
+    }
+    gains = [float(c.gain_enclosure) for c in found.crossings]
+    for end in ends:
+        assert min(abs(float(end) - g) for g in gains) < 1e-9 * (1 + abs(float(end)))
+    for angles in found.departures:
+        m = len(angles.angles)
+        step = 1e-3 * min([1.0, *(abs(r.value - angles.at.value) for r in found.at(0)
+                                  if r.value != angles.at.value)])  # fmt: skip
+        for angle in angles.angles:
+            there = angles.at.value + step * np.exp(1j * float(angle))
+            gain = -np.polyval(D, there) / np.polyval(N, there)
+            assert abs(np.angle(gain)) < 0.1 * m
+
+
+def test_hidden_modes_and_refusals():
+    found = root_locus("(s - 1)/((s - 1)*(s + 2))", feedback=-1)
+    assert found.hidden.as_expr() == sympy.Symbol("s") - 1 and not found.stable.intervals
+    assert [str(r) for r in found.at(1)] == ["-3"]
+    for loop in ("a/(s + 1)", "2", "s**2/(s + 1)", "(s - 1)/(s - 1)"):
+        with pytest.raises(InputError):
+            root_locus(loop, feedback=-1, variable="s")
+    with pytest.raises(InputError, match="rational"):
+        found.at("sqrt(2)")
+    assert "asymptotes" in str(found) and found._repr_latex_().startswith("$")

@@ -1,0 +1,68 @@
+"""Every equation that the software uses is in the ledger or has a reason, and the reverse."""
+
+import pytest
+
+from docs.equation_index import equations
+from proofs.ledger.ledger import LedgerError, ledger
+from proofs.output import coverage as module
+from proofs.output.coverage import coverage, numbers, strength, table, unproved
+
+INDEX = equations()
+USED = [n for n, places in INDEX.items() if places.names or places.modules or places.kernel]
+
+
+def test_every_used_equation_is_in_a_statement_or_has_a_reason():
+    found = coverage(USED, ledger())
+    assert {c.number for c in found} == set(USED)
+    assert all(c.entries or c.why for c in found)
+
+
+def test_coverage_does_not_shrink():
+    """Counts of today; a statement that is withdrawn, or loses its theorem, shows here."""
+    found = coverage(USED, ledger())
+    assert sum(c.strength.startswith("Coq") for c in found) >= 78
+    assert sum(c.strength != "none" for c in found) >= 92
+
+
+def test_what_statements_are_about_is_used():
+    """An equation of a statement's source is known to the index of equations."""
+    unused = {
+        number for entry in ledger() for number in numbers(entry.source) if number not in INDEX
+    }
+    assert unused == set()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('[[group]]\nwhy = "x"\nequations = ["2.43"]', "statements are about"),
+        ('[[group]]\nwhy = "x"\nequations = ["1.99"]', "nothing uses"),
+        ("group = []", "lacks a reason"),
+    ],
+)
+def test_a_wrong_reason_is_named(monkeypatch, tmp_path, text, words):
+    path = tmp_path / "unproved.toml"
+    path.write_text(text)
+    given = unproved(path)
+    monkeypatch.setattr(module, "unproved", lambda: given)
+    with pytest.raises(LedgerError, match=words):
+        coverage(USED, ledger())
+
+
+def test_two_reasons_for_one_equation_are_refused(tmp_path):
+    path = tmp_path / "unproved.toml"
+    path.write_text('[[group]]\nwhy = "x"\nequations = ["1.1", "1.1-1.2"]')
+    with pytest.raises(LedgerError, match="two reasons"):
+        unproved(path)
+
+
+def test_the_table_links_statements_and_names_functions():
+    found = [c for c in coverage(USED, ledger()) if c.number == "2.43"]
+    text = table(found, {"2.43": ["rcac_numeric.UD"]})
+    assert "| (2.43) | Coq |" in text and "[ud-update](#ud-update)" in text and "`UD`" in text
+
+
+def test_strength_is_that_of_every_sentence():
+    kinds = {entry.name: strength(entry) for entry in ledger()}
+    assert kinds["theorem-1-pairs"] == "Coq" and kinds["proposition-4"] == "Coq in part"
+    assert kinds["riccati-duality"] == "identity"
