@@ -175,7 +175,7 @@ LIVE = {
 }
 OTHERWISE = [  # another's data
     rcac.Signal, rcac.RunInterrupted, sweeps.ProgressLine, sweeps.StoreError,
-    sweeps.StudyInterrupted,
+    sweeps.StudyInterrupted, rcac.SupervisionWarning, rcac.Recorder,
 ]  # fmt: skip
 
 
