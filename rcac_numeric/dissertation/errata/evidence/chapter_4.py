@@ -101,10 +101,3 @@ def sensor_noise() -> Facts:
     yield "(sigma_v/sigma_d)^2 = 0.25", (v / d) ** 2 == Fraction(1, 4)
     yield "0.025 [1 0 -1][1 0 -1]' = 0.05 holds a deviation and counts r", v * 2 == Fraction("0.05")
     yield "with the variance and v alone it would be 0.000625", v**2 == Fraction("0.000625")
-
-
-def well_posed_loop() -> Facts:
-    """G_yu = 1 + 1/(q - 0.5) and G_c = 1: what (4.16) inverts, at infinity and elsewhere."""
-    at_infinity = 1 - 1.0 * 1.0  # I - G_yu G_c, both with their direct terms
-    yield "I - G_yu G_c is 0 at infinity, so that its inverse is improper", at_infinity == 0
-    yield "with a strictly proper G_c, as all examples have, it is 1", 1 - 1.0 * 0.0 == 1
