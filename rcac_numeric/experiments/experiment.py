@@ -271,6 +271,9 @@ class Experiment(Value):
         """
         checks = [c for claim in self.claims for c in claim.checks if isinstance(c, Check)]
         whole = {check.run for check in checks if check.share < 1}
+        for claim in self.claims:  # and so on each run that it is judged over
+            if any(isinstance(check, Check) and check.share < 1 for check in claim.checks):
+                whole |= {*claim.over, claim.control}
         whole |= {name for name, run in self.runs.items() if run.arithmetic == "covariance"}
         pairs = [{check.run, check.relative_to} for check in checks if check.relative_to]
         while more := [pair for pair in pairs if pair & whole and pair - whole]:
