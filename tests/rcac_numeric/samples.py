@@ -369,7 +369,7 @@ SAMPLES = {
     ),
     # errata
     results.Erratum: erratum,
-    results.ErratumEvidence: lambda seed: results.ErratumEvidence(derivation=f"by step {seed}"),
+    results.ErratumEvidence: lambda seed: results.ErratumEvidence(check=f"chapter_{seed}.step"),
     results.Checked: lambda seed: results.Checked(erratum(seed), ()),
     results.Reproduction: lambda seed: results.Reproduction((), Path(f"gallery-{seed}/index.html")),
     # sweeps

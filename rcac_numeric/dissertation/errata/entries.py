@@ -98,6 +98,8 @@ class Erratum(Value):
     printed, true : str
         What the text says, and what is so.
     evidence : ErratumEvidence
+    charity : str
+        The charitable reading that was tried first, and why it does not save the print.
     chapter : str
         1 to 9, A or B.
 

@@ -73,7 +73,7 @@ def test_a_shell_completes_commands_cases_and_keys():
         return [line.partition(",")[2] for line in asked.output.split()]
 
     assert completed("rcac ve") == ["verify"]
-    assert completed("rcac verify 4.7 --se") == ["--set"]
+    assert completed("rcac verify 4.7 --se") == ["--set", "--seeds"]
     assert completed("rcac show B.") == ["B.1", "B.2", "B.3", "B.4", "B.5"]
     assert completed("rcac verify 4.7 --set controller.R_t") == ["controller.R_theta="]
 
