@@ -146,7 +146,7 @@ def test_an_archive_holds_what_a_reader_needs(experiments, tmp_path):
         assert archive.read("index.html") == found.page.read_bytes()
         assert "numpy" in json.loads(archive.read("environment.json"))["versions"]
     needed = {"README.txt", "cases/7.6.json", "examples/4.7.toml", "errata/chapter_7.toml"}
-    needed |= {"sources/rcac_numeric/dissertation/reproduce.py"}
+    needed |= {"sources/rcac_numeric/dissertation/reproduction.py"}
     needed |= {"sources/compensator_theory/errors.py"}
     assert needed <= names
 
