@@ -192,6 +192,18 @@ End Sums.
 """
 
 
+SUMMED = ["Sums.twice_a_sum", "Sums.small", "Sums.nothing"]
+
+
+@pytest.fixture(scope="module")
+def sums(tmp_path_factory):
+    """A formal part that was compiled and found to hold."""
+    folder = formal_part(tmp_path_factory.mktemp("sums"), Sums=SUMS)
+    build(SUMMED, folder)
+    assert compile_formal_part(SUMMED, folder).holds
+    return folder
+
+
 @needs_coq
 @pytest.mark.parametrize(
     ("before", "after", "names"),
@@ -206,15 +218,13 @@ End Sums.
         ("Theorem small", "(* more *) Theorem small", ""),
     ],
 )  # fmt: skip
-def test_a_changed_statement_fails(tmp_path, before, after, names):
+def test_a_changed_statement_fails(sums, tmp_path, before, after, names):
     """Each of these compiles and rests on no axiom."""
-    theorems = ["Sums.twice_a_sum", "Sums.small", "Sums.nothing"]
-    build(theorems, formal_part(tmp_path, Sums=SUMS))
-    assert compile_formal_part(theorems, tmp_path).holds
+    shutil.copytree(sums, tmp_path, dirs_exist_ok=True)
     assert before in SUMS
     (tmp_path / "Sums.v").write_text(SUMS.replace(before, after))
     assert defined(tmp_path) == ("Sums.twice",)
-    found = compile_formal_part(theorems, tmp_path)
+    found = compile_formal_part(SUMMED, tmp_path)
     assert "does not compile" not in found.detail, found.detail
     changed_now = {name for name, reason in found.answers.items() if reason}
     if found.status == "failed":

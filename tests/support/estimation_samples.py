@@ -85,7 +85,7 @@ ESTIMATION_SAMPLES = {
         symbolic(seed), Q=0.1, R=1.0, alpha=2.5, beta=seed / 7
     ),
     results.SmoothedStates: lambda seed: estimation.smooth(
-        estimation.EKF(estimation.LinearModel(A=1, C=1), Q=1.0, R=1.0), np.arange(4.0 + seed)
+        estimation.EKF(estimation.LinearModel(A=1, C=1), Q=1.0, R=1.0), seed + np.arange(4.0)
     ),
     results.StateEstimates: estimates,
     results.Consistency: lambda seed: estimates(seed).nis_consistency(),

@@ -357,8 +357,11 @@ def test_the_plant_is_doubted_before_anything_else_is_said(wanted):
     right = run(wanted / "log.csv", *GIVEN, "--plant", "1/(q - 2)")
     assert "The plant fits the log" in right.output and "The log is NOT" not in right.output
     for told, words in (("1/(q + 0.5)", "another"), ("-1/(q - 2)", "sign")):
-        result = run(wanted / "log.csv", *GIVEN, "--plant", told)
+        result = run(wanted / "log.csv", *GIVEN, "--plant", told, "--problem", "standard")
         first = " ".join(result.output.partition("The closed loop")[0].split())
         assert "NOT" in first and words in first
-        asked = run(wanted / "log.csv", *GIVEN, "--plant", told, "--json")
+        asked = run(wanted / "log.csv", *GIVEN, "--plant", told, "--problem", "standard", "--json")
         assert strict(asked.output)["plant_residual"]["is_doubtful"]
+    # The plant of the other sign is that of a servo loop with no command.
+    other = run(wanted / "log.csv", *GIVEN, "--plant", "-1/(q - 2)")
+    assert "The log decides for servo" in " ".join(other.output.split())
