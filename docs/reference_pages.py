@@ -188,12 +188,12 @@ def _name_page(group: Group, name: str, home: str) -> str:
     if home == group.package:  # a module of its own, as the strategies are
         directive = f".. automodule:: {group.package}.{name}\n   :members:"
         home = f"{group.package}.{name}"
-    elif name[0].isupper():
-        module = public_path(group.package, name).rpartition(".")[0]
-        directive = f".. currentmodule:: {module}\n\n.. autoclass:: {name}\n"
-        directive += "   :members:\n   :inherited-members:"
     else:
-        directive = f".. currentmodule:: {group.package}\n\n.. autofunction:: {name}"
+        module = public_path(group.package, name).rpartition(".")[0]
+        kind = "autoclass" if name[0].isupper() else "autofunction"
+        directive = f".. currentmodule:: {module}\n\n.. {kind}:: {name}"
+        if name[0].isupper():
+            directive += "\n   :members:\n   :inherited-members:"
     is_folder = ROOT.joinpath(*home.split(".")).is_dir()
     folder = home if is_folder else home.rpartition(".")[0]
     return (

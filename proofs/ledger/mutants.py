@@ -100,8 +100,8 @@ def mutants(package: str, check: str, code: Code | None = None) -> Iterator[Muta
     --------
     >>> from proofs.ledger.mutants import mutants
     >>> found = next(mutants("symbolic", "joint_fit.unseen_direction"))
-    >>> found.change, found.is_caught
-    ('(after - before).subs(y, z) -> (after + before).subs(y, z)', True)
+    >>> " -> " in found.change, found.is_caught
+    (True, True)
     """
     module, _, name = check.partition(".")
     full = f"proofs.{package}.{module}"

@@ -114,7 +114,7 @@ def graph(entries: Iterable[Entry]) -> str:
     --------
     >>> from proofs.ledger.ledger import ledger
     >>> from proofs.output.blueprint import graph
-    >>> graph(ledger()).startswith("<svg") and 'href="#theorem-a1"' in graph(ledger())
+    >>> graph(ledger()).startswith("<svg") and 'href="#intercalation"' in graph(ledger())
     True
     """
     needs = {

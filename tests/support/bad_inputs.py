@@ -150,8 +150,10 @@ GOOD = {
             "output_decoupling_zeros", "realisation",
         )
     },
-    "doubly_coprime_fractions": ([_R, [-1, -1], [-1, -1]], {}),
-    "stabilising_compensators": ([_R, [-1, -1], [-1, -1]], {"feedback": 1}),
+    "doubly_coprime_fractions": ([_R, [-1, -1], [-1, -1]], {"variable": "s"}),
+    "stabilising_compensators": (
+        [_R, [-1, -1], [-1, -1]], {"feedback": 1, "variable": "s"}
+    ),
     "zero_order_hold": ([_R, "h"], {}),
     "sampling_zero_polynomial": ([3], {}),
     "canonical": ([_G], {}),

@@ -108,7 +108,7 @@ class Erratum(Value):
     >>> from rcac_numeric.dissertation import find_errata
     >>> entry = find_errata("(A.16)")[0]
     >>> entry.where, entry.equations
-    ('(A.15)-(A.17), Example A.2', ('A.15', 'A.16', 'A.17'))
+    ('(A.15)-(A.17), (4.24), Example A.2', ('A.15', 'A.16', 'A.17', '4.24'))
     """
 
     name: str

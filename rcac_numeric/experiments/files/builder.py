@@ -131,8 +131,9 @@ def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
     >>> build({"plant": {"problem": "standrad"}}, "case.toml")
     Traceback (most recent call last):
         ...
-    compensator_theory.errors.InputError: case.toml: [plant] problem = 'standrad' is not known;
-    choose one of standard, servo, aircraft, ... Did you mean 'standard'?
+    compensator_theory.errors.InputError: case.toml: 2 errors.
+    1. [plant] problem = 'standrad' is not known; choose one of ... Did you mean 'standard'?
+    2. there is no table [run], which needs the key 'steps'. ...
     """
     require_plain(dict(table), file)
     return _built(table, file, budget or Budget())

@@ -72,7 +72,7 @@ def parsed(text: str) -> Raw:
     Examples
     --------
     >>> from rcac_numeric.experiments.files.documents import parsed
-    >>> parsed("a = 0.1\\nb = 0.10000000000000000555")
+    >>> parsed("a = 0.1\nb = 0.10000000000000000555")
     {'a': 0.1, 'b': Decimal('0.10000000000000000555')}
     """
     return tomllib.loads(text, parse_float=_number)

@@ -212,7 +212,7 @@ def parameters_in(doc: str) -> dict[str, str]:
     names: list[str] = []
     is_inside = False
     lines = inspect.cleandoc(doc).splitlines()
-    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+    for line, following in zip(lines, [*lines[1:], ""], strict=False):
         if following.startswith("---"):
             is_inside, names = line in ("Parameters", "Attributes"), []
         elif not is_inside or line.startswith("---") or not line.strip():

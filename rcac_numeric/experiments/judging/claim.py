@@ -159,9 +159,9 @@ class Claim(Value):
     Examples
     --------
     >>> from rcac_numeric.dissertation import load_example
-    >>> claim = load_example("5.6").claims[1]
+    >>> claim = next(c for c in load_example("5.6").claims if "0.31" in c.quote)
     >>> claim.whose, claim.quote, claim.place
-    ('the text', 'using RCAC is 0.31 steps', 'Example 5.6')
+    ('a reading', 'using RCAC is 0.31 steps, as shown by Table 5.2', 'Example 5.6')
     """
 
     text: str

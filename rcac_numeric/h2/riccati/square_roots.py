@@ -3,7 +3,7 @@
 With weights [E_1 E_2]'[E_1 E_2] and P = S'S the recursion of the discrete-time regulator is one
 least-squares problem,
 
-    K = argmin |[E_2; S B] K + [E_1; S A]|,   S+ = the triangle of its residual,
+    K = argmin norm([E_2; S B] K + [E_1; S A]),   S+ = the triangle of its residual,
 
 so that a weight R_2 = E_2'E_2 of 1e-28 enters as 1e-14. The stationary P is the limit of
 Kleinman's iteration (IEEE Trans. Automatic Control 13, 1968), Newton's method on the Riccati
@@ -71,7 +71,7 @@ def _doubled(S: Array, power: Array) -> Array:
 
 
 def least_squares(X: Array, Y: Array) -> Array:
-    """The K that minimises |X K + Y|, for X of full column rank with rows of any sizes."""
+    """The K that minimises the norm of X K + Y, for X of full column rank with rows of any sizes."""
     columns = np.linalg.norm(X, axis=0)
     if not (columns > 0).all():
         raise np.linalg.LinAlgError("a column of zeros")

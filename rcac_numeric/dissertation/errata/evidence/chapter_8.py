@@ -170,7 +170,7 @@ def stacked_residuals() -> Facts:
 
 
 def linear_term() -> Facts:
-    """The expansion of |Z - H~U~ + H~U|^2 in U, and B(k) as a column."""
+    """The expansion of the squared norm of Z - H~U~ + H~U in U, and B(k) as a column."""
     H, U, R = np.array([[1.0, 2.0], [0.5, -1.0], [3.0, 0.0]]), np.array([0.3, -0.7]), np.eye(3)
     rest = np.array([1.0, -2.0, 0.5])
     B = 2 * H.T @ R @ rest
