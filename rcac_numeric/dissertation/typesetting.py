@@ -23,7 +23,8 @@ def typeset(text: str) -> Markup:
     Examples
     --------
     >>> from rcac_numeric.dissertation.typesetting import typeset
-    >>> str(typeset(r"The $H_2$ cost < that of $\tilde{G}$")).encode("ascii", "namereplace").decode()
+    >>> found = str(typeset(r"The $H_2$ cost < that of $\tilde{G}$"))
+    >>> found.encode("ascii", "namereplace").decode()
     'The <i>H<sub>2</sub></i> cost &lt; that of <i>G\\N{COMBINING TILDE}</i>'
     """
     parts = re.split(r"(?<!\\)\$", text)

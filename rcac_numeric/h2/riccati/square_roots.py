@@ -71,7 +71,7 @@ def _doubled(S: Array, power: Array) -> Array:
 
 
 def least_squares(X: Array, Y: Array) -> Array:
-    """The K that minimises the norm of X K + Y, for X of full column rank with rows of any sizes."""
+    """The K that minimises the norm of X K + Y, X of full column rank, rows of any sizes."""
     columns = np.linalg.norm(X, axis=0)
     if not (columns > 0).all():
         raise np.linalg.LinAlgError("a column of zeros")
