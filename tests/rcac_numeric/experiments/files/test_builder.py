@@ -249,7 +249,7 @@ def test_a_ratio_to_nothing_is_no_defect():
     check = {"measure": "guard_count", "relative_to": "main", "at_most": 1}
     table = case(claims=[{"text": "none", "checks": [check]}])
     (verdict,) = verify(build(table, "case")).verdicts
-    assert verdict.verdict == "not reproduced" and "nan" in verdict.measured
+    assert verdict.verdict == "no answer" and "nan" in verdict.measured
 
 
 DIVERGING = {"controller": {"R_theta": 1e-6}, "target": {"H": 1}, "run": {"steps": 400}}
