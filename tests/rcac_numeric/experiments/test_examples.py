@@ -49,8 +49,9 @@ def test_every_verdict_of_record_holds(number, verifications):
     assert verification.verdicts, "an example without claims verifies nothing"
     for verdict in verification.verdicts:
         assert verdict.claim.recorded in (OUTCOMES if verdict.claim.whose == OURS else VERDICTS)
-        assert verdict.verdict == verdict.claim.recorded, verdict.measured
-        assert not verdict.changed_completions
+        if not verdict.is_reduced:  # fewer draws than those of record change no verdict
+            assert verdict.verdict == verdict.claim.recorded, verdict.measured
+            assert not verdict.changed_completions
 
 
 @pytest.mark.parametrize("number", example_ids())
