@@ -16,6 +16,7 @@ from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic, over_one_field
 from compensator_theory.polynomials.reading import PolynomialLike, in_one_variable
 from compensator_theory.polynomials.values import ExactValue
+from compensator_theory.printing import text
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class BezoutIdentity(ExactValue):
         coefficients = (c for p in parts if not p.domain.is_QQ for c in p.all_coeffs())
         bottoms = {sympy.fraction(sympy.cancel(c))[1] for c in coefficients}
         found = {f for b in bottoms for f, _ in sympy.factor_list(b)[1] if not f.is_nonzero}
-        return tuple(sorted(found, key=lambda f: (sympy.count_ops(f), str(f))))
+        return tuple(sorted(found, key=lambda f: (sympy.count_ops(f), text(f))))
 
     @property
     def residual(self) -> Poly:

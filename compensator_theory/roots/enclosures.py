@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
 
 import flint
 import sympy
@@ -68,7 +69,8 @@ class Enclosure(ExactValue):
         first = _decade(abs(self.centre) + self.radius)
         last = max(_decade(self.radius), first - SHOWN_DIGITS)
         error = self.radius + (Rational(10) ** last / 2 if last > _decade(self.radius) else 0)
-        rounded = round(self.centre / Rational(10) ** last)
+        scaled = self.centre / Rational(10) ** last
+        rounded = round(Fraction(int(scaled.p), int(scaled.q)))
         return f"{Decimal(int(rounded)).scaleb(last)} ± {Decimal(float(error)):.1e}"
 
     def _repr_latex_(self) -> str:

@@ -73,7 +73,8 @@ class BallRecursion:
 
     def __init__(self, update: RecursiveLeastSquares, l_theta: int) -> None:
         rule, reset = update.lambda_, update.reset
-        if not isinstance(rule, float | ScheduledForgetting):
+        known = type(rule) in (float, ScheduledForgetting)  # what is derived may do anything
+        if not isinstance(rule, float | ScheduledForgetting) or not known:
             raise InputError(
                 f"the reference does not know the forgetting {type(rule).__name__}; leave it out."
             )

@@ -36,7 +36,7 @@ def json_schema() -> dict[str, Any]:
     parts = [dict(schema["properties"]), *(other["properties"] for other in others)]
     for part in parts[1:]:
         schema["properties"] = {**part, **schema["properties"]}
-    for key in ("claims", "runs", "figures"):
+    for key in ("claims", "runs", "figures", "open"):
         schema["properties"][key] = {"anyOf": [part[key] for part in parts if key in part]}
     alone: Schema = {
         name: {"$ref": f"#/$defs/{name}"} for name in TABLES if name not in ("plant", "signals")

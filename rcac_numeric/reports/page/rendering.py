@@ -82,7 +82,7 @@ def _environment(home: str) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["line"] = in_a_line
+    environment.filters.update(line=in_a_line)
     return environment
 
 

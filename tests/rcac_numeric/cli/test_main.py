@@ -35,7 +35,7 @@ steps = 400
 [[claims]]
 text = "The error becomes small."
 checks = [{ measure = "rms", start = 300, at_most = 0.05 }]
-verdict = "reproduced"
+verdict = "holds"
 """
 
 DIVERGING = """
@@ -188,7 +188,7 @@ steps = 300
 [[claims]]
 text = "Both commands are followed."
 checks = [{ measure = "rms", start = 250, at_most = 0.01 }]
-verdict = "reproduced"
+verdict = "holds"
 """
 
 
@@ -245,7 +245,7 @@ def test_divergence_is_status_3_and_is_drawn(rcac, case, tmp_path):
         ((", at_most = 0.05", ""), "a check without a bound cannot fail"),
         (("start = 300", "begin = 300"), "unknown key 'begin'"),
         (("start = 300", "start = 300, run = 'other'"), "refers to the run 'other'"),
-        (('"reproduced"', '"proved"'), "verdict = 'proved' is not known"),
+        (('"holds"', '"proved"'), "verdict = 'proved' is not known"),
         (('"(q - 0.5)/((q - 0.9)*(q - 0.3))"', "'__import__(\"os\")'"), "__import__"),
         (("[plant]", "[plant"), "is not valid TOML"),
         (("steps = 400", "steps = 3"), "k_w = 4 is not before the end of the run of 3 steps"),

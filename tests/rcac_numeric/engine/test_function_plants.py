@@ -219,7 +219,7 @@ def test_a_function_that_fails_is_named_and_the_steps_before_are_kept(of, answer
 @pytest.mark.parametrize("stride", [1, 4])
 @pytest.mark.parametrize("form", ["predictor", "filter"])
 def test_a_plant_that_is_not_finite(of, answer, stride, form):
-    from dataclasses import replace
+    from attrs import evolve as replace
 
     settings, w = replace(SETTINGS, form=form), noise(7, 20, 1)
     run = simulate(failing(6, answer, of), settings, w, stride=stride)

@@ -154,7 +154,7 @@ def test_an_update_needs_its_own_settings(make):
         (lambda: ScheduledForgetting({0: 0.9}), "a step of changes = 0 must be at least 1"),
         (lambda: ScheduledForgetting({"a": 0.9, 1: 0.5}), "a step of changes must be an integer"),
         (lambda: ScheduledForgetting({3: 2.0}), r"lambda_ = 2.0 is not in \(0, 1\]"),
-        (lambda: ScheduledForgetting({3: 0.9}, 0.0), r"lambda_ = 0.0 is not in \(0, 1\]"),
+        (lambda: ScheduledForgetting({3: 0.9}, 0.0), r"initial = 0.0 is not in \(0, 1\]"),
         (lambda: Gradient(np.inf), "step_size has the entry inf"),
         (lambda: Gradient(0.0), "step_size = 0.0 must be positive"),
         (lambda: SlidingWindow(1.0, window=0), "window = 0 must be at least 1"),
