@@ -228,6 +228,10 @@ METHODS = {
             "y": np.ones(1), "z": np.ones(1), "r": np.zeros(0), "u_applied": None
         },
         "reset_covariance": lambda draw, made: {},
+        "resume_from_trouble": lambda draw, made: {},
+        "take_over": lambda draw, made: {
+            "u": np.ones(1), "fade": draw(st.sampled_from([0.0, 0.5, 0.999]))
+        },
         "set_target": new_target,
         "set_weights": lambda draw, made: {"R_z": np.eye(1), "R_u": None, "penalty": np.eye(1)},
         "set_lambda": lambda draw, made: {"lambda_": draw(st.sampled_from([1.0, 0.5]))},
