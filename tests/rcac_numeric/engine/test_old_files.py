@@ -1,6 +1,7 @@
 """What was written before the settings became typed specifications is read, and is the same.
 
-`saved/` and the fingerprints here were written by the dataclasses that came before. Who changes a
+`saved/run.npz` and the fingerprints here were written by the dataclasses that came before; the
+state is of format 2, which keeps what the supervisor knows, and one of format 1 is refused. Who changes a
 field or a name of one of these classes changes the fingerprint of every state and study that was
 ever saved: that is refused here, until the files' version moves.
 """
@@ -10,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from compensator_theory.errors import InputError
 from rcac_numeric import (
     UD,
     CoefficientBounds,
@@ -160,3 +162,8 @@ def test_a_saved_state_goes_on():
     assert going_on.k == 6
     there = controller().step(y=[0.7], z=[0.1])
     np.testing.assert_allclose(going_on.step(y=[0.7], z=[0.1]), there, rtol=1e-12, atol=1e-15)
+
+
+def test_a_state_of_another_format_is_refused():
+    with pytest.raises(InputError, match="another format than this version reads; run again"):
+        Controller(settings()).restore(SavedState.load(SAVED / "controller-of-format-1.npz"))
