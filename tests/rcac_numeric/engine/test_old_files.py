@@ -1,9 +1,9 @@
 """What was written before the settings became typed specifications is read, and is the same.
 
 `saved/run.npz` and the fingerprints here were written by the dataclasses that came before; the
-state is of format 2, which keeps what the supervisor knows, and one of format 1 is refused. Who changes a
-field or a name of one of these classes changes the fingerprint of every state and study that was
-ever saved: that is refused here, until the files' version moves.
+state is of format 2, which keeps what the supervisor knows, and one of format 1 is refused. Who
+changes a field or a name of one of these classes changes the fingerprint of every state and study
+that was ever saved: that is refused here, until the files' version moves.
 """
 
 from pathlib import Path
