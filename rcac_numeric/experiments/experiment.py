@@ -255,11 +255,11 @@ class Experiment(Value):
             raise InputError(f"{self.id or self.title!r} {what} is run.")
         return next(iter(self.runs.values()))
 
-    def reduced(self, seeds: int = 3) -> Experiment:
+    def reduced(self, seeds: int = 3, *, keep_shares: bool = True) -> Experiment:
         """The same experiment with at most so many seeds for each run, for a quick look.
 
-        Runs that a claim judges by a share of their seeds keep them all: a share of a few says
-        nothing. So do runs in plain arithmetic, in which rounding makes an outlier of one seed or
+        Runs that a claim judges by a share of their seeds keep them all, unless `keep_shares` is
+        False: a share of a few says nothing. So do runs in plain arithmetic, in which rounding makes an outlier of one seed or
         another: it is the median of all that is the same on every machine.
 
         Examples
@@ -275,6 +275,7 @@ class Experiment(Value):
             if any(isinstance(check, Check) and check.share < 1 for check in claim.checks):
                 whole |= {*claim.over, claim.control}
         whole |= {name for name, run in self.runs.items() if run.arithmetic == "covariance"}
+        whole = whole if keep_shares else set()
         pairs = [{check.run, check.relative_to} for check in checks if check.relative_to]
         while more := [pair for pair in pairs if pair & whole and pair - whole]:
             whole.update(*more)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.fuzz.expression_checks import check_roots, check_text, warm
 
 # Calls are counted while a text is read, which takes several times as long.
-EXAMPLES = settings.default.max_examples * (100 if settings.default.max_examples >= 1000 else 2)
+EXAMPLES = settings.default.max_examples * (100 if settings.default.max_examples >= 1000 else 1)
 
 numbers = st.one_of(
     st.integers(0, 99).map(str),
