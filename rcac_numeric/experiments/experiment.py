@@ -259,8 +259,9 @@ class Experiment(Value):
         """The same experiment with at most so many seeds for each run, for a quick look.
 
         Runs that a claim judges by a share of their seeds keep them all, unless `keep_shares` is
-        False: a share of a few says nothing. So do runs in plain arithmetic, in which rounding makes an outlier of one seed or
-        another: it is the median of all that is the same on every machine.
+        False: a share of a few says nothing. So do runs in plain arithmetic, in which rounding
+        makes an outlier of one seed or another: it is the median of all that is the same on every
+        machine.
 
         Examples
         --------
