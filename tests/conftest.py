@@ -45,6 +45,14 @@ def pytest_runtest_setup(item):
         last_digits.active = not documented and not item.get_closest_marker("exact_data")
 
 
+def pytest_collection_modifyitems(items):
+    """A drawn controller may be in trouble: what its supervisor says then is no failure."""
+    warning = "ignore::rcac_numeric.controllers.supervision.SupervisionWarning"
+    for item in items:
+        if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
+            item.add_marker(pytest.mark.filterwarnings(warning))
+
+
 @pytest.fixture
 def in_full(request):
     """Whether a long statistic runs in full or in reduced form."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from pathlib import Path
 from types import TracebackType
 
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.controllers.supervision import SupervisionWarning
 from rcac_numeric.engine.controller import Controller
 
 
@@ -20,8 +22,10 @@ class Recorder:
 
     A row is one write to the file, so that a process that is killed leaves no half row, and lacks
     the last step at most: u_applied is given with the next step, so that a row waits for that, or
-    for `close`. The row of step k holds u(k), or what was applied of it, y(k), z(k), r(k) as the
-    controller held them, theta(k) that made u(k), and whether the sample was missed.
+    for `close`. Where the file takes no more, the log ends with its last whole row, a
+    `SupervisionWarning` says so once, `failure` keeps it, and the controller goes on. The row of
+    step k holds u(k), or what was applied of it, y(k), z(k), r(k) as the controller held them,
+    theta(k) that made u(k), and whether the sample was missed.
 
     Parameters
     ----------
@@ -74,7 +78,11 @@ class Recorder:
         self._known = {"y": np.zeros(widths["y"]), "z": np.zeros(widths["z"])}
         self._known["r"] = np.zeros(widths["r"])
         self._row: list[Array] = []
+        self._size = 0
+        self.failure = ""
         self._write(",".join(names))
+        if self.failure:
+            raise InputError(f"{self.path} cannot be written: {self.failure}.")
 
     def step(
         self,
@@ -94,9 +102,12 @@ class Recorder:
         Raises
         ------
         InputError, DivergedError, FunctionFailedError
-            As `Controller.step`; a full disk is no error of the controller, and raises after u was
-            made.
+            As `Controller.step`; also where the log was closed.
         """
+        if self.failure:
+            return self.controller.step(y, z, r, u_applied)
+        if self._file is None:
+            raise InputError(f"the log {self.path} is closed.")
         theta = self.controller.theta
         before = self.controller.record.troubles.get("missed sample")
         u: Array = self.controller.step(y, z, r, u_applied)
@@ -122,11 +133,23 @@ class Recorder:
         self._write(",".join(f"{value:.17g}" for value in numbers))
 
     def _write(self, line: str) -> None:
-        if self._file is None:
-            raise InputError(f"the log {self.path} is closed.")
+        assert self._file is not None
         data = f"{line}\n".encode()
-        if os.write(self._file, data) != len(data):
-            raise InputError(f"{self.path} cannot be written: the disk is full.")
+        try:
+            is_whole = os.write(self._file, data) == len(data)
+            reason = "the disk is full"
+        except OSError as error:
+            is_whole, reason = False, error.strerror or str(error)
+        if is_whole:
+            self._size += len(data)
+            return
+        self.failure, file, self._file = reason, self._file, None
+        os.ftruncate(file, self._size)  # a part of a row is none
+        os.close(file)
+        warnings.warn(
+            SupervisionWarning(f"the log {self.path} ends here: {reason}. The controller goes on."),
+            stacklevel=4,
+        )
 
     def close(self) -> None:
         """Write the last row and close the file."""
@@ -134,8 +157,9 @@ class Recorder:
             return
         if self._row:
             self._flush()
-        os.close(self._file)
-        self._file = None
+        if self._file is not None:
+            os.close(self._file)
+            self._file = None
 
     def __enter__(self) -> Recorder:
         return self

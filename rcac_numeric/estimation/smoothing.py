@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import IllConditionedError, InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array, signal_array
+from rcac_numeric.arrays.validation import float_array, integer, real_array, signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.estimation.models.linear import LinearModel
 from rcac_numeric.estimation.settings import EKF, square_root
@@ -91,7 +91,7 @@ def smooth(
     if not isinstance(settings, EKF) or not isinstance(settings.model, LinearModel):
         raise InputError("a smoother needs an EKF with a LinearModel; give EKF(LinearModel(...)).")
     model = settings.model
-    given = np.array(y, dtype=float)
+    given = float_array(y, "y")
     measured = ~np.isnan(given)
     given = signal_array(real_array(np.where(measured, given, 0.0), "y"), "y", model.l_y)
     measured = measured.reshape(given.shape)

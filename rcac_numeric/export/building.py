@@ -33,13 +33,19 @@ def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequ
     if cc is None:
         raise InputError("there is no C compiler here: no cc, gcc or clang, and CC is empty.")
     command = [cc, *FLAGS, *flags, *(f"-I{path}" for path in includes)]
-    done = subprocess.run(
-        [*command, *map(str, sources), "-o", str(program)],
-        capture_output=True, text=True, timeout=SECONDS, check=False,
-    )  # fmt: skip
+    done = _run([*command, *map(str, sources), "-o", str(program)])
     if done.returncode:
         raise InputError(f"{cc} does not compile the export: {done.stderr.strip()[:2000]}")
     return program
+
+
+def _run(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    try:
+        return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
+    except subprocess.TimeoutExpired:
+        raise InputError(f"{command[0]} did not end within {SECONDS} s.") from None
+    except OSError as error:
+        raise InputError(f"{command[0]} cannot be run: {error.strerror}.") from None
 
 
 def replayed(source: Path, test: Path, name: str) -> tuple[bool, str]:
@@ -58,7 +64,5 @@ def replayed(source: Path, test: Path, name: str) -> tuple[bool, str]:
             Path(folder) / "replay",
             includes=[source, test],
         )
-        done = subprocess.run(
-            [str(program)], capture_output=True, text=True, timeout=SECONDS, check=False
-        )
+        done = _run([str(program)])
     return done.returncode == 0, done.stdout.strip() or f"it ended with {done.returncode}"

@@ -141,7 +141,7 @@ def export_controller(
     layouts = [layout] if isinstance(layout, str) else items(layout, "layout")
     for one in layouts:
         one_of(one, "layout", LAYOUTS)
-    if not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", prefix):
+    if not isinstance(prefix, str) or not re.fullmatch(r"[a-z][a-z0-9_]{0,30}", prefix):
         raise InputError(
             f"prefix = {prefix!r}: a name of C with small letters, digits and _ is needed, such as "
             "'roll'."
@@ -155,6 +155,7 @@ def export_controller(
         tables = scaled(tables)
         recording, agreement = _in_float32(tables, recording, run)
     texts = folder_texts(tables, recording, real, tuple(layouts), prefix, agreement, warnings)
+    said = _verified(texts, prefix)
     target = Path(folder)
     for name, text in texts.items():
         path = target / name
@@ -164,16 +165,27 @@ def export_controller(
             raise InputError(f"{path.parent} cannot be made: {error.strerror}.") from None
         with replacing(path) as new:
             new.write_text(text, encoding="ascii", newline="\n")
-    said = ""
-    if compiler() is not None:
-        agrees, said = replayed(target / "src", target / "test", prefix)
-        if not agrees:
-            raise InputError(
-                f"the exported code in {folder} does not do what its source does: {said}. "
-                "Please report it, with the settings."
-            )
     sizes = tables.sizes(real)
     return Export(target, tuple(sorted(texts)), real, *sizes, said, agreement, warnings)
+
+
+def _verified(texts: Mapping[str, str], prefix: str) -> str:
+    """What the replay of the recorded vector says, before anything is handed out."""
+    if compiler() is None:
+        return ""
+    with tempfile.TemporaryDirectory() as name:
+        place = Path(name)
+        for file, text in texts.items():
+            if file.startswith(("src/", "test/")):
+                (place / file).parent.mkdir(exist_ok=True)
+                (place / file).write_text(text, encoding="ascii", newline="\n")
+        agrees, said = replayed(place / "src", place / "test", prefix)
+    if not agrees:
+        raise InputError(
+            f"the exported code does not do what its source does: {said}. Nothing was written. "
+            "Please report it, with the settings."
+        )
+    return said
 
 
 def folder_texts(

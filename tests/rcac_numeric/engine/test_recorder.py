@@ -41,6 +41,24 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
+FULL = """
+import resource, sys, warnings
+import numpy as np
+from rcac_numeric import *
+plant = standard_plant("1/(q - 0.9)")
+settings = ControllerSettings(structure=iir(n_c=2), target=fir_target(plant), update=UD(1.0))
+bare = Controller(settings)
+resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+with warnings.catch_warnings(record=True) as caught:
+    warnings.simplefilter("always")
+    with Recorder(Controller(settings), sys.argv[1]) as recorder:
+        for k in range(100):
+            assert recorder.step(np.sin(k), np.sin(k)) == bare.step(np.sin(k), np.sin(k))
+assert len(caught) == 1 and "The controller goes on" in str(caught[0].message)
+assert recorder.failure
+"""
+
+
 def driven(one, steps, seed=0):
     rng, x, us = np.random.default_rng(seed), 0.0, []
     for _ in range(steps):
@@ -62,6 +80,19 @@ def test_a_killed_process_leaves_a_log_that_can_be_checked(tmp_path):
     assert np.array_equal(log.u[:, 0], driven(Controller(SETTINGS), 499))
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit of a file's size")
+def test_a_full_disk_leaves_whole_rows_and_takes_no_u(tmp_path):
+    path = tmp_path / "log.csv"
+    done = subprocess.run(
+        [sys.executable, "-c", FULL, str(path)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    lines = path.read_text().splitlines(keepends=True)
+    assert 1 < len(lines) < 100 and lines[-1].endswith("\n")
+    assert len({line.count(",") for line in lines}) == 1
+    assert read_log(path).steps == len(lines) - 1
+
+
 def test_a_log_holds_what_was_applied_and_what_was_missed(tmp_path):
     path = tmp_path / "log.csv"
     with Recorder(Controller(SETTINGS), path) as recorder:
@@ -69,7 +100,7 @@ def test_a_log_holds_what_was_applied_and_what_was_missed(tmp_path):
         recorder.step(2.0, 2.0, u_applied=0.5)
         recorder.step(float("nan"), float("nan"))
     with pytest.raises(InputError, match="is closed"):
-        recorder._write("")
+        recorder.step(1.0, 1.0)
     rows = np.genfromtxt(path, delimiter=",", names=True)
     assert rows["u"][0] == 0.5 and rows["y"].tolist() == [1.0, 2.0, 2.0]
     assert rows["missed"].tolist() == [0, 0, 1]

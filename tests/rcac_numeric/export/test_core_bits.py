@@ -15,6 +15,7 @@ from rcac_numeric import (
     FixedController,
     Plant,
     Saturation,
+    Supervision,
     TargetModel,
     WhiteNoise,
     exogenous,
@@ -53,12 +54,17 @@ def same(a, b):
     return np.asarray(a).tobytes() == np.asarray(b).tobytes()
 
 
+def unsupervised(given_settings):
+    """What leaves the range of the numbers is an error, as it is in the core."""
+    return Controller(given_settings, Supervision("off"))
+
+
 def hold_together(case, seed, steps=STEPS):
     """u, theta, the guard and the end of both; with a step that is refused in between."""
     given_settings, plant = case
     note(given_settings)
     core = Core(core_tables(given_settings))
-    controller = Controller(given_settings)
+    controller = unsupervised(given_settings)
     loop = Loop(plant, given_settings.l_r, steps, seed)
     guards = 0
     for k in range(steps):
@@ -139,7 +145,7 @@ SETTINGS = ControllerSettings(
 @pytest.mark.parametrize("denominator", [[1.0], [1.0, 0.4], [1.0, -0.2, 0.1, 0.05]])
 def test_a_target_model_that_is_set_while_it_runs(past, denominator):
     core = Core(core_tables(SETTINGS, live_order=4))
-    controller = Controller(SETTINGS)
+    controller = unsupervised(SETTINGS)
     order = max(2, len(denominator) - 1)
     first = TargetModel(np.append([0, 0.9, -0.2], [0.0] * (order - 2)), denominator)
     second = TargetModel([0, 0.8])
@@ -173,7 +179,7 @@ def test_what_an_actuator_left_of_u(case, seed):
     tables = core_tables(given_settings)
     later = Core(tables)
     halves = later.another()
-    controller = Controller(given_settings)
+    controller = unsupervised(given_settings)
     loop = Loop(plant, given_settings.l_r, 60, seed)
     applied = None
     for k in range(60):
@@ -210,7 +216,7 @@ def test_a_saturation_that_the_core_applies_itself():
 
 def test_control_before_the_measurement():
     """A strictly proper controller gives u(k) out before y(k) is known."""
-    core, controller = Core(core_tables(SETTINGS)), Controller(SETTINGS)
+    core, controller = Core(core_tables(SETTINGS)), unsupervised(SETTINGS)
     loop = Loop(PLANT, 0, 300, 1)
     for k in range(300):
         status, u = core.control()
