@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from typing import Annotated
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.experiments.format.values import Choice
 
 KINDS = {
     "misprint": "a slip that a reader mends by looking twice",
@@ -30,7 +32,7 @@ _NAMED = re.compile(
 )
 
 
-@dataclass(frozen=True)
+@attrs.frozen(eq=False)
 class ErratumEvidence(Value):
     """What shows that an erratum is right: one of three kinds, each of which runs.
 
@@ -51,10 +53,9 @@ class ErratumEvidence(Value):
     counterexample: str = ""
     example: str = ""
     claim: str = ""
-    others: Sequence[str] = ()
+    others: Sequence[str] = attrs.field(default=(), converter=tuple)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "others", tuple(self.others))
+    def __attrs_post_init__(self) -> None:
         given = [name for name in EVIDENCE if getattr(self, name)]
         if len(given) != 1:
             raise InputError(
@@ -83,7 +84,7 @@ class ErratumEvidence(Value):
         return f"Example {self.example}: {self.claim}"
 
 
-@dataclass(frozen=True, eq=False)
+@attrs.frozen(eq=False)
 class Erratum(Value):
     """One place of the dissertation that is wrong or incomplete.
 
@@ -113,15 +114,14 @@ class Erratum(Value):
 
     name: str
     where: str
-    kind: str
+    kind: Annotated[str, Choice(tuple(KINDS))]
     printed: str
     true: str
-    evidence: ErratumEvidence = field()
+    evidence: ErratumEvidence
     charity: str = ""
     chapter: str = ""
 
-    def __post_init__(self) -> None:
-        one_of(self.kind, "kind", tuple(KINDS))
+    def __attrs_post_init__(self) -> None:
         for part in ("name", "where", "printed", "true"):
             if not getattr(self, part):
                 raise InputError(f"an erratum needs {part}; write what it is.")

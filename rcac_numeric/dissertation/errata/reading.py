@@ -6,35 +6,30 @@ import re
 import tomllib
 from functools import lru_cache
 from importlib import resources
-from typing import Any
+from typing import Annotated
+
+import attrs
 
 from compensator_theory.errors import InputError
-from rcac_numeric.dissertation.errata.entries import KINDS, Erratum, ErratumEvidence
+from rcac_numeric.dissertation.errata.entries import Erratum
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
-from rcac_numeric.experiments.format.values import Choice, Text
+from rcac_numeric.experiments.format.values import Choice
 
 CHAPTERS = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "A", "B")
 _NUMBER = re.compile(r"[1-9AB]\.\d+")
 
 
-def _file(chapter: str, erratum: list[Any]) -> str:
+@attrs.frozen(eq=False)
+class _File:
     """The errata of one chapter."""
-    return chapter
+
+    chapter: Annotated[str, Choice(CHAPTERS)]
+    erratum: Annotated[list[Erratum], ListOf(Table(Erratum, given=["chapter"]), 1)]
 
 
-_ERRATUM: Table[Erratum] = Table(
-    Erratum,
-    given=["chapter"],
-    forms={
-        "evidence": Table(ErratumEvidence, forms={"others": ListOf(Text())}),
-        "kind": Choice(tuple(KINDS)),
-    },
-)
-_FILE: Table[str] = Table(
-    _file, forms={"chapter": Choice(CHAPTERS), "erratum": ListOf(_ERRATUM, 1)}
-)
+_FILE: Table[_File] = Table(_File)
 
 
 def find_errata(where: str = "") -> tuple[Erratum, ...]:
@@ -89,9 +84,8 @@ def read_chapter(table: Raw, file: str) -> tuple[Erratum, ...]:
     InputError
         Where a key is unknown or missing, the evidence is none or several, or a name stands twice.
     """
-    read = _FILE.read(table, Place(file))
-    chapter = read.arguments["chapter"]
-    entries = tuple(part.of(None, chapter=chapter) for part in read.arguments["erratum"])
+    read: _File = _FILE.read(table, Place(file))
+    entries = tuple(attrs.evolve(entry, chapter=read.chapter) for entry in read.erratum)
     _require_different(entries, file)
     return entries
 

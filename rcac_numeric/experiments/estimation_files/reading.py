@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Annotated, Any
 
 import attrs
@@ -19,10 +18,11 @@ from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Table
+from rcac_numeric.experiments.heading import Heading
 from rcac_numeric.experiments.judging.reading import (
+    ClaimTable,
     OpenItems,
-    check_of,
-    claims_of,
+    OpenTable,
     completed_runs,
     completion_name,
     opens,
@@ -34,20 +34,25 @@ KEPT = 6  # numbers that are kept of each step
 
 
 BEGINNING = "What differs from those."
-AS_ELSEWHERE = "As of any experiment."
 
 
 @attrs.frozen(eq=False)
-class EstimationRun:
-    """One estimator on one true system."""
+class EstimationValue:
+    """One of the values that a reader would try: its name, and what it changes."""
 
     name: Annotated[str, "What it is called; claims refer to it."]
+    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
+    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
+
+
+@attrs.frozen(eq=False)
+class EstimationRun(EstimationValue):
+    """One estimator on one true system."""
+
     like: Annotated[
         str,
         "An earlier run whose tables it begins with, in place of those of the file.",
     ] = ""
-    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
-    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
     correction: Annotated[
         str,
         "What this run reads differently from the source.",
@@ -57,17 +62,8 @@ class EstimationRun:
 RUN = Table(EstimationRun)
 
 
-@attrs.frozen(eq=False)
-class EstimationValue:
-    """One of the values that a reader would try."""
-
-    name: Annotated[str, "What it is called."]
-    estimation: Annotated[Raw | None, TRIAL, BEGINNING] = None
-    estimator: Annotated[Raw | None, ESTIMATOR, BEGINNING] = None
-
-
-@attrs.frozen(eq=False)
-class EstimationFile:
+@attrs.frozen(eq=False, kw_only=True)
+class EstimationFile(Heading):
     """An estimation example."""
 
     estimation: Annotated[Raw, TRIAL, "The true system and its records."]
@@ -82,7 +78,7 @@ class EstimationFile:
         "What the estimators of all runs begin with.",
     ] = None
     claims: Annotated[
-        list[Any],
+        list[ClaimTable],
         ListOf(CLAIM, needed="an array of tables, [[claims]]"),
         "What is said and drawn of it.",
     ] = attrs.field(factory=list)
@@ -92,14 +88,10 @@ class EstimationFile:
         "What is said and drawn of it.",
     ] = attrs.field(factory=list)
     open: Annotated[
-        list[Any],
+        list[OpenTable],
         opens(Table(EstimationValue)),
         "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)
-    title: Annotated[str, AS_ELSEWHERE] = ""
-    id: Annotated[str, AS_ELSEWHERE] = ""
-    source: Annotated[str, AS_ELSEWHERE] = ""
-    notes: Annotated[str, AS_ELSEWHERE] = ""
 
 
 ESTIMATION_FILE = Table(EstimationFile)
@@ -145,10 +137,8 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
             studies[name] = _study(name, raw[name], file, str(run.get("correction", "")))
     errors.raise_any()
     _require_budget(studies, budget)
-    items = OpenItems.of(table.get("open", ()))
-    claims = [
-        claim for part in read.claims for claim in claims_of(part, tuple(studies), items, check_of)
-    ]
+    items = OpenItems.of(read.open)
+    claims = [claim for one in read.claims for claim in one.claims(tuple(studies), items)]
     completions = {}
     for of_run, values in completed_runs(claims, items):
         tables = raw[of_run]
@@ -159,10 +149,7 @@ def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         name = completion_name(of_run, values)
         completions[name] = _study(name, tables, file, studies[of_run].correction)
     return Experiment(
-        id=read.id or Path(file).stem,
-        title=read.title,
-        source=read.source,
-        notes=read.notes.strip(),
+        **read.words(file),
         runs={},
         studies=studies,
         claims=claims,

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import attrs
@@ -12,30 +11,24 @@ from rcac_numeric.experiments.exact.system import ExactSystem
 from rcac_numeric.experiments.exact.tables import CHECK
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.experiments.judging.claim import Claim
-from rcac_numeric.experiments.judging.reading import OpenItems, claim_table, claims_of
+from rcac_numeric.experiments.heading import Heading
+from rcac_numeric.experiments.judging.reading import ClaimTable, OpenItems, claim_table
 
 CLAIM: Table[Any] = claim_table(CHECK, runs=False)
-AS_ELSEWHERE = "As of any experiment."
 
 
-@attrs.frozen(eq=False)
-class ExactFile:
+@attrs.frozen(eq=False, kw_only=True)
+class ExactFile(Heading):
     """An exact example."""
 
     exact: Annotated[ExactSystem, "What its statements are about."]
     claims: Annotated[
-        list[Any],
+        list[ClaimTable],
         ListOf(CLAIM, 1, needed="an array of tables, [[claims]]"),
         "What is said of it.",
     ]
-    title: Annotated[str, AS_ELSEWHERE] = ""
-    id: Annotated[str, AS_ELSEWHERE] = ""
-    source: Annotated[str, AS_ELSEWHERE] = ""
-    notes: Annotated[str, AS_ELSEWHERE] = ""
 
 
 EXACT_FILE = Table(ExactFile)
@@ -64,16 +57,16 @@ def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     """
     read: ExactFile = EXACT_FILE.read(table, Place(file))
 
-    def made(part: Part[Any]) -> list[Claim]:
-        return claims_of(part, (), OpenItems((), {}), lambda one, _: one.of(read.exact))
+    nothing_open = OpenItems((), {})
+
+    def decided(claim: ClaimTable) -> ClaimTable:
+        statements: Sequence[Any] = claim.checks
+        return attrs.evolve(claim, checks=[one.of(read.exact) for one in statements])
 
     return Experiment(
-        id=read.id or Path(file).stem,
-        title=read.title,
-        source=read.source,
-        notes=read.notes.strip(),
+        **read.words(file),
         runs={},
-        claims=[claim for part in read.claims for claim in made(part)],
+        claims=[claim for one in read.claims for claim in decided(one).claims((), nothing_open)],
         description={name: _words(value) for name, value in table["exact"].items()},
     )
 

@@ -30,10 +30,11 @@ from rcac_numeric.experiments.files.runs import (
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
+from rcac_numeric.experiments.heading import Heading
 from rcac_numeric.experiments.judging.reading import (
+    ClaimTable,
     OpenItems,
-    check_of,
-    claims_of,
+    OpenTable,
     completed_runs,
     completion_name,
     opens,
@@ -41,22 +42,15 @@ from rcac_numeric.experiments.judging.reading import (
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 
-NUMBER_AND_SOURCE = (
-    "Its number, the name of the file where it is left out; and where it comes from."
-)
 # How much of a table's own words a report repeats.
 LONGEST_WORDS = 400
 
 
-@attrs.frozen(eq=False)
-class File:
+@attrs.frozen(eq=False, kw_only=True)
+class File(Heading):
     """An experiment."""
 
     plant: Annotated[Raw, TABLES["plant"], "What is controlled."]
-    title: Annotated[str, "What it is about, in a line."] = ""
-    id: Annotated[str, NUMBER_AND_SOURCE] = ""
-    source: Annotated[str, NUMBER_AND_SOURCE] = ""
-    notes: Annotated[str, "What a reader of the report should know."] = ""
     signals: Annotated[Raw | None, TABLES["signals"], "The exogenous input w."] = None
     target: Annotated[Raw | None, TABLES["target"], "The target model G_f."] = None
     controller: Annotated[Raw | None, TABLES["controller"], "The controller."] = None
@@ -73,7 +67,7 @@ class File:
         "Several runs, the first being the main one.",
     ] = None
     claims: Annotated[
-        list[Any],
+        list[ClaimTable],
         ListOf(CLAIM, needed="an array of tables, [[claims]]"),
         "What is said of it, and what decides whether it holds.",
     ] = attrs.field(factory=list)
@@ -83,7 +77,7 @@ class File:
         "What is drawn of it; a sheet on the main run where they are left out.",
     ] = attrs.field(factory=list)
     open: Annotated[
-        list[Any],
+        list[OpenTable],
         opens(OPEN_VALUE),
         "What its source leaves open, and what was chosen.",
     ] = attrs.field(factory=list)
@@ -158,12 +152,8 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     names = [run.name for run in runs]
     if twice := next((name for name in names if names.count(name) > 1), None):
         raise InputError(f"two runs are named {brief(twice)}; give each its own name.")
-    items = OpenItems.of(table.get("open", ()))
-    claims = [
-        claim
-        for part in read.claims
-        for claim in claims_of(part, names, items, check_of, STANDARD_CLAIMS)
-    ]
+    items = OpenItems.of(read.open)
+    claims = [c for one in read.claims for c in one.claims(names, items, STANDARD_CLAIMS)]
     errors, plants = Errors(), []
     common: Plant | PlantSchedule | None = None  # made once for all that take it as it is
     for run, override in zip(runs, overrides, strict=True):
@@ -196,10 +186,7 @@ def _experiment(table: Raw, file: str, budget: Budget) -> Experiment:
         budget.require_operations(completed.cost(plant, budget))
         completions[name] = _made(completed, plant, True)
     return Experiment(
-        id=read.id or Path(file).stem,
-        title=read.title,
-        source=read.source,
-        notes=read.notes.strip(),
+        **read.words(file),
         runs=made,
         claims=claims,
         open=items.items,

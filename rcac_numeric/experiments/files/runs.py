@@ -99,8 +99,8 @@ DIFFERS = "What differs from the table of that name."
 
 
 @attrs.frozen(eq=False)
-class Override:
-    """One of several runs: its name, and what it changes."""
+class OpenValue:
+    """One of the values that a reader would try: its name, and what it changes."""
 
     name: Annotated[str, "What it is called; claims refer to it."]
     plant: Annotated[Raw | None, PLANT, DIFFERS] = None
@@ -110,30 +110,19 @@ class Override:
     controllers: Annotated[list[Raw] | None, CONTROLLERS, "In place of [[controllers]]."] = None
     saturation: Annotated[Raw | None, SATURATION, DIFFERS] = None
     run: Annotated[Raw | None, COURSE, DIFFERS] = None
+
+
+@attrs.frozen(eq=False)
+class Override(OpenValue):
+    """One of several runs: its name, and what it changes."""
+
     correction: Annotated[
         str,
         "What this variant reads differently from the source, or adds to it.",
     ] = ""
 
 
-OVERRIDE = Table(Override)
-
-
-@attrs.frozen(eq=False)
-class OpenValue:
-    """One of the values that a reader would try."""
-
-    name: Annotated[str, "What it is called."]
-    plant: Annotated[Raw | None, PLANT, DIFFERS] = None
-    signals: Annotated[Raw | None, TABLES["signals"], DIFFERS] = None
-    target: Annotated[Raw | None, TARGET, DIFFERS] = None
-    controller: Annotated[Raw | None, CONTROLLER, DIFFERS] = None
-    controllers: Annotated[list[Raw] | None, CONTROLLERS, "In place of [[controllers]]."] = None
-    saturation: Annotated[Raw | None, SATURATION, DIFFERS] = None
-    run: Annotated[Raw | None, COURSE, DIFFERS] = None
-
-
-OPEN_VALUE = Table(OpenValue)
+OPEN_VALUE, OVERRIDE = Table(OpenValue), Table(Override)
 
 
 @attrs.frozen(eq=False)
