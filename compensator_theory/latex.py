@@ -22,13 +22,6 @@ def latex(value: object) -> str:
     value : sympy object, result of ours, number, tuple, str or anything else
         A str is taken as the formula that it is; a matrix without rows or columns shows its shape,
         anything else is words.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.latex import latex
-    >>> latex(polynomial("s**2 - a", "s")), latex((1, 2))
-    ('s^{2} - a', '\\left(1, 2\\right)')
     """
     if isinstance(value, str):
         return value
@@ -47,14 +40,7 @@ def latex(value: object) -> str:
 
 
 def displayed(*formulas: str) -> str:
-    r"""Return what a notebook shows: the formulas that are not empty, in one line.
-
-    Examples
-    --------
-    >>> from compensator_theory.latex import displayed
-    >>> print(displayed("K = 1", "", r"a \neq 0"))
-    $\displaystyle K = 1, \quad a \neq 0$
-    """
+    r"""Return what a notebook shows: the formulas that are not empty, in one line."""
     return BEFORE + r", \quad ".join(filter(None, formulas)) + AFTER
 
 
@@ -72,14 +58,7 @@ def unless(exceptional: Iterable[Expr]) -> str:
 
 
 def words(text: str) -> str:
-    r"""Return words that may stand in a formula.
-
-    Examples
-    --------
-    >>> from compensator_theory.latex import words
-    >>> print(words("R_2 is 0"))
-    \text{R\_2 is 0}
-    """
+    r"""Return words that may stand in a formula."""
     return rf"\text{{{''.join(ESCAPED.get(sign, sign) for sign in text)}}}"
 
 

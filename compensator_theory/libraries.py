@@ -23,11 +23,6 @@ EXTRAS = {
 def needed(library: str) -> Iterator[None]:
     """Around an import of a library that may be missing.
 
-    Raises
-    ------
-    InputError
-        Where it is not installed; the message names the extra that brings it.
-
     Examples
     --------
     >>> from compensator_theory.libraries import needed
@@ -75,11 +70,6 @@ def roots_in_sympy() -> Iterator[None]:
     """Around what multiplies roots of long integers: SymPy 1.14 fails on some, and says nothing.
 
     Its factorint takes a product of two close numbers apart and then insists that they are prime.
-
-    Raises
-    ------
-    InputError
-        In the place of that failure.
 
     Examples
     --------

@@ -40,14 +40,6 @@ def solve_coprime_equation(a: Poly, b: Poly, c: Poly) -> tuple[Poly, Poly] | Non
     swells far beyond the answer, and the answer is found p-adically: one inverse modulo a prime
     of 61 bits, one small product for each 61 bits of x and y, rational reconstruction.
     What is returned was put into the equation.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.bezout.coprime_equations import solve_coprime_equation
-    >>> a, b, c = map(polynomial, ("s**2 + 1", "s + 2", "s**3"))
-    >>> [str(p.as_expr()) for p in solve_coprime_equation(a, b, c)]
-    ['s + 2/5', '-2*s/5 - 1/5']
     """
     first, second, goal = (to_flint_polynomial(p) for p in (a, b, c))
     found = None

@@ -54,11 +54,6 @@ def elementary_divisors(
     right, left : vectors
         Minimal bases of both null spaces.
 
-    Raises
-    ------
-    NoSolutionError
-        If the sizes do not add up to the rank: then a basis was none.
-
     Examples
     --------
     >>> from flint import fmpz_mat

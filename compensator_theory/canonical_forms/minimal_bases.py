@@ -139,11 +139,6 @@ def basis_of_pencil(P: PolynomialMatrix, vectors: NullVectors) -> MinimalBasis:
     vectors : nested lists of int
         Each by ascending powers of s, the shortest first.
 
-    Raises
-    ------
-    NoSolutionError
-        If the columns are no minimal basis.
-
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix

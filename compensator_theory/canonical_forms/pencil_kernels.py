@@ -73,13 +73,7 @@ class Pencil:
         return other
 
     def null_vectors(self) -> NullVectors:
-        """Return a minimal basis of {x : (sE - A) x = 0}, each by ascending powers of s.
-
-        Raises
-        ------
-        BudgetError
-            If its numbers are too long.
-        """
+        """Return a minimal basis of {x : (sE - A) x = 0}, each by ascending powers of s."""
         if self.rank == self.shape[1]:
             return []
         modulus, structure, values, tried = 1, None, [], 0

@@ -179,14 +179,6 @@ def by_euclid(work: Elimination, start: int = 0) -> int:
 
     The pivot is always an entry of least degree; where it divides its row and column and not all
     that is left, a row that it does not divide is added to its own, and its degree falls.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.canonical_forms.smith import by_euclid
-    >>> from compensator_theory.polynomial_matrices.equivalence import elimination_of
-    >>> by_euclid(elimination_of(polynomial_matrix([["s", 1], ["s", 1]])))
-    1
     """
     size = min(work.rows, work.columns)
     for k in range(start, size):

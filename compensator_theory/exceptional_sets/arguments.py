@@ -30,18 +30,6 @@ def substituted(argument: Any, values: Mapping[Symbol, Expr]) -> Any:
         is. Symbols are found by their names, as everywhere.
     values : mapping of sympy.Symbol to sympy.Expr
         All at once.
-
-    Raises
-    ------
-    InputError
-        If the argument does not exist there, because a denominator becomes zero.
-
-    Examples
-    --------
-    >>> from sympy.abc import a, b
-    >>> from compensator_theory.exceptional_sets.arguments import substituted
-    >>> substituted(["(s + a)/(s*b)", [a**2, 3]], {a: b - 1})
-    ['(s + (b - 1))/(s*b)', [b**2 - 2*b + 1, 3]]
     """
     by_name = {symbol.name: value for symbol, value in values.items()}
     return _replaced(argument, by_name) if by_name else argument
@@ -119,11 +107,6 @@ def names_in(argument: Any) -> set[str]:
 
 def require_variable(before: Any, after: Any) -> None:
     """Refuse an argument whose variable dropped out with what was put in; it would be misread.
-
-    Raises
-    ------
-    InputError
-        If it had s, z or q in it and has none any more.
 
     Examples
     --------

@@ -54,11 +54,6 @@ def half_plane_matrix(
 ) -> HalfPlaneMatrix:
     """Read a rational proper transfer matrix in s, z or q, without factors common to all entries.
 
-    Raises
-    ------
-    InputError, ImproperError, BudgetError
-        If it cannot be read, has symbols, says nothing about time, is improper or too large.
-
     Examples
     --------
     >>> from compensator_theory.frequency.half_plane_matrices import half_plane_matrix

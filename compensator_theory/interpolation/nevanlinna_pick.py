@@ -287,21 +287,6 @@ def solve_pick(
         g, of norm at most 1; not used where P is singular.
     discrete : bool
         Whether the variable is z or q.
-
-    Raises
-    ------
-    NoSolutionError
-        If f misses a value or the bound: then the computation before was wrong.
-
-    Examples
-    --------
-    >>> from sympy import Rational
-    >>> from sympy.abc import s
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.interpolation.nevanlinna_pick import solve_pick
-    >>> g = transfer_function(("0", "1"), variable="s")
-    >>> print(solve_pick([Rational(1)], [Rational(1, 2)], s, g, discrete=False))
-    (4/3)/(s + 5/3)
     """
     where, w = _complex_rational(points), _complex_rational(values)
     if discrete:
@@ -327,21 +312,7 @@ def solve_pick(
 
 
 def values_at(f: TransferFunction, points: Sequence[Expr], values: Sequence[Expr]) -> Certificate:
-    """Return the certificate that a function takes given values, evaluated anew.
-
-    Raises
-    ------
-    NoSolutionError
-        If it does not.
-
-    Examples
-    --------
-    >>> from sympy import I
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.interpolation.nevanlinna_pick import values_at
-    >>> values_at(transfer_function("1/s"), [1, I], [1, -I]).holds
-    True
-    """
+    """Return the certificate that a function takes given values, evaluated anew."""
     pairs = zip(_complex_rational(points), _complex_rational(values), strict=True)
     evaluated = [(_at(f.numerator, p), _at(f.denominator, p), w) for p, w in pairs]
     if not all(bottom for _, bottom, _ in evaluated):
@@ -351,19 +322,7 @@ def values_at(f: TransferFunction, points: Sequence[Expr], values: Sequence[Expr
 
 
 def require_closed(points: Sequence[Expr], values: Sequence[Expr]) -> None:
-    """Refuse data that no real function takes.
-
-    Raises
-    ------
-    InputError
-        If the conjugate of a point is missing, or its value is not the conjugate.
-
-    Examples
-    --------
-    >>> from sympy import I
-    >>> from compensator_theory.interpolation.nevanlinna_pick import require_closed
-    >>> require_closed([1 + I, 1 - I], [2 * I, -2 * I])
-    """
+    """Refuse data that no real function takes."""
     known = dict(zip(points, values, strict=True))
     for point, value in known.items():
         partner = sympy.conjugate(point)

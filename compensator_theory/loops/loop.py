@@ -166,14 +166,6 @@ def close_loop(
         For scalar u and y anything :func:`polynomial` reads; else a SymPy matrix or nested lists of
         such entries, l_u x l_y and l_u x l_u, with :math:`D_c = q^{n_c} I - \cdots`.
 
-    Raises
-    ------
-    InputError
-        If shapes do not fit or D_c is not monic.
-    ImproperError
-        If N_c has a higher degree than D_c, or :math:`\det(I - Q_0 D_0) = 0`, where
-        :math:`Q_0` and :math:`D_0` are the direct terms of compensator and plant.
-
     Examples
     --------
     >>> from compensator_theory import standard_problem

@@ -26,11 +26,6 @@ LoopPart: TypeAlias = TransferFunctionLike | Realisation
 def require_sign(feedback: object) -> None:
     """Refuse a sign of feedback other than +1 and -1.
 
-    Raises
-    ------
-    InputError
-        With what the two signs mean.
-
     Examples
     --------
     >>> from compensator_theory.loops.siso import require_sign
@@ -49,11 +44,6 @@ def agreed_sign(compensator: TransferFunction | Realisation, feedback: int | Non
         May carry the sign that it was designed for.
     feedback : {+1, -1} or None
         What was asked for; None means +1, u = G_c y.
-
-    Raises
-    ------
-    InputError
-        If the two contradict each other, or the sign is neither +1 nor -1.
 
     Examples
     --------
@@ -89,13 +79,6 @@ def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: in
     Notes
     -----
     Source: the denominator of (7.22); chapters 2 and 4 use f = +1, Section 7.3 and after -1.
-
-    Examples
-    --------
-    >>> from compensator_theory import transfer_function
-    >>> from compensator_theory.loops.siso import closed_loop_of_pair
-    >>> closed_loop_of_pair(transfer_function("1/s"), transfer_function("2/(s + 1)"), -1)
-    Poly(s**2 + s + 2, s, domain='QQ')
     """
     N, D, N_c, D_c = over_one_field(G.numerator, G.denominator, G_c.numerator, G_c.denominator)
     return canonical(D * D_c - N * N_c * feedback)
@@ -103,11 +86,6 @@ def closed_loop_of_pair(G: TransferFunction, G_c: TransferFunction, feedback: in
 
 def well_posed_loop(G: TransferFunction, G_c: TransferFunction, feedback: int) -> Poly:
     r"""Return :math:`D D_c - f N N_c` of a loop that has all its poles.
-
-    Raises
-    ------
-    ImproperError
-        If the degree is below that of :math:`D D_c`: the direct terms cancel.
 
     Examples
     --------
@@ -145,11 +123,6 @@ def read_loop(
     variable : str or Symbol, optional
         Of the plant.
 
-    Raises
-    ------
-    InputError
-        If the variables differ or `feedback` is neither +1 nor -1.
-
     Examples
     --------
     >>> from compensator_theory.loops.siso import read_loop
@@ -178,15 +151,6 @@ def siso_loop(
     plant: LoopPart, compensator: LoopPart, feedback: int
 ) -> tuple[TransferFunction, TransferFunction]:
     """Read the proper parts of a loop whose plant is free of hidden modes.
-
-    Raises
-    ------
-    NotCoprimeError
-        If the plant has hidden modes.
-    ImproperError
-        If one of the two is improper.
-    InputError
-        If the variables differ, the plant has no state, or the sign is neither +1 nor -1.
 
     Examples
     --------
@@ -223,11 +187,6 @@ def in_variable_of(
         What `read` takes.
     read : callable
         :func:`transfer_function` or :func:`transfer_matrix`.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
 
     Examples
     --------

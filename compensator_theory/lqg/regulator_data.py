@@ -28,11 +28,6 @@ def regulator_data(
 ) -> RegulatorData:
     r"""Read the data of a regulator, :math:`z = E_1 x + E_2 u`, with rational entries or symbols.
 
-    Raises
-    ------
-    InputError
-        If a shape does not fit or an entry is symbolic.
-
     Examples
     --------
     >>> from compensator_theory.lqg.regulator_data import regulator_data
@@ -66,12 +61,6 @@ def read_weights(
     symbols: bool = False,
 ) -> Weights:
     """Read the data of a regulator as (A, B, Q, R, N), from a signal z or from weights.
-
-    Raises
-    ------
-    InputError
-        If both or none are given, a shape does not fit, a weight is not symmetric, or an entry has
-        symbols where none are taken.
 
     Examples
     --------
@@ -120,11 +109,6 @@ def _require_rational(matrix: ImmutableMatrix, name: str) -> None:
 
 def regulator_and_estimator(plant: object) -> tuple[RegulatorData, RegulatorData]:
     """Return the data of both problems of a plant, that of the estimator in its dual form.
-
-    Raises
-    ------
-    InputError
-        If it is no StandardProblem.
 
     Examples
     --------

@@ -607,15 +607,7 @@ class _Work:
     def solution(
         self, gain: FieldMatrix | None = None
     ) -> tuple[FieldMatrix, FieldMatrix, Certificate]:
-        """Return P, K and their certificate, or the P that belongs to a gain.
-
-        Raises
-        ------
-        NoSolutionError
-            If there is no stabilising solution.
-        BudgetError
-            If the numbers are too long.
-        """
+        """Return P, K and their certificate, or the P that belongs to a gain."""
         work = self.field
         one_input = _last_row(*self.plane[:2]) is not None
         size = max(

@@ -132,11 +132,6 @@ def high_authority_target(plant: StandardProblem, *, digits: int = 30) -> HighAu
 def scalar_numerators(plant: StandardProblem) -> tuple[Poly, Poly]:
     r"""Return :math:`N_{zu}` and :math:`N_{yw}` of a plant that high-authority LQG can handle.
 
-    Raises
-    ------
-    InputError, NoSolutionError, UnitCircleError
-        As :func:`high_authority_target` says.
-
     Examples
     --------
     >>> from compensator_theory import standard_problem

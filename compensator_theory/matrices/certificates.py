@@ -49,11 +49,6 @@ class Certificate(ExactValue):
 def proven(certificate: Certificate, what: str = "result") -> Certificate:
     """Return a certificate that holds.
 
-    Raises
-    ------
-    NoSolutionError
-        If it does not: then the computation before was wrong.
-
     Examples
     --------
     >>> from sympy import ImmutableMatrix
@@ -70,11 +65,6 @@ def certificate_of(
     identity: str, residuals: Iterable[Iterable[Expr]], what: str = "result"
 ) -> Certificate:
     """Return the certificate of matrices, or lists of expressions, that must vanish.
-
-    Raises
-    ------
-    NoSolutionError
-        If one does not: then the computation before was wrong.
 
     Examples
     --------

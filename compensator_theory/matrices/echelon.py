@@ -44,17 +44,7 @@ class Echelon:
 
 
 def echelon(matrix: Matrix) -> Echelon:
-    """Return the reduced row echelon form, by python-flint or without fractions.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from sympy.abc import a
-    >>> from compensator_theory.matrices.echelon import echelon
-    >>> found = echelon(Matrix([[a, 1, 2], [0, a - 1, 0]]))
-    >>> found.pivots, found.divided_by
-    ((0, 1), a**2 - a)
-    """
+    """Return the reduced row echelon form, by python-flint or without fractions."""
     rows, columns = matrix.shape
     if 0 in (rows, columns):
         return Echelon(ImmutableMatrix.zeros(0, columns), (), sympy.Integer(1))

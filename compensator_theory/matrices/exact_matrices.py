@@ -33,11 +33,6 @@ MatrixLike: TypeAlias = MatrixBase | Sequence[Sequence[NumberLike]] | ArrayOfNum
 def exact_matrix(value: MatrixLike, name: str) -> ImmutableMatrix:
     """Read a matrix exactly, entry by entry.
 
-    Raises
-    ------
-    InputError
-        If it is not two-dimensional, is sparse, or an entry is no number.
-
     Examples
     --------
     >>> from compensator_theory.matrices.exact_matrices import exact_matrix

@@ -64,12 +64,6 @@ def matrix_exponential(
     used : set of str
         Names that no new symbol may have; they are added.
 
-    Raises
-    ------
-    InputError
-        If a factor has a larger degree, or the real part of its roots is no sum of monomials in
-        symbols.
-
     Examples
     --------
     >>> from sympy import ImmutableMatrix

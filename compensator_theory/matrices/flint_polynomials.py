@@ -33,13 +33,6 @@ def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
 
     SymPy keeps rational polynomials and numbers as python-flint's where it found it, and then
     nothing is converted.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
-    >>> to_flint_polynomial(polynomial("s**2 + 1/2"))
-    x^2 + 1/2
     """
     kept = getattr(poly.rep, "_rep", None)
     if isinstance(kept, flint.fmpq_poly):
@@ -51,16 +44,7 @@ def to_flint_polynomial(poly: Poly) -> flint.fmpq_poly:
 
 
 def from_flint_polynomial(poly: flint.fmpq_poly, variable: Symbol) -> Poly:
-    """Return a polynomial of python-flint as a rational one of SymPy.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from sympy.abc import s
-    >>> from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
-    >>> from_flint_polynomial(flint.fmpq_poly([flint.fmpq(1, 2), 0, 1]), s)
-    Poly(s**2 + 1/2, s, domain='QQ')
-    """
+    """Return a polynomial of python-flint as a rational one of SymPy."""
     if QQ.dtype is flint.fmpq:
         return Poly.new(DUP_Flint.from_rep(poly, QQ), variable)
     descending = [QQ(int(c.p), int(c.q)) for c in reversed(poly.coeffs())]

@@ -66,15 +66,6 @@ def primary_components(matrix: Matrix, polynomial: Poly) -> tuple[PrimaryCompone
         Square, exact; symbols are generic.
     polynomial : sympy.Poly
         Its characteristic polynomial.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.invariant_subspaces import primary_components
-    >>> parts = primary_components(Matrix([[1, 0], [0, 1]]), polynomial("(s - 1)**2"))
-    >>> parts[0].is_derogatory
-    True
     """
     found = []
     for factor, multiplicity in polynomial.factor_list()[1]:
@@ -167,15 +158,7 @@ def kernel(matrix: Matrix) -> ImmutableMatrix:
 
 
 def joined(rows: int, blocks: Sequence[Matrix]) -> ImmutableMatrix:
-    """Put blocks with the same number of rows side by side; none gives a matrix without columns.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrices.invariant_subspaces import joined
-    >>> joined(1, [Matrix([[1]]), Matrix([[2, 3]])])
-    Matrix([[1, 2, 3]])
-    """
+    """Put blocks with the same number of rows side by side; none gives a matrix without columns."""
     return ImmutableMatrix(sympy.Matrix.hstack(sympy.zeros(rows, 0), *blocks))
 
 

@@ -10,14 +10,7 @@ PRIMES_BELOW = 2**62
 
 
 def primes() -> Iterator[int]:
-    """Yield large primes, the largest first.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices.residues import primes
-    >>> next(primes()) < 2**62
-    True
-    """
+    """Yield large primes, the largest first."""
     candidate = PRIMES_BELOW - 1
     while True:
         if flint.fmpz(candidate).is_prime():
@@ -42,14 +35,7 @@ def pivots(matrix: flint.nmod_mat | flint.fmpz_mat) -> list[int]:
 
 
 def whole(values: Sequence[int], modulus: int) -> list[int] | None:
-    """Return whole numbers without a common factor that are a multiple of residues, if short.
-
-    Examples
-    --------
-    >>> from compensator_theory.matrices.residues import whole
-    >>> whole([pow(3, -1, 10007), 2], 10007)
-    [1, 6]
-    """
+    """Return whole numbers without a common factor that are a multiple of residues, if short."""
     bound, common = isqrt(modulus // 2), 1
     for value in values:
         numerator, previous = value * common % modulus, modulus

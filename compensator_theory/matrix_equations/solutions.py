@@ -145,11 +145,6 @@ def certified(
 ) -> MatrixSolution:
     """Put a solution together with what is left of its equation; refuse a wrong one.
 
-    Raises
-    ------
-    NoSolutionError
-        If something is left: then the computation before was wrong.
-
     Examples
     --------
     >>> from sympy import ImmutableMatrix

@@ -290,18 +290,6 @@ def solve_rational(
 
     The determinant of p(-B), a resultant, is known before the work begins, and with it how long the
     entries of X may be.
-
-    Raises
-    ------
-    BudgetError
-        If the solution has too many digits.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrix_equations.sylvester_equations import solve_rational
-    >>> solve_rational(Matrix([[2]]), Matrix([[1]]), Matrix([[1]]))
-    Matrix([[1/3]])
     """
     (A, over_a), (B, over_b), (C, over_c) = (to_flint(M).numer_denom() for M in (a, b, c))
     if stein:
@@ -422,16 +410,7 @@ def _over(matrix: flint.fmpz_mat, divisor: flint.fmpz) -> flint.fmpz_mat:
 
 
 def sum_of_products(*products: tuple[Matrix, ...]) -> Matrix:
-    """Return a sum of products of matrices, in integers where all of them are rational.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory.matrix_equations.sylvester_equations import sum_of_products
-    >>> A, B = Matrix([[1, 2]]), Matrix([[3], [4]])
-    >>> sum_of_products((A, B), (Matrix([[5]]),))
-    Matrix([[16]])
-    """
+    """Return a sum of products of matrices, in integers where all of them are rational."""
     found = [[rational_in_flint(factor) for factor in factors] for factors in products]
     if any(factor is None for factors in found for factor in factors):
         terms = [reduce(mul, factors) for factors in products]

@@ -68,15 +68,6 @@ def prove_forms(loop: ImmutableMatrix, Dtilde: Poly, n: int) -> BallProof:
     :math:`\det V_2 V_2^* \ne 0` (:math:`V_2^* V_2` for n_c > n, with the Youla parameter's columns
     beside T). So "proved" needs no assumption on Jordan blocks. The converse is not true: a ball
     never proves that a number is 0.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.observers.ball_proofs import prove_forms
-    >>> loop = Matrix([[0, 1], [2, 0]])
-    >>> prove_forms(loop, polynomial("s**2 - 2"), 1)
-    BallProof(proved=2, tried=2, is_exhaustive=True)
     """
     minimal = from_flint_polynomial(to_flint(loop).minpoly(), Dtilde.gen)
     for precision in PRECISIONS:

@@ -46,31 +46,13 @@ class Equivalence:
 
 
 def elimination_of(matrix: PolynomialMatrix) -> Elimination:
-    """Return a polynomial matrix ready for elementary operations.
-
-    Raises
-    ------
-    BudgetError
-        If it is too large.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.polynomial_matrices.equivalence import elimination_of
-    >>> elimination_of(polynomial_matrix([["s", 1], ["s", 1]])).triangulate()
-    1
-    """
+    """Return a polynomial matrix ready for elementary operations."""
     ring = joint_ring(matrix)
     return Elimination(ring, read_into(ring, matrix))
 
 
 def by_rows(work: Elimination, law: str) -> Equivalence:
     """Return what row operations made, with the certificate of U P = F and U U^-1 = I.
-
-    Raises
-    ------
-    NoSolutionError
-        If the products differ: then the operations were wrong.
 
     Examples
     --------
@@ -86,11 +68,6 @@ def by_rows(work: Elimination, law: str) -> Equivalence:
 
 def by_rows_and_columns(work: Elimination, law: str) -> Equivalence:
     """Return what operations made, with the certificate of U P V = F and of both inverses.
-
-    Raises
-    ------
-    NoSolutionError
-        If the products differ: then the operations were wrong.
 
     Examples
     --------
@@ -112,11 +89,6 @@ def certificate_of_products(
     ring: Ring, law: str, pairs: Iterable[tuple[Grid, Grid]], what: str = "form"
 ) -> Certificate:
     """Compare matrices pair by pair, entry by entry.
-
-    Raises
-    ------
-    NoSolutionError
-        If they differ: then the computation before was wrong.
 
     Examples
     --------

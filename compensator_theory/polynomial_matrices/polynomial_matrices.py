@@ -187,11 +187,6 @@ def joint_ring(*matrices: PolynomialMatrix) -> Ring:
 def read_into(ring: Ring, matrix: PolynomialMatrix) -> Grid:
     """Return the entries as elements of a ring.
 
-    Raises
-    ------
-    BudgetError
-        If rows times degree, the size of what an elimination works on, are too many.
-
     Examples
     --------
     >>> from compensator_theory import polynomial_matrix
@@ -205,14 +200,5 @@ def read_into(ring: Ring, matrix: PolynomialMatrix) -> Grid:
 
 
 def written(ring: Ring, grid: Grid) -> PolynomialMatrix:
-    """Return a matrix of elements as one of SymPy's polynomials.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import joint_ring, written
-    >>> ring = joint_ring(polynomial_matrix([["s"]]))
-    >>> print(written(ring, [[ring.one, ring.zero]]))
-    [[1, 0]]
-    """
+    """Return a matrix of elements as one of SymPy's polynomials."""
     return PolynomialMatrix(tuple(tuple(ring.write(entry) for entry in row) for row in grid))

@@ -182,11 +182,6 @@ Ring: TypeAlias = RationalRing | SymbolicRing
 def ring_of(polynomials: Iterable[Poly]) -> Ring:
     """Return the ring over the smallest field that has all coefficients.
 
-    Raises
-    ------
-    InputError
-        If they have no common field that is known here.
-
     Examples
     --------
     >>> from compensator_theory import polynomial

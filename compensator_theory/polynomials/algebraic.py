@@ -133,20 +133,7 @@ class Algebraic:
 
 
 def algebraic(number: Expr) -> Algebraic | None:
-    """Return an irrational constant exactly, or None if it is transcendental or unknown.
-
-    Raises
-    ------
-    BudgetError
-        If its degree exceeds the budget.
-
-    Examples
-    --------
-    >>> from sympy import E, I, exp, pi
-    >>> from compensator_theory.polynomials.algebraic import algebraic
-    >>> algebraic(exp(I * pi / 4)).minimal, algebraic(E)
-    (x^4 + 1, None)
-    """
+    """Return an irrational constant exactly, or None if it is transcendental or unknown."""
     if number.is_Rational:
         return rational_number(number)
     for part in number.atoms(Rational):

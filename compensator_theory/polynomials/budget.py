@@ -118,14 +118,7 @@ def unlimited() -> Iterator[None]:
 
 
 def quoted(obj: object) -> str:
-    """Write what an error speaks of, whatever the length of its numbers, on at most two lines.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.budget import quoted
-    >>> len(quoted(10**5000))
-    200
-    """
+    """Write what an error speaks of, whatever the length of its numbers, on at most two lines."""
     return _shortened(obj.as_expr() if isinstance(obj, Poly) else obj, str, 200, 40)
 
 
@@ -146,11 +139,6 @@ def integer(
 ) -> int:
     """Return an argument that must be an integer within bounds.
 
-    Raises
-    ------
-    InputError
-        If it is none, or out of bounds.
-
     Examples
     --------
     >>> from compensator_theory.polynomials.budget import integer
@@ -170,14 +158,7 @@ def integer(
 
 
 def shown(value: object, most: int = 60) -> str:
-    """Write anything that was given for an error message, however large or broken it is.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.budget import shown
-    >>> shown("s" * 1000, 8), shown(2)
-    ("'sss...", '2')
-    """
+    """Write anything that was given for an error message, however large or broken it is."""
     return _shortened(value, repr, most)
 
 
@@ -222,11 +203,6 @@ def ask(name: str, amount: int, what: str) -> None:
         What the request needs.
     what : str
         What needs it, for the message.
-
-    Raises
-    ------
-    BudgetError
-        Says what was asked, the limit, and how to raise it.
 
     Examples
     --------

@@ -91,17 +91,6 @@ def parse_quotient(text: str) -> tuple[Expr, Expr]:
     -------
     tuple of sympy.Expr
         Numerator and denominator, multiplied out.
-
-    Raises
-    ------
-    InputError, BudgetError
-        As for :func:`parse_expression`.
-
-    Examples
-    --------
-    >>> from compensator_theory.polynomials.expressions import parse_quotient
-    >>> parse_quotient("(s + 1)/((s + 1)*(s + 2))")
-    (s + 1, s**2 + 3*s + 2)
     """
     return read_text(text).sides()
 

@@ -201,11 +201,6 @@ def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     A list, tuple, array, set or generator holds *roots*, and so does a text with commas, which is
     no polynomial; coefficients are written as a polynomial.
 
-    Raises
-    ------
-    InputError
-        As :func:`polynomial_from_roots` and :func:`polynomial`.
-
     Examples
     --------
     >>> from compensator_theory.polynomials.from_roots import polynomial_or_roots

@@ -57,19 +57,6 @@ def canonical(poly: Poly) -> Poly:
     """Return the polynomial over the smallest of QQ, QQ[a, ...], QQ(a, ...) that contains it.
 
     Equal polynomials then compare equal, whatever they were computed from.
-
-    Raises
-    ------
-    InputError
-        If a coefficient is not real, or lies in a finite field, or there are several generators.
-
-    Examples
-    --------
-    >>> from sympy import Poly
-    >>> from sympy.abc import a, q
-    >>> from compensator_theory.polynomials.poly import canonical
-    >>> canonical(Poly(a * q + q - a * q, q))
-    Poly(q, q, domain='QQ')
     """
     if len(poly.gens) > 1:
         raise InputError(f"{quoted(poly)} has several generators; say which is the variable")
@@ -228,11 +215,6 @@ def scaled(poly: Poly, factor: Expr) -> Poly:
 def require_poly(poly: Poly) -> Poly:
     """Return a polynomial over the rationals or over symbols in canonical form.
 
-    Raises
-    ------
-    InputError
-        If it is none; the message says how to make one.
-
     Examples
     --------
     >>> from sympy import Poly
@@ -250,11 +232,6 @@ def require_poly(poly: Poly) -> Poly:
 
 def is_rational(poly: Poly) -> bool:
     """Tell whether every coefficient is a rational number.
-
-    Raises
-    ------
-    InputError
-        If it is not a polynomial.
 
     Examples
     --------
@@ -288,11 +265,6 @@ def sides_in(quotient: Quotient, variable: Symbol) -> tuple[Poly, Poly]:
 
 def from_quotient(quotient: Quotient, variable: Symbol) -> Poly:
     """Return a quotient that is a polynomial; what divides it is cancelled first.
-
-    Raises
-    ------
-    InputError
-        If it is none.
 
     Examples
     --------

@@ -122,13 +122,6 @@ def multiplied_out(tree: Tree, *, least_denominators: bool = False) -> Quotient:
 
     Denominators that differ by a number are one denominator.
 
-    Raises
-    ------
-    InputError
-        If it divides by zero.
-    BudgetError
-        Before it is multiplied out to too high a degree, too many terms or too long numbers.
-
     Examples
     --------
     >>> from sympy.abc import s

@@ -117,11 +117,6 @@ def in_one_variable(
     default : str, optional
         What to take where none shows a symbol.
 
-    Raises
-    ------
-    InputError
-        If the variable is not evident, or something is no polynomial.
-
     Examples
     --------
     >>> from compensator_theory.polynomials.reading import in_one_variable

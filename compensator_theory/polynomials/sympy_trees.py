@@ -31,13 +31,6 @@ _X = Symbol("x")
 def require_readable(expression: Expr) -> None:
     """Refuse an expression that is not built from numbers, symbols and elementary functions.
 
-    Raises
-    ------
-    InputError
-        If something is not finite, not commutative, or of another kind.
-    BudgetError
-        If it is too large or too deeply nested.
-
     Examples
     --------
     >>> from sympy.abc import s

@@ -65,11 +65,6 @@ def is_discrete(variable: Symbol, what: str) -> bool:
     what : str
         The question that depends on it, for the message.
 
-    Raises
-    ------
-    InputError
-        If the letter says neither.
-
     Examples
     --------
     >>> from sympy.abc import s, z
@@ -101,11 +96,6 @@ def time_of(variable: Symbol, what: str) -> Time:
 def require_time(time: object) -> Time:
     """Return the time domain that was named.
 
-    Raises
-    ------
-    InputError
-        If it is neither "continuous" nor "discrete".
-
     Examples
     --------
     >>> from compensator_theory.polynomials.variables import require_time
@@ -121,11 +111,6 @@ def require_time(time: object) -> Time:
 
 def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbol:
     """Return the variable of polynomials in a time domain: s or q where none is named.
-
-    Raises
-    ------
-    InputError
-        If the one that is named stands for the other time domain, or for none.
 
     Examples
     --------
@@ -147,11 +132,6 @@ def variable_in(time: object, variable: str | Symbol | None, what: str) -> Symbo
 
 def require_discrete(variable: Symbol, what: str) -> None:
     """Refuse a variable other than z and q.
-
-    Raises
-    ------
-    InputError
-        Names the variable.
 
     Examples
     --------
@@ -180,11 +160,6 @@ def shared_variable(parts: Iterable[Readable], variable: str | Symbol | None = N
         What was given; None shows no variable.
     variable : str or Symbol, optional
         The name that decides.
-
-    Raises
-    ------
-    InputError
-        If the variable is not evident; the message says between what.
 
     Examples
     --------
@@ -238,11 +213,6 @@ def evident_variable(
 def require_no_other_operator(poly: Poly) -> None:
     """Refuse a polynomial in one of s, z, q whose coefficients contain another of them.
 
-    Raises
-    ------
-    InputError
-        Names both; with two meanings of time in one loop, one of them is a mistake.
-
     Examples
     --------
     >>> from compensator_theory import polynomial
@@ -259,11 +229,6 @@ def require_no_other_operator(poly: Poly) -> None:
 
 def require_one_symbol_a_name(symbols: Iterable[Symbol]) -> None:
     """Refuse two symbols with one name, which differ in their assumptions only.
-
-    Raises
-    ------
-    InputError
-        Names the symbol.
 
     Examples
     --------

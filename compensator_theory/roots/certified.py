@@ -121,15 +121,6 @@ def root_balls(poly: Poly, precision: int = 64) -> list[tuple[flint.acb, int]]:
     precision : int
         Working precision in bits.
 
-    Returns
-    -------
-    list of (flint.acb, int)
-
-    Raises
-    ------
-    InputError
-        If the polynomial is zero or has symbolic coefficients.
-
     Examples
     --------
     >>> from compensator_theory import polynomial
@@ -170,14 +161,6 @@ def decided_balls(
     -------
     list of (flint.acb, int, decision)
         Balls, multiplicities and answers.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots.certified import decided_balls
-    >>> answers = decided_balls(polynomial("q**2 - 2"), lambda ball: ball.real > 0)
-    >>> sorted(positive for _, _, positive in answers)
-    [False, True]
     """
     while True:
         with ball_precision(precision):

@@ -30,13 +30,6 @@ def distinct_real_roots(poly: flint.fmpz_poly) -> int | None:
     -----
     The number of variations exceeds that of the roots by an even number, so 0 and 1 decide; other
     intervals are halved. Source: G. E. Collins and A. G. Akritas, SYMSAC (1976).
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots.descartes import distinct_real_roots
-    >>> distinct_real_roots(flint.fmpz_poly([-2, 0, 1]) * flint.fmpz_poly([5, 0, 1]))
-    2
     """
     at_origin = 0
     if poly[0] == 0:

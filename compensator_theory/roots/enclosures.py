@@ -189,11 +189,6 @@ def latex_of(polynomial: Poly | None, enclosure: PolynomialEnclosure) -> str:
 def enclosure_of_ball(ball: flint.arb) -> Enclosure:
     """Return the exact data of a python-flint real ball.
 
-    Raises
-    ------
-    InputError
-        If the ball is not finite.
-
     Examples
     --------
     >>> import flint

@@ -245,11 +245,6 @@ class Arithmetic:
         matrix, right : list of lists of flint.fmpq_poly
         scale : flint.fmpz, optional
             What makes algebraic integers of all entries: then large fields are faster.
-
-        Raises
-        ------
-        ZeroDivisionError
-            If the matrix is singular.
         """
         d, n, m = self.field.degree, len(matrix), len(right[0])
         if scale is not None and d >= CONJUGATES:
@@ -447,14 +442,6 @@ def stable_factors(*spectra: flint.fmpq_poly, most: int = LARGEST_FIELD) -> Stab
     -------
     StableFactors or None
         None if the degree of the field is larger. Every factor was multiplied out in the field.
-
-    Examples
-    --------
-    >>> import flint
-    >>> from compensator_theory.roots.number_fields import stable_factors
-    >>> found = stable_factors(flint.fmpq_poly([1, 0, 0, 0, 1]))
-    >>> print(found.field, found.factors)
-    Q(sigma), sigma the greatest real root of sigma**2 - 2 [[1, x, 1]]
     """
     parts = [_parts(p) for p in spectra]
     distinct: list[flint.fmpz_poly] = []

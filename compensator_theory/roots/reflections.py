@@ -102,11 +102,6 @@ def weighted_pair(
 ) -> tuple[Poly, Poly, Expr]:
     """Read what N N* + r D D* is made of; without D it is zero.
 
-    Raises
-    ------
-    InputError
-        If r is negative or no rational number, or a coefficient is symbolic.
-
     Examples
     --------
     >>> from compensator_theory.roots.reflections import weighted_pair

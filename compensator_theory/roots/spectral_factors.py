@@ -194,24 +194,6 @@ def factor_spectrum(spectrum: Poly, degree: int, time: Time, digits: int = 30) -
     time : {"continuous", "discrete"}
     digits : int
         As for :func:`spectral_factor`.
-
-    Raises
-    ------
-    NoSolutionError
-        If the polynomial is zero or has a root on the imaginary axis.
-    UnitCircleError
-        If it has a root on the unit circle.
-    InputError
-        If it lacks the symmetry, has symbolic coefficients, or the degree is too small.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.roots.spectral_factors import factor_spectrum
-    >>> factor_spectrum(polynomial("2*z**2 - 5*z + 2"), 2, "discrete").polynomial.as_expr()
-    z**2 - z/2
-    >>> factor_spectrum(polynomial("4 - s**2"), 1, "continuous").polynomial.as_expr()
-    s + 2
     """
     bits = working_bits(digits)
     if spectrum.is_zero:

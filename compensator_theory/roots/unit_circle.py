@@ -77,13 +77,6 @@ def lies_inside(factor: Poly) -> bool:
 
     Returns False if all are outside.
 
-    Raises
-    ------
-    UnitCircleError
-        If it has a root on the circle.
-    NoSolutionError
-        If it has roots on both sides.
-
     Examples
     --------
     >>> from compensator_theory import polynomial
@@ -152,11 +145,6 @@ def fold_palindrome(poly: Poly) -> Poly:
 
 def require_none_on_circle(poly: Poly) -> None:
     """Refuse a rational polynomial with a root of modulus exactly 1.
-
-    Raises
-    ------
-    UnitCircleError
-        The message names the irreducible factor.
 
     Examples
     --------

@@ -135,11 +135,6 @@ def exact_enclosure(poly: Poly) -> PolynomialEnclosure:
 def working_bits(digits: int) -> int:
     """Return the bits of precision to begin with for so many decimal digits.
 
-    Raises
-    ------
-    InputError
-        If `digits` is no integer between 1 and 10000.
-
     Examples
     --------
     >>> from compensator_theory.roots.unit_circle_enclosures import working_bits
@@ -178,11 +173,6 @@ def monic_reciprocal_enclosure(factor: PolynomialEnclosure) -> PolynomialEnclosu
     ----------
     factor : PolynomialEnclosure
         Known not to vanish at 0.
-
-    Raises
-    ------
-    InputError
-        If its constant term may be zero.
 
     Examples
     --------

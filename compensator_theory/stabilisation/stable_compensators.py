@@ -125,14 +125,7 @@ def stable_compensator(
 def search_by_order(
     plant: TransferFunctionLike, max_order: int | None, *, feedback: int, between: bool
 ) -> StableCompensator:
-    """Search as :func:`stable_compensator` does, at the orders 1 to n - 2 where that is wanted.
-
-    Examples
-    --------
-    >>> from compensator_theory.stabilisation.stable_compensators import search_by_order
-    >>> search_by_order("1/(s**3*(s + 1))", 3, feedback=-1, between=False).compensator.order
-    3
-    """
+    """Search as :func:`stable_compensator` does, at the orders 1 to n - 2 where that is wanted."""
     require_sign(feedback)
     G = transfer_function(plant)
     time = time_of(G.variable, "strong stabilisability")

@@ -215,11 +215,6 @@ class Interlacing(NamedTuple):
 def interlacing(plant: TransferMatrixLike) -> Interlacing:
     """Return the blocking zeros, poles and hidden modes of a plant.
 
-    Raises
-    ------
-    InputError
-        If the plant is zero, improper or symbolic.
-
     Examples
     --------
     >>> from compensator_theory.stabilisation.strong_stabilisability import interlacing

@@ -33,30 +33,12 @@ def compensators(
         One real mode for each: uncontrollable (but observable), unobservable (but controllable),
         or both. Default: none, so that the realisation is minimal.
 
-    Raises
-    ------
-    InputError
-        If the order is below the number of hidden modes, or a kind is unknown.
-
     Returns
     -------
     strategy for tuples of sympy.ImmutableMatrix
         The coordinates hide the structure. The visible part has order n_c - len(hidden); with order
         0 it is the zero compensator. No two modes are at the same number, so that each remains
         controllable or observable where it is to be.
-
-    Examples
-    --------
-    >>> from hypothesis import given
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory.matrices.linear_algebra import rank
-    >>> from compensator_theory.strategies import compensators
-    >>> @given(compensators(3, hidden=("unobservable",)))
-    ... def check(compensator):
-    ...     A, B, C = compensator
-    ...     assert rank(ImmutableMatrix.hstack(*(A**k * B for k in range(3)))) == 3
-    ...     assert rank(ImmutableMatrix.vstack(*(C * A**k for k in range(3)))) == 2
-    >>> check()
     """
     kinds = ("uncontrollable", "unobservable", "both")
     visible = order - len(hidden)

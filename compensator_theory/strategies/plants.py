@@ -218,17 +218,7 @@ def minimal_plants(
 
 @st.composite
 def unimodular_matrices(draw: st.DrawFn, size: int) -> ImmutableMatrix:
-    """Draw integer matrices of determinant 1, products of a lower and an upper triangular one.
-
-    Examples
-    --------
-    >>> from hypothesis import given
-    >>> from compensator_theory.strategies.plants import unimodular_matrices
-    >>> @given(unimodular_matrices(3))
-    ... def check(matrix):
-    ...     assert matrix.det() == 1
-    >>> check()
-    """
+    """Draw integer matrices of determinant 1, products of a lower and an upper triangular one."""
     count = size * (size - 1)
     entries = iter(draw(st.lists(st.integers(-1, 1), min_size=count, max_size=count)))
     lower, upper = [
@@ -243,16 +233,7 @@ def unimodular_matrices(draw: st.DrawFn, size: int) -> ImmutableMatrix:
 def disguised(
     A: ImmutableMatrix, B: ImmutableMatrix, C: ImmutableMatrix, S: ImmutableMatrix
 ) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
-    """Change the coordinates of a realisation by a unimodular matrix S.
-
-    Examples
-    --------
-    >>> from sympy import ImmutableMatrix
-    >>> from compensator_theory.strategies.plants import disguised
-    >>> one = ImmutableMatrix([[1]])
-    >>> disguised(2 * one, one, 3 * one, one)
-    (Matrix([[2]]), Matrix([[1]]), Matrix([[3]]))
-    """
+    """Change the coordinates of a realisation by a unimodular matrix S."""
     if not A.rows:
         return A, B, C
     inverse = S.inv()

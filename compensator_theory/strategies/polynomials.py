@@ -48,17 +48,7 @@ def polynomials(
     max_degree: int = 4,
     is_monic: bool = False,
 ) -> Poly:
-    """Draw rational polynomials whose degree lies in the given range (zero excluded).
-
-    Examples
-    --------
-    >>> from hypothesis import given
-    >>> from compensator_theory.strategies import polynomials
-    >>> @given(polynomials(min_degree=2, is_monic=True))
-    ... def check(p):
-    ...     assert p.is_monic and p.degree() >= 2
-    >>> check()
-    """
+    """Draw rational polynomials whose degree lies in the given range (zero excluded)."""
     degree = draw(st.sampled_from(range(min_degree, max_degree + 1)))
     leading = Rational(1) if is_monic else draw(nonzero_rationals())
     rest = draw(st.lists(rationals(), min_size=degree, max_size=degree))
@@ -74,15 +64,6 @@ def coprime_pairs(draw: st.DrawFn, variable: str = "s", max_degree: int = 4) -> 
 
     Where b shares a root with a, the least of 1, 2, ... that removes it is added to b: each of the
     deg a roots rules out one number.
-
-    Examples
-    --------
-    >>> from hypothesis import given
-    >>> from compensator_theory.strategies import coprime_pairs
-    >>> @given(coprime_pairs())
-    ... def check(pair):
-    ...     assert pair[0].gcd(pair[1]).degree() == 0
-    >>> check()
     """
     # lower degrees come first, to shrink to, and are the rarer ones
     degree = draw(st.sampled_from([1, *(d for d in range(2, max_degree + 1) for _ in range(2))]))
@@ -97,15 +78,7 @@ def coprime_pairs(draw: st.DrawFn, variable: str = "s", max_degree: int = 4) -> 
 
 
 def coprime_to(a: Poly, b: Poly) -> Poly:
-    """Add the least nonnegative integer to b that makes it coprime to a (deg a > 0, not zero).
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.strategies.polynomials import coprime_to
-    >>> coprime_to(polynomial("s*(s - 1)"), polynomial("-s")).as_expr()
-    2 - s
-    """
+    """Add the least nonnegative integer to b that makes it coprime to a (deg a > 0, not zero)."""
     while b.is_zero or a.gcd(b).degree() > 0:
         b += 1
     return canonical(b)

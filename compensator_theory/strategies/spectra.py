@@ -18,22 +18,6 @@ def spectra(draw: st.DrawFn, size: int, real_roots: bool | None = None) -> tuple
         Number of roots, with multiplicity.
     real_roots : bool, optional
         True: at least one is real. False: none is. Default: either.
-
-    Raises
-    ------
-    InputError
-        If an odd number of roots is to be without a real one, or none with one.
-
-    Examples
-    --------
-    >>> from hypothesis import given
-    >>> from compensator_theory import polynomial_from_roots
-    >>> from compensator_theory.strategies import spectra
-    >>> @given(spectra(4, real_roots=False))
-    ... def check(roots):
-    ...     assert not any(root.is_real for root in roots)
-    ...     assert polynomial_from_roots(roots, "s").degree() == 4
-    >>> check()
     """
     pairs = draw(_numbers_of_pairs(size, real_roots))
     roots: list[Expr] = []
@@ -51,17 +35,6 @@ def hurwitz_spectra(draw: st.DrawFn, size: int, real_roots: bool | None = None) 
     ----------
     size, real_roots
         As for :func:`spectra`.
-
-    Examples
-    --------
-    >>> from hypothesis import given
-    >>> from compensator_theory import decide_stability, polynomial_from_roots
-    >>> from compensator_theory.strategies import hurwitz_spectra
-    >>> @given(hurwitz_spectra(3))
-    ... def check(roots):
-    ...     poly = polynomial_from_roots(roots, "s")
-    ...     assert decide_stability(poly, time="continuous").is_stable
-    >>> check()
     """
     negative = st.builds(Rational, st.integers(1, 9), st.integers(1, 4)).map(lambda x: -x)
     pairs = draw(_numbers_of_pairs(size, real_roots))
@@ -82,17 +55,6 @@ def schur_spectra(draw: st.DrawFn, size: int, real_roots: bool | None = None) ->
     ----------
     size, real_roots
         As for :func:`spectra`.
-
-    Examples
-    --------
-    >>> from hypothesis import given
-    >>> from compensator_theory import decide_stability, polynomial_from_roots
-    >>> from compensator_theory.strategies import schur_spectra
-    >>> @given(schur_spectra(3))
-    ... def check(roots):
-    ...     poly = polynomial_from_roots(roots, "q")
-    ...     assert decide_stability(poly, time="discrete").is_stable
-    >>> check()
     """
     pairs = draw(_numbers_of_pairs(size, real_roots))
     roots: list[Expr] = []

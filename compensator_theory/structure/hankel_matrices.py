@@ -162,11 +162,6 @@ def places(G: TransferMatrix) -> list[tuple[int, int]]:
 def proper_entry(G: TransferMatrix, i: int, j: int) -> TransferFunction:
     """Return an entry of a transfer matrix in lowest terms.
 
-    Raises
-    ------
-    ImproperError
-        If it is improper: then it has Markov parameters of negative index.
-
     Examples
     --------
     >>> from compensator_theory import transfer_matrix

@@ -74,19 +74,7 @@ def subspace_family(
 def sample_subspaces(
     matrix: Matrix, component: PrimaryComponent, exponent: int
 ) -> Iterator[ImmutableMatrix]:
-    r"""Yield some invariant subspaces with the polynomial :math:`f^e`, cyclic or not.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.invariant_subspaces import primary_components
-    >>> from compensator_theory.subspaces.cyclic_families import sample_subspaces
-    >>> null = Matrix.zeros(3, 3)
-    >>> part, = primary_components(null, polynomial("s**3"))
-    >>> next(sample_subspaces(null, part, 2)).shape
-    (3, 2)
-    """
+    r"""Yield some invariant subspaces with the polynomial :math:`f^e`, cyclic or not."""
     size, rows = exponent * component.degree, matrix.rows
     lengths, rest = [], exponent
     for longest in component.block_lengths:

@@ -39,19 +39,6 @@ def grassmannian_cell(
         With r blocks longer than j, and w lines over the field of the root taken from r: d w (r -
         w) parameters, d = deg f. All of these subspaces but a thin set, each once. Where f is zero
         on the component they are all invariant subspaces: the Grassmannian.
-
-    Examples
-    --------
-    >>> from sympy import eye, symbols
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.invariant_subspaces import primary_components
-    >>> from compensator_theory.subspaces.open_cells import grassmannian_cell
-    >>> part, = primary_components(eye(3), polynomial("(s - 1)**3"))
-    >>> grassmannian_cell(eye(3), part, 2, iter(symbols("alpha_1:9")))[0]
-    Matrix([
-    [      1,       0],
-    [      0,       1],
-    [alpha_1, alpha_2]])
     """
     d = component.degree
     j = max(k for k, below in enumerate(component.kernels) if below.cols <= exponent * d)
@@ -126,17 +113,6 @@ def families(matrix: Matrix, chosen: Sequence[tuple[PrimaryComponent, int]]) -> 
     matrix : sympy.Matrix
     chosen : sequence of pairs of PrimaryComponent and int
         The exponents of the irreducible factors.
-
-    Examples
-    --------
-    >>> from sympy import Matrix
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.invariant_subspaces import primary_components
-    >>> from compensator_theory.subspaces.open_cells import families
-    >>> blocks = Matrix(4, 4, lambda i, j: int((i, j) == (0, 1)))
-    >>> part, = primary_components(blocks, polynomial("s**4"))
-    >>> [len(parameters) for _, parameters in families(blocks, [(part, 2)])]
-    [2, 2, 2]
     """
     found: list[Family] = [(joined(matrix.rows, []), ())]
     for component, exponent in chosen:

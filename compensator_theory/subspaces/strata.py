@@ -50,12 +50,6 @@ def strata(blocks: Sequence[int], size: int) -> tuple[Stratum, ...]:
     The number of such subspaces over a field of q elements is Hall's polynomial above. Source: I.
     G. Macdonald, Symmetric Functions and Hall Polynomials (1995), II.4 and I.9; that each
     irreducible component has this dimension: N. Spaltenstein, Indagationes Mathematicae 38 (1976).
-
-    Examples
-    --------
-    >>> from compensator_theory.subspaces.strata import strata
-    >>> [(s.subspace, s.quotient, s.dimension, s.components) for s in strata((2, 1, 1), 2)]
-    [((1, 1), (2,), 2, 1), ((2,), (1, 1), 2, 1), ((1, 1), (1, 1), 1, 1)]
     """
     whole = tuple(sorted(blocks, reverse=True))
     rest = sum(whole) - size
@@ -83,16 +77,6 @@ def continuum_size(chosen: Sequence[tuple[PrimaryComponent, int]]) -> tuple[int,
     chosen : sequence of pairs of PrimaryComponent and int
         The exponents e of the irreducible factors f in the polynomial of the subspaces. A factor of
         degree d counts its dimension d times: its subspaces are those over the field of its root.
-
-    Examples
-    --------
-    >>> from sympy import eye
-    >>> from compensator_theory import polynomial
-    >>> from compensator_theory.matrices.invariant_subspaces import primary_components
-    >>> from compensator_theory.subspaces.strata import continuum_size
-    >>> part, = primary_components(eye(4), polynomial("(s - 1)**4"))
-    >>> continuum_size([(part, 2)])  # all planes in a space of dimension 4
-    (4, 1)
     """
     dimension, components = 0, 1
     for component, exponent in chosen:
@@ -106,14 +90,7 @@ def continuum_size(chosen: Sequence[tuple[PrimaryComponent, int]]) -> tuple[int,
 
 @cache
 def partitions(size: int, largest: int | None = None) -> tuple[Partition, ...]:
-    """Return all partitions of a number, largest parts first.
-
-    Examples
-    --------
-    >>> from compensator_theory.subspaces.strata import partitions
-    >>> partitions(3)
-    ((3,), (2, 1), (1, 1, 1))
-    """
+    """Return all partitions of a number, largest parts first."""
     if size == 0:
         return ((),)
     top = min(size, size if largest is None else largest)
@@ -129,12 +106,6 @@ def littlewood_richardson(whole: Partition, part: Partition, content: Partition)
     The number of ways to fill :math:`\lambda/\mu` with :math:`\nu_i` entries i, weakly increasing
     along rows, strictly down columns, such that read from right to left, row by row, no i + 1 is
     ahead of the i.
-
-    Examples
-    --------
-    >>> from compensator_theory.subspaces.strata import littlewood_richardson
-    >>> littlewood_richardson((3, 2, 1), (2, 1), (2, 1))
-    2
     """
     inner = part + (0,) * (len(whole) - len(part))
     fits = len(part) <= len(whole) and all(map(int.__le__, inner, whole))

@@ -91,11 +91,6 @@ def timed_realisation(
 ) -> Realisation:
     """Read a realisation for a question whose answer depends on time, which is never guessed.
 
-    Raises
-    ------
-    InputError
-        If bare matrices are given without a variable, or the variable is none of s, z and q.
-
     Examples
     --------
     >>> from compensator_theory.systems.canonical_forms import timed_realisation

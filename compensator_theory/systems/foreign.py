@@ -88,12 +88,6 @@ def is_foreign(obj: object) -> bool:
 def contents_of(system: Any, variable: str | Symbol | None) -> Contents:
     """Return what a foreign system holds.
 
-    Raises
-    ------
-    InputError
-        If it is no rational transfer function and no linear state space, has several signals where
-        one is needed, or does not say whether its time is discrete.
-
     Examples
     --------
     >>> import control

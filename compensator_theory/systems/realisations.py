@@ -78,11 +78,6 @@ def in_series(last: Matrices, before: Matrices) -> Matrices:
 def in_feedback(plant: Matrices, other: Matrices, feedback: int) -> Matrices:
     """Return the matrices from v to y of the plant under u = v + f K y.
 
-    Raises
-    ------
-    ImproperError
-        If det(I - f D D_k) = 0: the loop is not well posed.
-
     Examples
     --------
     >>> from sympy import ImmutableMatrix

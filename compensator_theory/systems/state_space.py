@@ -107,11 +107,6 @@ def controllable_canonical_form(
     tuple of sympy.ImmutableMatrix
         (A, B, C, D) with :math:`G = C(qI - A)^{-1}B + D` and :math:`\det(qI - A) = D(q)`.
 
-    Raises
-    ------
-    ImproperError
-        If G is improper.
-
     Notes
     -----
     Source: (7.26).

@@ -20,11 +20,6 @@ def shared_sample_time(*systems: Any) -> Rational | None:
     What has no sample time, a number or a transfer function that was written down, takes on that of
     the others.
 
-    Raises
-    ------
-    InputError
-        If two of them are sampled at different times.
-
     Examples
     --------
     >>> import control
@@ -46,11 +41,6 @@ def time_base(
     variable: Symbol, sample_time: Rational | None, dt: float | bool | None = None
 ) -> float | bool:
     """What python-control calls dt: seconds, 0 in continuous time, True where no one knows.
-
-    Raises
-    ------
-    InputError
-        If neither the variable nor a sample time tells it.
 
     Examples
     --------
@@ -76,11 +66,6 @@ def control_state_space(
 ) -> control.StateSpace:  # fmt: skip
     """The state space of python-control, every entry rounded once to float64.
 
-    Raises
-    ------
-    InputError
-        If an entry is symbolic or overflows, or python-control is not installed.
-
     Examples
     --------
     >>> from sympy import ImmutableMatrix as M
@@ -100,11 +85,6 @@ def control_state_space(
 
 def to_float(value: Expr) -> float:
     """A rational number, rounded once to float64.
-
-    Raises
-    ------
-    InputError
-        If it is no rational number, or exceeds the range.
 
     Examples
     --------

@@ -394,11 +394,6 @@ class TransferFunction(ExactValue):
 def require_proper(G: TransferFunction, name: str) -> None:
     """Refuse a transfer function that is not known to be proper.
 
-    Raises
-    ------
-    ImproperError
-        If deg N > deg D.
-
     Examples
     --------
     >>> from compensator_theory import transfer_function
@@ -414,11 +409,6 @@ def require_proper(G: TransferFunction, name: str) -> None:
 
 def sides_of(operand: Operand, variable: Symbol) -> Sides | None:
     """Return numerator and denominator of an operand; None if it is none.
-
-    Raises
-    ------
-    InputError
-        If it is a transfer function in another variable, or no quotient of polynomials.
 
     Examples
     --------
@@ -478,11 +468,6 @@ def multiplied(a: Sides, b: Sides) -> Sides:
 
 def inverted(sides: Sides) -> Sides:
     """Exchange numerator and denominator.
-
-    Raises
-    ------
-    InputError
-        If the numerator is zero.
 
     Examples
     --------

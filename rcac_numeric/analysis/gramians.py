@@ -27,13 +27,6 @@ def stein_solution(A: Array, Q: Array) -> Array:
     Notes
     -----
     Source: (4.23); R. A. Smith, SIAM J. Appl. Math. 16 (1968) 198-201.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.analysis.gramians import stein_solution
-    >>> stein_solution(np.array([[0.6]]), np.array([[1.0]]))  # 1 / (1 - 0.36)
-    array([[1.5625]])
     """
     X, power = np.array(Q, dtype=np.float64), np.array(A, dtype=np.float64)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
@@ -49,15 +42,7 @@ def stein_solution(A: Array, Q: Array) -> Array:
 
 
 def rational(A: Array) -> fmpq_mat:
-    """A float64 matrix, exactly.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.analysis.gramians import rational
-    >>> rational(np.array([[0.5, 3.0]]))
-    [1/2, 3]
-    """
+    """A float64 matrix, exactly."""
     entries = [fmpq(*float(entry).as_integer_ratio()) for entry in A.ravel()]
     return fmpq_mat(*A.shape, entries)
 
@@ -70,14 +55,6 @@ def enclosed_gramians(
     Doubling ends when a power F = A^(2^k) has norm f < 1: what is left out is then at most
     norm(X) f^2 / (1 - f^2), which widens every ball. None where this precision (in bits) or
     2^100 steps do not suffice, as for every A that is not stable.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.analysis.gramians import enclosed_gramians, rational
-    >>> X, Y = enclosed_gramians(*(rational(np.array([[v]])) for v in (0.5, 1.0, 3.0)), 128)
-    >>> float(X[0, 0]), float(Y[0, 0])
-    (1.3333333333333333, 4.0)
     """
     with ball_precision(precision):
         power, X, Y = arb_mat(A), arb_mat(Q), arb_mat(R)

@@ -56,23 +56,6 @@ def decide_stability(A: Array, uncertainty: Array | None = None) -> Stability:
     uncertainty : array, shape (n, n), optional
         How far each entry of the matrix that is meant may be from that of A, such as by the
         rounding that made A; the first two then decide for all these matrices at once.
-
-    Raises
-    ------
-    IllConditionedError
-        Where floating point cannot decide, and A is known with an uncertainty only or is larger
-        than 150 x 150.
-    InputError
-        If an entry is not finite.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.analysis.stability import decide_stability
-    >>> decide_stability(np.array([[0.5, 1e12], [0.0, 0.5]]))
-    Stability(is_stable=True, evidence='powers')
-    >>> decide_stability(np.array([[1.0]]))
-    Stability(is_stable=False, evidence='exact count')
     """
     if not np.isfinite(A).all():
         raise InputError("the matrix has entries that are not finite; it has no stability.")
@@ -140,15 +123,7 @@ def _by_eigenvalues(A: Array, off: float) -> bool | None:
 
 
 def counted_stable(A: fmpq_mat) -> bool:
-    """Whether all roots of det(qI - A) are inside the unit circle, over the rationals.
-
-    Examples
-    --------
-    >>> from flint import fmpq_mat
-    >>> from rcac_numeric.analysis.stability import counted_stable
-    >>> counted_stable(fmpq_mat(1, 1, [1])), counted_stable(fmpq_mat(0, 0))
-    (False, True)
-    """
+    """Whether all roots of det(qI - A) are inside the unit circle, over the rationals."""
     if not A.nrows():
         return True
     coefficients = [Rational(int(c.p), int(c.q)) for c in reversed(A.charpoly().coeffs())]

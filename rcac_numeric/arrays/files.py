@@ -32,21 +32,6 @@ def replacing(path: str | Path) -> Iterator[Path]:
     A process that is killed cannot remove its new file, hidden under the name
     ``.STEM.rcac-XXXXXXXX.SUFFIX``. The next one that writes the same file does, if nobody holds
     the lock on it any more, which the system releases when a process ends.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written, and why.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> from rcac_numeric.arrays.files import replacing
-    >>> file = pathlib.Path(tempfile.mkdtemp()) / "log.csv"
-    >>> with replacing(file) as new:
-    ...     _ = new.write_text("u,y")
-    >>> file.read_text(), len(list(file.parent.iterdir()))
-    ('u,y', 1)
     """
     target = Path(os.path.realpath(path))  # a link stays one, and what it points to is replaced
     try:

@@ -15,13 +15,7 @@ StateSpace = Any  # of python-control
 
 
 def imported(name: str) -> Any:
-    """A library that a result can be handed to.
-
-    Raises
-    ------
-    InputError
-        Where it is not installed.
-    """
+    """A library that a result can be handed to."""
     with needed(name.partition(".")[0]):
         return importlib.import_module(name)
 
@@ -30,11 +24,6 @@ def control_state_space(
     A: Array, B: Array, C: Array, D: Array, sample_time: float | None
 ) -> StateSpace:
     """A discrete state space of python-control; without a sample time its dt is True.
-
-    Raises
-    ------
-    InputError
-        Where python-control is not installed.
 
     Examples
     --------

@@ -8,15 +8,7 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 
 
 def pairing(wanted: ComplexArray, available: ComplexArray) -> list[tuple[complex, complex]]:
-    """Assign to each wanted pole one available pole with the least total distance.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.arrays.pairing import pairing
-    >>> pairing(np.array([0.5 + 0j]), np.array([0.9 + 0j, 0.4 + 0j]))
-    [((0.5+0j), (0.4+0j))]
-    """
+    """Assign to each wanted pole one available pole with the least total distance."""
     distances = np.abs(wanted[:, None] - available[None, :])
     rows, columns = np.arange(len(wanted)), _nearest(distances)
     if columns is None:

@@ -32,12 +32,6 @@ def write_record(path: str | Path, kind: str, parts: Mapping[str, Any], records:
     """Write parts by name: arrays under their own names, and everything else as a tree.
 
     A part that is made of functions is kept by its fingerprint alone.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be written, its name does not end in .npz, or it would hold more than
-        is read.
     """
     if Path(path).suffix.lower() != ".npz":
         raise InputError(f"{path}: the name of a saved {kind} must end in .npz.")
@@ -87,15 +81,7 @@ def is_record(path: str | Path) -> bool:
 def read_record(
     path: str | Path, kind: str, records: Records, given: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """The parts that `write_record` wrote; those in `given` stand for what was left out.
-
-    Raises
-    ------
-    InputError
-        Where the file cannot be read, is damaged or of another kind, holds more than may be read
-        or what the constructor of a class refuses, or a part was left out and is not given, or is
-        given and another one.
-    """
+    """The parts that `write_record` wrote; those in `given` stand for what was left out."""
     try:
         arrays = read_npz(Path(path))
     except OSError as error:

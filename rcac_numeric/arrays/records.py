@@ -55,13 +55,7 @@ class Records:
         self._classes = {one.__name__: one for one in classes}
 
     def tree(self, value: Any, arrays: dict[str, Array]) -> Any:
-        """The data as a tree; arrays are put into `arrays`.
-
-        Raises
-        ------
-        InputError
-            Where it is of a class that is not named, or does not come back as it was.
-        """
+        """The data as a tree; arrays are put into `arrays`."""
         made = self._tree(value, arrays)
         if not equal(self.value(made, arrays), value):
             raise InputError(f"{type(value).__name__} cannot be written exactly.")
@@ -98,13 +92,7 @@ class Records:
         raise InputError(f"{name} {value!r:.80} cannot be written into a file without pickle.")
 
     def value(self, tree: Any, arrays: Mapping[str, Array]) -> Any:
-        """What `tree` was made of; every object has fields of the types that its class declares.
-
-        Raises
-        ------
-        InputError, LookupError, TypeError, ValueError
-            Where it is no such tree, or a constructor refuses what stands in it.
-        """
+        """What `tree` was made of; every object has fields of the types that its class declares."""
         if type(tree) in PLAIN:
             return tree
         if not isinstance(tree, dict) or frozenset(tree) not in FORMS:

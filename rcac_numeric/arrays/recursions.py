@@ -15,18 +15,6 @@ def linear_states(A: Array, drive: Array) -> Array:
     Many steps are cut into m blocks of m. All blocks run side by side from rest; what the state at
     the beginning of a block adds, A^j x, follows. That is 2 sqrt(N) steps in place of N, and the
     same sums in another order.
-
-    Parameters
-    ----------
-    A : array, shape (n, n)
-    drive : array, shape (N, n)
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.arrays.recursions import linear_states
-    >>> linear_states(np.array([[0.5]]), np.ones((3, 1))).ravel()
-    array([0.  , 1.  , 1.5 , 1.75])
     """
     steps, n = drive.shape
     if steps <= FEW:

@@ -63,25 +63,7 @@ class Budget:
 
 
 def read_npz(file: Path) -> dict[str, np.ndarray]:
-    """The arrays of numbers and texts in an archive, by name.
-
-    Raises
-    ------
-    InputError
-        Where it is none, is damaged, holds objects, or more than may be read.
-    OSError
-        Where it cannot be opened.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> import numpy as np
-    >>> from rcac_numeric.arrays.untrusted import read_npz
-    >>> file = pathlib.Path(tempfile.mkdtemp()) / "log.npz"
-    >>> np.savez(file, u=np.arange(3.0))
-    >>> read_npz(file)
-    {'u': array([0., 1., 2.])}
-    """
+    """The arrays of numbers and texts in an archive, by name."""
     require_readable(file)
     budget, found = Budget(file), {}
     with file.open("rb") as opened:
@@ -109,13 +91,7 @@ def read_npz(file: Path) -> dict[str, np.ndarray]:
 
 
 def names_in(file: Path) -> list[str]:
-    """The names of the arrays in an archive, of which nothing else is read.
-
-    Raises
-    ------
-    InputError, OSError
-        As for `read_npz`.
-    """
+    """The names of the arrays in an archive, of which nothing else is read."""
     with file.open("rb") as opened:
         try:
             with zipfile.ZipFile(_Listing(opened)) as archive:
@@ -125,13 +101,7 @@ def names_in(file: Path) -> list[str]:
 
 
 def read_npy(file: Path) -> np.ndarray:
-    """The array of a file.
-
-    Raises
-    ------
-    InputError, OSError
-        As for `read_npz`.
-    """
+    """The array of a file."""
     require_readable(file)
     with file.open("rb") as stream:
         try:
@@ -145,23 +115,7 @@ def read_npy(file: Path) -> np.ndarray:
 
 
 def parsed_json(text: str) -> Any:
-    """What a text of JSON holds, at most `MOST_PARTS` parts in `DEEPEST` levels.
-
-    Raises
-    ------
-    ValueError
-        Where it is no JSON, or is more or deeper than that, or has an endless number.
-
-    Examples
-    --------
-    >>> from rcac_numeric.arrays.untrusted import parsed_json
-    >>> parsed_json('{"k": [1, 2]}')
-    {'k': [1, 2]}
-    >>> parsed_json("[" * 100)
-    Traceback (most recent call last):
-        ...
-    ValueError: it is nested more than 60 deep
-    """
+    """What a text of JSON holds, at most `MOST_PARTS` parts in `DEEPEST` levels."""
     depth = parts = 0
     for token in _JSON.finditer(text):
         first = text[token.start()]

@@ -85,14 +85,7 @@ def number_latex(value: float, digits: int = 4) -> str:
 
 
 def polynomial_latex(coefficients: Iterable[float], variable: str = "q") -> str:
-    r"""A polynomial in LaTeX, from its coefficients in descending powers; zeros are left out.
-
-    Examples
-    --------
-    >>> from rcac_numeric.arrays.wording import polynomial_latex
-    >>> print(polynomial_latex([1.0, 0.0, -0.25]))
-    q^{2} - 0.25
-    """
+    r"""A polynomial in LaTeX, from its coefficients in descending powers; zeros are left out."""
     listed = list(coefficients)
     text = ""
     for power, value in zip(reversed(range(len(listed))), listed, strict=True):

@@ -358,14 +358,6 @@ def arguments_of_run(run: Run, source: str = "run") -> RunArguments:
 
     Behind a saturation, and for several controllers or a fixed one, in parallel too, it is handed
     over as a compensator: no single theta makes the logged u.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.checks.check import arguments_of_run
-    >>> arguments = arguments_of_run(load_example("4.7").main_run.execute().first.run)
-    >>> sorted(arguments)
-    ['k_w', 'log', 'plant', 'structure', 'target']
     """
     if not run.steps:
         raise InputError("the run has no step that could be checked.")

@@ -95,25 +95,6 @@ def decide_problem(log: ControllerLog, plants: Mapping[str, Plant]) -> Decision:
     log : ControllerLog
     plants : mapping from names to Plant
         Two or more, with the l_u and l_y of the log.
-
-    Raises
-    ------
-    InputError
-        Where the log has fewer than 60 steps beyond the order, or never moves.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric import ControllerLog, servo_plant, standard_plant
-    >>> from rcac_numeric.checks.hypotheses import decide_problem
-    >>> u = np.random.default_rng(0).standard_normal(200)
-    >>> y = np.zeros(200)
-    >>> for k in range(199):
-    ...     y[k + 1] = 0.5 * y[k] - u[k]
-    >>> G = "1/(q - 0.5)"
-    >>> print(decide_problem(
-    ...     ControllerLog(u, y), {"standard": standard_plant(G), "servo": servo_plant(G)}).decided)
-    servo (0)
     """
     if len(plants) < 2:
         raise InputError("one plant is no choice; give two or more.")

@@ -53,18 +53,6 @@ def resolution_of(values: Array) -> Resolution:
 
     The chance that numbers which were not rounded look as if they were is nil from ten different
     ones on. With fewer, those of a step for example, nothing is concluded.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.checks.resolution import resolution_of
-    >>> x = 100 * np.random.default_rng(0).standard_normal(50)
-    >>> for values in (x, x.astype(np.float32), np.round(x, 4), [f"{v:.5g}" for v in x]):
-    ...     print(resolution_of(np.asarray(values, dtype=float)))
-    in float64
-    in single precision
-    to 4 decimals
-    to 5 digits
     """
     flat = np.abs(values).ravel()
     flat = np.unique(flat[:: max(flat.size // SAMPLE, 1)])

@@ -45,11 +45,6 @@ def with_values(table: Mapping[str, Any], values: Sequence[str]) -> Raw:
     values : sequence of str
         Each KEY=VALUE, the key with dots, the value as TOML writes it.
 
-    Raises
-    ------
-    InputError
-        Where one is not of that form, is no TOML, or its key leads nowhere.
-
     Examples
     --------
     >>> from rcac_numeric.cli.cases import with_values
@@ -128,14 +123,7 @@ def complete_key(
 
 
 def known_keys() -> Iterator[tuple[str, str]]:
-    """The keys of the tables of an experiment file, with dots, and what each means.
-
-    Examples
-    --------
-    >>> from rcac_numeric.cli.cases import known_keys
-    >>> "controller.R_theta" in dict(known_keys())
-    True
-    """
+    """The keys of the tables of an experiment file, with dots, and what each means."""
     for name, table in json_schema()["properties"].items():
         for key, entry in table.get("properties", {}).items():
             yield f"{name}.{key}", str(entry.get("description", "")).partition(".")[0]

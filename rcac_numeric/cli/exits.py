@@ -106,14 +106,7 @@ def _after(error: BaseException) -> int:
 
 
 def at_the_shell(message: str) -> str:
-    """A message of the packages with the advice that a shell can follow.
-
-    Examples
-    --------
-    >>> from rcac_numeric.cli.exits import at_the_shell
-    >>> at_the_shell("raise it: with compensator_theory.budget(degree=300)")
-    'raise it: with --budget degree=300'
-    """
+    """A message of the packages with the advice that a shell can follow."""
     for of_python, of_shell in AT_THE_SHELL.items():
         message = re.sub(of_python, of_shell, message)
     return message

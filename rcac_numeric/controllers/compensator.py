@@ -162,11 +162,6 @@ def parallel(a: Compensator, b: Compensator) -> Compensator:
     ----------
     a, b : Compensator
         With the same inputs, and l_u = 1 (any l_u where neither reads past u).
-
-    Raises
-    ------
-    InputError
-        Where there are several outputs with a denominator.
     """
     if a.l_u > 1:
         if a.past_u.any() or b.past_u.any():

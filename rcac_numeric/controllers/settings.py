@@ -274,17 +274,6 @@ class ControllerSettings(Value):
 def require_learnable(learning: DataDriven, structure: Structure, l_z: int) -> None:
     """Raise where a target model cannot be learnt for a controller of this structure.
 
-    Parameters
-    ----------
-    learning : DataDriven
-    structure : Structure
-    l_z : int
-
-    Raises
-    ------
-    InputError
-        Where u or z is not scalar, or the order that u~ needs is above that of the model.
-
     Examples
     --------
     >>> from rcac_numeric import DataDriven, iir

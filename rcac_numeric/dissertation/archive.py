@@ -33,29 +33,7 @@ of the held-out seeds, rcac verify NUMBER --seeds GROUP runs others.
 
 
 def write_archive(found: Reproduction, path: str | Path) -> None:
-    """Write the archive of a reproduction, a ZIP file.
-
-    Parameters
-    ----------
-    found : Reproduction
-    path : path
-
-    Raises
-    ------
-    OSError
-        If it cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile, zipfile
-    >>> from pathlib import Path
-    >>> from rcac_numeric.dissertation import load_example, reproduce
-    >>> from rcac_numeric.dissertation.archive import write_archive
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> write_archive(reproduce([load_example("B.1")], folder), folder / "all.zip")
-    >>> "examples/B.1.toml" in zipfile.ZipFile(folder / "all.zip").namelist()
-    True
-    """
+    """Write the archive of a reproduction, a ZIP file."""
     own = version("compensator-theory")
     with replacing(path) as new, zipfile.ZipFile(new, "w", zipfile.ZIP_DEFLATED) as archive:
 

@@ -29,14 +29,7 @@ def in_order(number: str) -> list[str]:
 
 
 def absent_examples() -> Iterator[tuple[str, str]]:
-    """The numbered examples that are not here, each with the reason.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation.examples import absent_examples
-    >>> dict(absent_examples()).get("8.1") is None
-    True
-    """
+    """The numbered examples that are not here, each with the reason."""
     here = set(example_ids())
     table = tomllib.loads(FOLDER.joinpath("__absent__.toml").read_text("utf-8"))
     for entry in table["absent"]:
@@ -58,11 +51,6 @@ def read_example(number: str) -> tuple[Raw, str]:
 
 def example_text(number: str) -> str:
     """The file of one numbered example, as it was written.
-
-    Raises
-    ------
-    InputError
-        Where there is no such example.
 
     Examples
     --------

@@ -73,18 +73,7 @@ _EQUATION = re.compile(r"\(([1-9AB]\.\d+)\)")
 
 
 def example_page(case: Case) -> str:
-    """The page of one example, a whole HTML document.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.page.cases import case_of
-    >>> from rcac_numeric.dissertation.pages import example_page
-    >>> page = example_page(case_of(verify(load_example("7.1"))))
-    >>> page.startswith("<!DOCTYPE html>"), "Errata of the text" in page, "Rahman" in page
-    (True, True, True)
-    """
+    """The page of one example, a whole HTML document."""
     return case_page(
         case, template="example.html", home=HOME, work=WORK, errata=_told(_errata_at([case]))
     )
@@ -134,15 +123,6 @@ def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:
 
     A sentence that several checks of one example are about counts once, with the least favourable
     of their verdicts.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.dissertation.pages import headline
-    >>> from rcac_numeric.reports.page.cases import case_of
-    >>> headline([case_of(verify(load_example("B.5")))])["the text"]
-    Counter({'reproduced': 1, 'misprint': 1})
     """
     worst: dict[tuple[str, ...], ClaimRow] = {}
     order = (REPRODUCED, MISPRINT, DEPENDS, UNDETERMINED, NOT_REPRODUCED)

@@ -146,15 +146,7 @@ def _written(cases: Sequence[Case], folder: Path, is_quick: bool) -> Reproductio
 
 
 def digest_of(experiment: Experiment) -> str:
-    """A name for all that decides the case of an experiment: its data and our version.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.dissertation.reproduction import digest_of
-    >>> digest_of(load_example("7.1")) == digest_of(load_example("7.1"))
-    True
-    """
+    """A name for all that decides the case of an experiment: its data and our version."""
     data = io.BytesIO()
     pickler = pickle.Pickler(data, protocol=5)
     pickler.fast = True  # no references: whether two equal texts are one object is chance
@@ -195,13 +187,7 @@ class KeptCases(Value):
             return None  # a file that is not whole, or not ours: it is made anew
 
     def keep(self, experiment: Experiment, case: Case) -> None:
-        """Write the case of an experiment.
-
-        Raises
-        ------
-        InputError
-            Where the folder cannot be written.
-        """
+        """Write the case of an experiment."""
         file = self._file(experiment)
         try:
             file.parent.mkdir(parents=True, exist_ok=True)

@@ -18,15 +18,7 @@ _TOKEN = re.compile(r"\\([A-Za-z]+|.)|([{}^_])|([^\\{}^_]+)", re.DOTALL)
 
 
 def typeset(text: str) -> Markup:
-    r"""Words with formulas between dollars as HTML.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation.typesetting import typeset
-    >>> found = str(typeset(r"The $H_2$ cost < that of $\tilde{G}$"))
-    >>> found.encode("ascii", "namereplace").decode()
-    'The <i>H<sub>2</sub></i> cost &lt; that of <i>G\\N{COMBINING TILDE}</i>'
-    """
+    r"""Words with formulas between dollars as HTML."""
     parts = re.split(r"(?<!\\)\$", text)
     if len(parts) % 2 == 0:  # a dollar without its other one is no formula
         return escape(text)

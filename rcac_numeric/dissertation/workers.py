@@ -21,13 +21,6 @@ def case_workers(count: int) -> Iterator[Executor | None]:
 
     Whatever ends the block ends the processes with what they are at, and so does the death of
     this process.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation.workers import case_workers
-    >>> with case_workers(1) as executor:
-    ...     print(executor)
-    None
     """
     if count <= 1:
         yield None

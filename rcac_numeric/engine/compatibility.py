@@ -16,13 +16,7 @@ AnyController = OneController | Decentralized | StepwiseController
 
 
 def controllers_of(controller: AnyController) -> tuple[OneController, ...]:
-    """Every controller in the loop.
-
-    Raises
-    ------
-    InputError
-        Where it is no controller, or none that is compiled.
-    """
+    """Every controller in the loop."""
     instance_of(controller, "settings", AnyController)
     if isinstance(controller, StepwiseController):
         raise InputError(

@@ -500,11 +500,6 @@ def step_arguments(
     r, u_applied : arrays, numbers, or None
     gaps : bool
         Whether entries of y, z and r may be no finite numbers.
-
-    Raises
-    ------
-    InputError
-        Where one is not what it should be.
     """
     structure = settings.structure
     if (r is None) != (structure.l_r == 0):
@@ -530,19 +525,7 @@ def _sample(value: Any, name: str, size: int, gaps: bool) -> Array:
 
 
 def refuse_u_applied(settings: ControllerSettings, k: int, u_applied: ArrayLike) -> NoReturn:
-    """Say why what was applied cannot be taken in at step k.
-
-    Parameters
-    ----------
-    settings : ControllerSettings
-    k : int
-    u_applied : array or number
-
-    Raises
-    ------
-    InputError
-        Always.
-    """
+    """Say why what was applied cannot be taken in at step k."""
     vector(u_applied, "u_applied", settings.structure.l_u)
     if k == 0:
         raise InputError("u_applied belongs to the step before; at step 0 there is none.")

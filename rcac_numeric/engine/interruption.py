@@ -35,13 +35,7 @@ class RunInterrupted(KeyboardInterrupt):
 
 
 def run_to_end(prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False) -> None:
-    """Run every job to its end.
-
-    Raises
-    ------
-    RunInterrupted
-        On Ctrl-C, within about 0.1 s, with what had been computed.
-    """
+    """Run every job to its end."""
     for _ in in_slices(prepared, threads, lanes):
         pass
 
@@ -49,14 +43,7 @@ def run_to_end(prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = 
 def in_slices(
     prepared: Sequence[PreparedRun], threads: int = 1, lanes: bool = False, keep: bool = True
 ) -> Iterator[None]:
-    """Run every job to its end; hands over after each slice of time, and once at the end.
-
-    Raises
-    ------
-    RunInterrupted
-        On Ctrl-C while the jobs run, within about 0.1 s, with what had been computed; a plain
-        KeyboardInterrupt where that need not be kept.
-    """
+    """Run every job to its end; hands over after each slice of time, and once at the end."""
     jobs = [one.job for one in prepared]
     go_on = True
     for one in prepared:

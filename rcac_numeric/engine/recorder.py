@@ -104,13 +104,13 @@ class Recorder:
         InputError, DivergedError, FunctionFailedError
             As `Controller.step`; also where the log was closed.
         """
-        if self.failure:
-            return self.controller.step(y, z, r, u_applied)
-        if self._file is None:
+        if self._file is None and not self.failure:
             raise InputError(f"the log {self.path} is closed.")
         theta = self.controller.theta
         before = self.controller.record.troubles.get("missed sample")
         u: Array = self.controller.step(y, z, r, u_applied)
+        if self.failure:
+            return u
         after = self.controller.record.troubles.get("missed sample")
         missed = after is not None and (before is None or after.steps > before.steps)
         for name, given in (("y", y), ("z", z), ("r", r)):

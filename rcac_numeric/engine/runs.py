@@ -304,11 +304,6 @@ def load_run(
 def require_consistent(run: Run) -> None:
     """Raise where the parts of a run do not fit together, as those of a file may not.
 
-    Raises
-    ------
-    InputError
-        Which part it is.
-
     Examples
     --------
     >>> from dataclasses import replace

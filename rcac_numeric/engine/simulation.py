@@ -208,21 +208,7 @@ def require_hook(on_step: object, every: object, settings: object) -> int:
 
 
 def run_with_hook(prepared: PreparedRun, on_step: Hook, every: int) -> None:
-    """Run to the end; before every step k = every, 2 every, ... the hook is asked.
-
-    Parameters
-    ----------
-    prepared : PreparedRun
-    on_step : function of the run so far
-    every : int
-
-    Raises
-    ------
-    FunctionFailedError
-        Where the hook raised or returned no change that fits.
-    RunInterrupted
-        On Ctrl-C, as `run_to_end`.
-    """
+    """Run to the end; before every step k = every, 2 every, ... the hook is asked."""
     steps = len(prepared.w)
     while prepared.job.outcome == 0 and prepared.job.done < steps:
         k = prepared.first_step + prepared.job.done
@@ -321,14 +307,7 @@ class StepwiseLoop:
         self._body = compiled_plant(self.plant, x, self._failures)
 
     def run(self) -> Run:
-        """Run it to its end.
-
-        Raises
-        ------
-        RunInterrupted
-            On Ctrl-C; its run ends with the last whole step, and goes on from its state where the
-            step itself was not torn.
-        """
+        """Run it to its end."""
         whole = True
         try:
             while self.done < len(self.w) and self.outcome == "completed":

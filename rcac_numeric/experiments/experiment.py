@@ -176,13 +176,7 @@ class RunResult(Value):
     def values(
         self, measure: str, arguments: Mapping[str, object], until: int | None = None
     ) -> tuple[float, ...]:
-        """A measure of each repetition; NaN where it ended before there was anything to measure.
-
-        Raises
-        ------
-        CompensatorError
-            Where the measure refuses a run that is complete.
-        """
+        """A measure of each repetition; NaN where it ended before there was anything to measure."""
         return tuple(_value(one, measure, arguments, until) for one in self.repetitions)
 
 

@@ -116,11 +116,6 @@ STANDARD_FIGURES = (
 def require_drawable(request: FigureRequest, runs: Collection[str]) -> FigureRequest:
     """The request itself, where the runs and the measure that it names are there.
 
-    Raises
-    ------
-    InputError
-        Names what is not there.
-
     Examples
     --------
     >>> from rcac_numeric.experiments.figure_requests import FigureRequest, require_drawable

@@ -22,13 +22,7 @@ def compiler() -> str | None:
 
 
 def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequence[Path]) -> Path:
-    """A program, or with the flag -shared a library, of C sources.
-
-    Raises
-    ------
-    InputError
-        Where there is no compiler, or it refuses; with its first lines.
-    """
+    """A program, or with the flag -shared a library, of C sources."""
     cc = compiler()
     if cc is None:
         raise InputError("there is no C compiler here: no cc, gcc or clang, and CC is empty.")

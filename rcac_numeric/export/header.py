@@ -74,21 +74,6 @@ def config_header(tables: CoreTables, real: str = "float64") -> str:
     tables : CoreTables
     real : {"float64", "float32"}
         float32 gets a carry for each coefficient and, where it forgets, D <= D(0).
-
-    Raises
-    ------
-    InputError
-        Where a constant leaves the range of float32.
-
-    Examples
-    --------
-    >>> from rcac_numeric import UD, ControllerSettings, TargetModel, iir
-    >>> from rcac_numeric.export.header import config_header
-    >>> from rcac_numeric.export.tables import core_tables
-    >>> text = config_header(core_tables(ControllerSettings(
-    ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=0.5))))
-    >>> "#define RCAC_L_THETA 4" in text
-    True
     """
     out = _Writer(one_of(real, "real", REALS))
     _define_sizes(out, tables, real)
@@ -218,14 +203,7 @@ def _define_tables(out: _Writer, t: CoreTables) -> None:
 
 
 def vector_header(tables: CoreTables, recording: Recording, real: str = "float64") -> str:
-    """The text of rcac_vector.h: inputs, u of every step and theta at the end.
-
-    Parameters
-    ----------
-    tables : CoreTables
-    recording : Recording
-    real : {"float64", "float32"}
-    """
+    """The text of rcac_vector.h: inputs, u of every step and theta at the end."""
     out = _Writer(one_of(real, "real", REALS))
     out.define("VECTOR_STEPS", recording.steps)
     out.define("STATE_SIZE", tables.sizes(real)[0])

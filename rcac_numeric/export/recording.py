@@ -120,13 +120,6 @@ def recorded(
     run : Run, optional
         From step 0 on; its y, z and r are the inputs. Without it a small plant with noise stands
         in.
-
-    Raises
-    ------
-    DivergedError
-        Where the controller leaves the range of float64 at once.
-    InputError
-        Where a saturation meets a target model that is not strictly proper.
     """
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
@@ -168,11 +161,6 @@ def compiled_recording(program: Path, tables: CoreTables, run: Run | None, steps
     run : Run, optional
     steps : int
         At most.
-
-    Raises
-    ------
-    DivergedError
-        Where its numbers leave float32.
     """
     t, run = tables, usable(run)
     signals = _StandIn(t) if run is None else _Loop(run, t.l_r)

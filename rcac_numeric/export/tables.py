@@ -165,12 +165,7 @@ class CoreTables:
         return self.reach + REMEMBERED_STEPS + self.order + 1
 
     def sizes(self, real: str) -> tuple[int, int]:
-        """Bytes of `rcac_state` as this machine aligns it, and of the constants.
-
-        Parameters
-        ----------
-        real : {"float64", "float32"}
-        """
+        """Bytes of `rcac_state` as this machine aligns it, and of the constants."""
         number: Any = ctypes.c_double if real == "float64" else ctypes.c_float
         n, l_u, block, i32, i64 = self.l_theta, self.l_u, self.l_z * self.l_u, C_INT, C_LONG
         fields = [(i32, 5), (i64, 1), (number, l_u)]
@@ -237,22 +232,6 @@ def core_tables(
         Of the actuator, which the core then applies itself.
     live_order : int, optional
         The target model can be replaced while the controller runs, by one of this order at most.
-
-    Raises
-    ------
-    InputError
-        Where it has something that the core does not know.
-    BudgetError
-        Where it is too large.
-
-    Examples
-    --------
-    >>> from rcac_numeric import UD, ControllerSettings, TargetModel, iir
-    >>> from rcac_numeric.export.tables import core_tables
-    >>> tables = core_tables(ControllerSettings(
-    ...     structure=iir(n_c=2), target=TargetModel([0, 1]), update=UD(R_theta=0.5)))
-    >>> tables.l_theta, tables.D_0, tables.channels
-    (4, (2.0, 2.0, 2.0, 2.0), ((0, 0), (1, 0)))
     """
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
@@ -388,13 +367,7 @@ def _factors(P_0: Array) -> tuple[Numbers, Numbers]:
 
 
 def whitening(tables: CoreTables) -> tuple[Numbers, Numbers]:
-    """R_z and the Cholesky factor L of R_z + R_u, with the rows of a penalty, as the kernel rounds.
-
-    Raises
-    ------
-    InputError
-        Where R_z + R_u is not positive definite.
-    """
+    """R_z and the Cholesky factor L of R_z + R_u, with a penalty's rows, as the kernel rounds."""
     l_z, m = tables.l_z, tables.rows
     R_z, L = ([[0.0] * m for _ in range(m)] for _ in range(2))
     for i in range(l_z):

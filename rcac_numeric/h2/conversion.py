@@ -265,15 +265,6 @@ def deadbeat_gain(A: Array, C: Array, tolerance: float) -> tuple[Array, Array, i
     and a feedback with (A' - C'F') S_(k+1) in S_k is one least-squares problem for each k, in
     orthonormal bases throughout. The chain ends before it spans everything where modes do not
     show in C.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.h2.conversion import deadbeat_gain
-    >>> A, C = np.array([[0.0, 1.0], [-0.5, 1.5]]), np.array([[1.0, 0.0]])
-    >>> F, kept, steps = deadbeat_gain(A, C, 1e-12)
-    >>> steps, bool(np.abs(np.linalg.matrix_power(A - F @ C, 2)).max() < 1e-14)
-    (2, True)
     """
     n = len(A)
     sizes = np.linalg.norm(C, axis=1)

@@ -191,13 +191,7 @@ def _result(
 def loop_matrices(
     plant: Plant, compensator: StateSpace, inputs: NoiseInputs
 ) -> tuple[Array, Array, tuple[Array, Array], tuple[Array, Array]]:
-    """A and B of the loop with the state [x; x_c], z without E_2 u, and u, each from state and w.
-
-    Raises
-    ------
-    ImproperError
-        Where I - D_c D_0 is singular.
-    """
+    """A and B of the loop with the state [x; x_c], z without E_2 u, and u, from state and w."""
     A_c, B_c, C_c, D_c = compensator
     n, n_c, l_noise = plant.n, len(A_c), len(inputs.names)
     if not closes(D_c, plant.D_0):
@@ -293,12 +287,6 @@ def enclosed_cost(plant: Plant, compensator: StateSpace, inputs: NoiseInputs) ->
 
     The loop is formed over the rationals, so that the given float64 numbers are the only ones;
     stability is decided for it, and J enclosed in a ball that is narrow to 1e-12.
-
-    Raises
-    ------
-    IllConditionedError
-        Where changing each entry of the loop by one rounding can change J by as much as J, or the
-        loop is larger than 150 states.
     """
     A, B, maps = exact_loop(plant, compensator, inputs)
     n = A.nrows()

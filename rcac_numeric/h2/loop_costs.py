@@ -41,18 +41,7 @@ class LoopCosts(Value):
 
 
 def loop_costs(loop: ClosedLoop, noise: NoiseIntensities | None = None) -> LoopCosts:
-    """Compute the costs of a loop; `noise` as for `h2_cost`.
-
-    Examples
-    --------
-    >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
-    >>> from rcac_numeric.h2.loop_costs import loop_costs
-    >>> plant = standard_plant("1/(q - 2)")
-    >>> compensator = Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]])
-    >>> costs = loop_costs(ClosedLoop(plant, compensator))
-    >>> round(costs.reached.value, 6), round(costs.least.value, 6)
-    (8.0, 5.0)
-    """
+    """Compute the costs of a loop; `noise` as for `h2_cost`."""
     plant, compensator = loop.plant, loop.compensator
     form = "filter" if compensator.past_y[0].any() else "predictor"
     try:

@@ -250,11 +250,6 @@ def _verified(design: LQG) -> LQG:
 def weights(E_1: Array, E_2: Array) -> tuple[Array, Array, Array]:
     """(R_1, R_12, R_2) = (E_1'E_1, E_1'E_2, E_2'E_2), or those of the noise from transposes.
 
-    Raises
-    ------
-    InputError
-        Where a square is beyond float64.
-
     Examples
     --------
     >>> import numpy as np

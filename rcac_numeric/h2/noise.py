@@ -48,18 +48,6 @@ def noise_inputs(plant: Plant, noise: NoiseIntensities | None = None) -> NoiseIn
         From blocks (``"d"``) or channels (``"d2"``) to intensities: a variance, or a covariance
         matrix for a block. What it leaves out is no noise. By default every channel has
         intensity 1, as (A.3) says.
-
-    Raises
-    ------
-    InputError
-        Where a name is unknown or given twice, or an intensity is not positive semidefinite.
-
-    Examples
-    --------
-    >>> from rcac_numeric import servo_plant
-    >>> from rcac_numeric.h2.noise import noise_inputs
-    >>> noise_inputs(servo_plant("1/(q - 0.5)"), {"d": 1.0, "v": 0.25}).D_2
-    array([[ 0. , -0.5]])
     """
     if noise is None:
         noise = dict.fromkeys(plant.channels, 1.0)

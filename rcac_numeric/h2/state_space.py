@@ -14,20 +14,7 @@ StateSpace = tuple[Array, Array, Array, Array]
 
 
 def state_space_of(compensator: Any, l_u: int, l_y: int) -> StateSpace:
-    """(A_c, B_c, C_c, D_c) of a Compensator, a python-control system or four arrays.
-
-    Raises
-    ------
-    InputError
-        Where it is none of them, is in continuous time or has the wrong numbers of signals.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Compensator
-    >>> from rcac_numeric.h2.state_space import state_space_of
-    >>> state_space_of(Compensator(past_u=[[[0.5]]], past_y=[[[0.0]], [[2.0]]]), 1, 1)
-    (array([[0.5]]), array([[2.]]), array([[1.]]), array([[0.]]))
-    """
+    """(A_c, B_c, C_c, D_c) of a Compensator, a python-control system or four arrays."""
     if isinstance(compensator, Compensator):
         parts: Any = compensator.state_space()
     elif isinstance(compensator, tuple | list):

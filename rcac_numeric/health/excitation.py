@@ -46,13 +46,6 @@ def excitation_of(run: Run) -> Excitation | None:
     """The excitation of a run with recursive least squares and constant weights; else None.
 
     None too with a fixed compensator in parallel, whose part of u the run does not tell apart.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.health.excitation import excitation_of
-    >>> print(excitation_of(load_example("4.7").main_run.execute().first.run))
-    the data outweigh R_theta in 8 of 8 directions
     """
     settings = run.settings
     if not isinstance(settings, ControllerSettings) or not run.steps:

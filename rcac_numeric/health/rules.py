@@ -418,28 +418,6 @@ def direction_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ..
     """What `check_directions` finds of a square G_zu with several inputs; nothing of others.
 
     They are said of loops that look well too: a zero that is lost hides an instability from z.
-
-    Parameters
-    ----------
-    plant : Plant
-    target : TargetModel
-
-    Raises
-    ------
-    InputError, NoSolutionError
-        Where zeros or directions cannot be found, as `check_directions`.
-
-    Examples
-    --------
-    >>> from rcac_numeric import DirectionInformation, zero_direction_target
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.health.rules import direction_errors
-    >>> plant = load_example("9.1").main_run.plant
-    >>> direction_errors(plant, zero_direction_target(plant))
-    ()
-    >>> channels = DirectionInformation([[1, 0.5], [-0.3, 1.2]], [(1.5, [1, 0]), (1.5, [0, 1])])
-    >>> [error.code for error in direction_errors(plant, zero_direction_target(channels))]
-    ['zero in every channel']
     """
     if plant.l_u < 2 or plant.l_u != plant.l_z or plant.n > LARGEST:
         return ()
@@ -472,10 +450,6 @@ class _Look:
 
 def learning_warnings(run: Run) -> Iterator[HealthWarning]:
     """The warnings of a run with `DataDriven`, `CAUSES` among them where they would explain others.
-
-    Parameters
-    ----------
-    run : Run
 
     Examples
     --------
@@ -584,16 +558,6 @@ def sampling_zero_mends(plant: Plant, target: TargetModel) -> tuple[str, ...]:
     may make that worse: abs u from 2e4 to 9e4 for a second-order lag sampled at 10 Hz. Zeros
     elsewhere near the circle are left alone: telling those near 1 or near j made u larger
     wherever it was tried.
-
-    Examples
-    --------
-    >>> from rcac_numeric import TargetModel, standard_plant
-    >>> from rcac_numeric.health.rules import sampling_zero_mends
-    >>> plant = standard_plant("(q + 0.92)/((q - 0.8)*(q - 0.9))")
-    >>> sampling_zero_mends(plant, TargetModel([0.0, 1.0]))[0][:55]
-    'the zero -0.92 of the plant told as one on the unit cir'
-    >>> sampling_zero_mends(plant, TargetModel([0.0, 1.0, 1.0]))  # told as -1
-    ()
     """
     if (plant.l_u, plant.l_z, target.l_u, target.l_z) != (1, 1, 1, 1):
         return ()

@@ -18,13 +18,7 @@ NEAR = 0.05  # a zero of G_f this near, relatively, stands for one of the plant
 
 @dataclass(frozen=True)
 class TargetError:
-    """A contradiction between G_f and G_zu.
-
-    Attributes
-    ----------
-    code : {"wrong sign", "wrong d_zu", "unmodelled zero"}
-    sentence, next_step : str
-    """
+    """A contradiction between G_f and G_zu."""
 
     code: str
     sentence: str
@@ -32,18 +26,7 @@ class TargetError:
 
 
 def target_errors(plant: Plant, target: TargetModel) -> tuple[TargetError, ...]:
-    """What of G_f contradicts a plant with one u and one z.
-
-    Examples
-    --------
-    >>> from rcac_numeric import TargetModel, standard_plant
-    >>> from rcac_numeric.health.target_errors import target_errors
-    >>> plant = standard_plant("-(q - 2)/(q*(q - 0.5))")
-    >>> [error.code for error in target_errors(plant, TargetModel([0.0, 1.0]))]
-    ['wrong sign', 'unmodelled zero']
-    >>> target_errors(plant, TargetModel([0.0, -1.0, 2.0]))
-    ()
-    """
+    """What of G_f contradicts a plant with one u and one z."""
     if (plant.l_u, plant.l_z, target.l_u, target.l_z) != (1, 1, 1, 1):
         return ()
     require_dense(plant.n, "the plant")

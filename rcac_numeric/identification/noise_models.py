@@ -68,14 +68,6 @@ def coefficient_covariance(
         Equations less coefficients, at least 1.
     noise : NeweyWest, optional
         None takes the residual as white.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification.noise_models import coefficient_covariance
-    >>> ones = np.ones((4, 1))
-    >>> coefficient_covariance(ones, np.array([[0.25]]), ones, 4, None).item()
-    0.25
     """
     rows, p = regressors.shape
     l_y = residual.shape[1]

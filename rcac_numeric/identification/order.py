@@ -38,12 +38,6 @@ def order_from_singular_values(
     order : int, optional
         What to take in place of it; then only whether the matrix can carry it is asked.
 
-    Raises
-    ------
-    InputError
-        If there are fewer than 3 parameters, or the Hankel matrix is too small for the order or has
-        a smaller rank.
-
     Examples
     --------
     >>> import numpy as np

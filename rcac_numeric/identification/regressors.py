@@ -12,14 +12,7 @@ from rcac_numeric.arrays.validation import real_array
 
 
 def regression(u: ArrayLike, y: ArrayLike, mu: int, n_mod: int) -> tuple[Array, Array]:
-    """Regressors [recent u, older u, -older y] and present y of (3.8), row by row.
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification.regressors import regression
-    >>> regression([1, 2, 3], [4, 5, 6], mu=1, n_mod=1)[0].tolist()
-    [[2.0, 1.0, -4.0], [3.0, 2.0, -5.0]]
-    """
+    """Regressors [recent u, older u, -older y] and present y of (3.8), row by row."""
     U, Y = as_signal(u, "u"), as_signal(y, "y")
     window = mu + n_mod
     older_y = -lagged(Y, window)[:, mu * Y.shape[1] :]

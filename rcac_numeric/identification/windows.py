@@ -114,14 +114,7 @@ def identify_windows(
 
 
 def rms_residual(window: IdentifiedWindow) -> float:
-    """Root mean square of the residual of a window; not a number where it was refused.
-
-    Examples
-    --------
-    >>> from rcac_numeric.identification.windows import IdentifiedWindow, rms_residual
-    >>> rms_residual(IdentifiedWindow(0, 70, None, None, "too short"))
-    nan
-    """
+    """Root mean square of the residual of a window; not a number where it was refused."""
     if window.markov is None:
         return float("nan")
     return float(np.sqrt(np.mean(window.markov.residual**2)))

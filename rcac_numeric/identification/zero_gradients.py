@@ -15,14 +15,6 @@ def realised_zeros(H: Array, order: int) -> ComplexArray:
 
     These are the eigenvalues of A - B H_0^-1 C of the eigensystem realisation, in which the square
     roots of the singular values cancel. E_u and E_y' pick the first block.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification.zero_gradients import realised_zeros
-    >>> H = np.r_[1.0, -0.7 * 0.5 ** np.arange(6)].reshape(-1, 1, 1)  # (q - 1.2)/(q - 0.5)
-    >>> realised_zeros(H, order=1).round(9)
-    array([1.2+0.j])
     """
     return _Pencil(H, order).solved()[0]
 
@@ -32,12 +24,6 @@ def zeros_and_gradients(H: Array, order: int) -> tuple[ComplexArray, ComplexArra
 
     First-order perturbation of the generalised eigenvalues, the turning of the subspaces U and V
     with K_0 counted.
-
-    Raises
-    ------
-    IllConditionedError
-        If two zeros coincide, or the singular value at which the order is cut has an equal beyond
-        it, so that no derivative exists.
     """
     pencil = _Pencil(H, order)
     zeros, left, right = pencil.solved()

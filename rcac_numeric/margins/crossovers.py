@@ -35,20 +35,6 @@ def gain_crossovers(loop: OpenedLoop) -> Array:
     roots in [-1, 1] from a colleague matrix. Next to the ends and to the poles, where rounding may
     hide a root of it, changes of sign of log abs(L) are candidates too. Each is then polished on L
     itself.
-
-    Raises
-    ------
-    InputError
-        Where abs(L) = 1 at every frequency: then every frequency is a crossover.
-
-    Examples
-    --------
-    >>> import control
-    >>> from rcac_numeric.margins.opened_loop import broken_loop
-    >>> from rcac_numeric.margins.crossovers import gain_crossovers
-    >>> L = broken_loop(control.tf([1.0], [1.0, -1.0], True), feedback=-1)   # 1/(q - 1)
-    >>> gain_crossovers(L).round(12)                             # abs(q - 1) = 1 at pi/3
-    array([1.04719755])
     """
     n = len(loop.A)
     omega, N, D = _on_the_circle(loop, n + 1)

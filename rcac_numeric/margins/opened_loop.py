@@ -129,15 +129,6 @@ def broken_loop(
     feedback : {+1, -1}, for a loop transfer function only
         -1 where the loop is closed by 1 + L = 0, +1 where it is closed by 1 - L = 0. A ClosedLoop
         knows its own sign (+1 everywhere in this package).
-
-    Examples
-    --------
-    >>> from rcac_numeric import ClosedLoop, Compensator, standard_plant
-    >>> from rcac_numeric.margins.opened_loop import broken_loop
-    >>> loop = ClosedLoop(
-    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
-    >>> broken_loop(loop).response(0.0)            # minus G_yu(1) G_c(1)
-    array([-1.25+0.j])
     """
     if isinstance(loop, ClosedLoop):
         if feedback is not None:

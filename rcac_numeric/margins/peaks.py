@@ -20,10 +20,6 @@ def hinf_norm(system: Matrices, rtol: float = 1e-10) -> tuple[float, float]:
     The level-set method of Bruinsma and Steinbuch: the frequencies at which a singular value
     equals a level are eigenvalues of a symplectic pencil on the unit circle; the level is raised
     to the best value at the midpoints between them until there is none.
-
-    Returns
-    -------
-    (norm, omega in rad/sample)
     """
     A = system[0]
     n = len(A)

@@ -17,18 +17,7 @@ from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
 
 
 def plant_at(plant: AnyPlant, k: int) -> Plant:
-    """The plant at step k; a delay of its input is written out as states.
-
-    Examples
-    --------
-    >>> from rcac_numeric import PlantChange, PlantSchedule, standard_plant
-    >>> from rcac_numeric.plants.frozen import plant_at
-    >>> plant = standard_plant("1/(q - 0.5)")
-    >>> schedule = PlantSchedule(
-    ...     [PlantChange(start=0, plant=plant), PlantChange(start=100, plant=plant, delay=2)])
-    >>> plant_at(schedule, 99).n, plant_at(schedule, 100).n
-    (1, 3)
-    """
+    """The plant at step k; a delay of its input is written out as states."""
     if isinstance(plant, Plant):
         return plant
     if not isinstance(plant, PlantSchedule):

@@ -20,15 +20,7 @@ GAINS = ("P", "I", "D", "PI", "PD", "ID", "PID")
 
 
 def coefficient_names(run: Run) -> list[str]:
-    """What each entry of theta multiplies, such as u(k-1); one name for each.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.plots.coefficients import coefficient_names
-    >>> coefficient_names(load_example("4.8").main_run.execute().first.run)
-    ['u(k-1)', 'u(k-2)', 'u(k-3)', 'y(k-1)', 'y(k-2)', 'y(k-3)']
-    """
+    """What each entry of theta multiplies, such as u(k-1); one name for each."""
     if isinstance(run.settings, StepwiseController):
         return [rf"\theta_{{{i + 1}}}" for i in range(run.theta.shape[1])]
     return [

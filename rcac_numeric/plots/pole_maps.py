@@ -31,18 +31,7 @@ class Kind(NamedTuple):
 
 
 def draw_plane(axis: Axes, kinds: Sequence[Kind], reach: float = REACH) -> None:
-    r"""Points near the unit circle, and arrows at the rim towards those beyond.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from matplotlib.figure import Figure
-    >>> from rcac_numeric.plots.pole_maps import Kind, draw_plane
-    >>> axis = Figure().subplots()
-    >>> draw_plane(axis, [Kind("zeros", "zero", np.array([0.5, -3.6]), "o", "black", 6)])
-    >>> [text.get_text() for text in axis.texts if text.get_text()]
-    ['zero\n-3.6']
-    """
+    r"""Points near the unit circle, and arrows at the rim towards those beyond."""
     far = _far(kinds, reach)
     circle = np.exp(1j * np.linspace(0, 2 * np.pi, 400))
     axis.plot(circle.real, circle.imag, color=INK, linewidth=0.7)
@@ -59,27 +48,12 @@ def draw_plane(axis: Axes, kinds: Sequence[Kind], reach: float = REACH) -> None:
 
 
 def complex_word(value: complex) -> str:
-    """A point of the plane in three digits.
-
-    Examples
-    --------
-    >>> from rcac_numeric.plots.pole_maps import complex_word
-    >>> complex_word(-3.6143 + 0j), complex_word(2 - 1.5j)
-    ('-3.61', '2-1.5j')
-    """
+    """A point of the plane in three digits."""
     return f"{value.real:.3g}" if value.imag == 0 else f"{value:.3g}"
 
 
 def largest_counts(channels: Iterable[ComplexArray]) -> ComplexArray:
-    """Points of several maps in one picture: each as often as in the map that has it most often.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.plots.pole_maps import largest_counts
-    >>> largest_counts([np.array([2.0, 2.0]), np.array([2.0, 3.0])])
-    array([2.+0.j, 2.+0.j, 3.+0.j])
-    """
+    """Points of several maps in one picture: each as often as in the map that has it most often."""
     most: Counter[complex] = Counter()
     for values in channels:
         most |= Counter(np.round(values.astype(np.complex128), DIGITS).tolist())

@@ -136,14 +136,6 @@ def phases(wanted: ComplexArray, reached: ComplexArray) -> tuple[Array, Array]:
     their difference does. Where one of them almost vanishes rounding decides which way round the
     phase goes; the second one then stays on the branch next to the first, so that equal responses
     lie on each other.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.plots.style import phases
-    >>> a, b = phases(np.array([-1 + 1e-9j, 1j]), np.array([-1 - 1e-9j, 1j]))
-    >>> bool(np.abs(a - b).max() < 1e-8)
-    True
     """
     with np.errstate(all="ignore"):
         first = np.unwrap(np.angle(wanted))

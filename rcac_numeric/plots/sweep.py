@@ -19,11 +19,6 @@ def plot_summary(summary: SweepSummary) -> Figure:
     """The share of runs that did not complete, and the median of the measure, over the axes.
 
     Over one axis lines with their 95 % interval and quantiles, over two a map each.
-
-    Raises
-    ------
-    InputError
-        Where the groups differ in no axis, or in more than two.
     """
     if len(summary.axes) not in (1, 2):
         raise InputError(

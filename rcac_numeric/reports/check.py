@@ -21,17 +21,7 @@ from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table
 
 
 def check_sheet(check: ControllerCheck) -> Sheet:
-    """What the log says, what the loop is, and what cannot be said.
-
-    Examples
-    --------
-    >>> from rcac_numeric import Compensator, check_controller
-    >>> from rcac_numeric.reports.check import check_sheet
-    >>> gain = Compensator(past_u=[[[0.0]]], past_y=[[[0.5]], [[0.0]]])
-    >>> sheet = check_sheet(check_controller([0.5, 1.0], [1.0, 2.0], compensator=gain))
-    >>> sheet.record["replay"]["agrees"], sheet.health[0].words
-    (True, 'Whether the loop is stable is not known: the plant is not known.')
-    """
+    """What the log says, what the loop is, and what cannot be said."""
     health = loop_health(check)
     sections = [Section(record=health_record(health)), _log(check), _controller(check)]
     if check.loop is not None:

@@ -12,22 +12,7 @@ from rcac_numeric.reports.sheets.sheet import Level, Sheet, Text
 
 
 def health_lines(health: LoopHealth) -> tuple[Text, ...]:
-    """Stability, every warning with its mend, then sizes of signals, margins and excitation.
-
-    Examples
-    --------
-    >>> from rcac_numeric import loop_health, verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.health import health_lines
-    >>> for line in health_lines(loop_health(verify(load_example("4.7")))):
-    ...     print(line.words[:46])
-    The closed loop is stable, spectral radius 0.8
-    Warning (small margins): The margins are small
-    z: peak 19.2, rms 16.2 before control; peak 63
-    u: peak 107, rms 25.9 under control; rms 1 at
-    margins: gain 0.967 to 1.04 (-0.29 to 0.35 dB)
-    adaptation: the data outweigh R_theta in 8 of
-    """
+    """Stability, every warning with its mend, then sizes of signals, margins and excitation."""
     lines = [_stability(health)]
     for warning in health.warnings:
         level: Level = "bad" if warning.is_grave else "warning"

@@ -39,12 +39,7 @@ def split_section(split: ResidualSplit | None, reason: str, is_stable: bool) -> 
 
 
 def fitted_section(D_f: Array | None) -> Section:
-    """The denominator of the target model that was fitted with theta; nothing where none was.
-
-    Parameters
-    ----------
-    D_f : array, shape (n_d + 1,), or None
-    """
+    """The denominator of the target model that was fitted with theta; nothing where none was."""
     if D_f is None:
         return Section()
     terms = [f"{d:+.6g} q^-{i}" for i, d in enumerate(D_f[1:], 1)]

@@ -9,15 +9,7 @@ from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
 
 
 def lqg_sheet(found: LQG) -> Sheet:
-    """The cost with its evidence, how far the poles are inside, and the controller itself.
-
-    Examples
-    --------
-    >>> from rcac_numeric import lqg, standard_plant
-    >>> from rcac_numeric.reports.lqg import lqg_sheet
-    >>> lqg_sheet(lqg(standard_plant("1/(q - 1.2)"))).record["cost"]  # 1 + 1.2**2
-    2.44
-    """
+    """The cost with its evidence, how far the poles are inside, and the controller itself."""
     radii = {
         name: float(np.abs(part.poles).max(initial=0.0))
         for name, part in (("regulator", found.regulator), ("estimator", found.estimator))

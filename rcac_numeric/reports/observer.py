@@ -20,15 +20,7 @@ Decisions = dict[str, exact.results.ObserverDecision]
 def observer_sheet(
     plant: str | exact.TransferFunction, compensator: str | exact.TransferFunction, feedback: int
 ) -> Sheet:
-    """The answers to the three readings of the question, and the observer-based forms.
-
-    Examples
-    --------
-    >>> from rcac_numeric.reports.observer import observer_sheet
-    >>> sheet = observer_sheet("1/s", "1/s", +1)
-    >>> sheet.record["decisions"]["pair"]["answer"], len(sheet.record["forms"])
-    (True, 2)
-    """
+    """The answers to the three readings of the question, and the observer-based forms."""
     G, G_c = siso_loop(plant, compensator, feedback)
     decisions: Decisions = {
         "pair": exact.pair_is_observer_based(G, G_c, feedback=feedback),

@@ -12,16 +12,7 @@ from rcac_numeric.reports.sheets.sheet import Section, Sheet, Text
 
 
 def placement_sheet(placement: exact.results.PolePlacement) -> Sheet:
-    """The compensator, how many there are, and what the same solve in float64 is worth.
-
-    Examples
-    --------
-    >>> from compensator_theory import place_poles
-    >>> from rcac_numeric.reports.placement import placement_sheet
-    >>> sheet = placement_sheet(place_poles("1/(s - 1)", [-2], feedback=-1))
-    >>> sheet.record["compensator"], sheet.record["float64"]["is_stable"]
-    ('(3)/(1)', True)
-    """
+    """The compensator, how many there are, and what the same solve in float64 is worth."""
     found = _conditioning(placement)
     lines = [Text(line) for line in str(placement).splitlines()]
     if placement.numerator.is_zero:

@@ -34,17 +34,7 @@ MOST_COMPLETIONS = 6  # of an outcome that are named; of more, how many there ar
 
 
 def verification_sheet(verification: Verification) -> Sheet:
-    """What was run, what was claimed and measured, and what the final controller does.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.verification import verification_sheet
-    >>> sheet = verification_sheet(verify(load_example("4.7")))
-    >>> sheet.title, sheet.record["claims"][0]["verdict"]
-    ('4.7  Pole placement, y = z and w matched with u', 'reproduced')
-    """
+    """What was run, what was claimed and measured, and what the final controller does."""
     experiment = verification.experiment
     health = loop_health(verification) if verification.results else None
     return Sheet(

@@ -29,21 +29,6 @@ def read_variables(path: str | Path) -> dict[str, Array]:
         A .csv file has a row of names and then one row for each step, separated by commas,
         semicolons or tabs; the columns u1, u2, ... are also found together as u. A .mat file is of
         version 4, 5, 6 or 7. A .npz file holds arrays.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is empty or too large, or an entry is no number.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> from rcac_numeric.signals.data_files import read_variables
-    >>> file = pathlib.Path(tempfile.mkdtemp()) / "log.csv"
-    >>> _ = file.write_text("u, y1, y2\n0, 1, 2\n0.5, 3, 4\n")
-    >>> variables = read_variables(file)
-    >>> variables["u"].shape, variables["y"].tolist()
-    ((2, 1), [[1.0, 2.0], [3.0, 4.0]])
     """
     file = Path(path)
     readers: dict[str, Callable[[Path], Mapping[str, np.ndarray]]] = {

@@ -34,11 +34,6 @@ class DamagedError(ValueError):
 def read_mat(file: Path) -> dict[str, np.ndarray]:
     """The numeric arrays of a file by name; texts, cells and structures are left out.
 
-    Raises
-    ------
-    InputError
-        Where it is no .mat file, one of version 7.3, damaged, or holds more than may be read.
-
     Examples
     --------
     >>> import pathlib

@@ -16,13 +16,7 @@ LONGEST_NAME = 1000
 
 
 def read_version_4(contents: bytes, budget: Budget) -> dict[str, np.ndarray]:
-    """The numeric arrays by name; texts are left out.
-
-    Raises
-    ------
-    InputError
-        Where the bytes are not what such a file holds.
-    """
+    """The numeric arrays by name; texts are left out."""
     found: dict[str, np.ndarray] = {}
     view = memoryview(contents)
     try:

@@ -25,21 +25,6 @@ def read_table(file: Path, *, named: bool) -> tuple[list[str], Array]:
     named : bool
         Whether the first row must name the columns. Where it need not, it does if none of its
         entries is a number; without names the list is empty.
-
-    Raises
-    ------
-    InputError
-        Where an entry is no number, a row has another length, or names are missing or doubled.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> from rcac_numeric.signals.text_tables import read_table
-    >>> file = pathlib.Path(tempfile.mkdtemp()) / "log.csv"
-    >>> _ = file.write_text("u; y\n0; 1\n0.5; 3\n")
-    >>> read_table(file, named=True)
-    (['u', 'y'], array([[0. , 1. ],
-           [0.5, 3. ]]))
     """
     try:
         with _opened(file) as stream:

@@ -119,11 +119,6 @@ def read_filter(filter: Any) -> exact.TransferFunction | exact.TransferMatrix:
     filter : python-control or scipy.signal system, or what `transfer_function` reads
         Floats mean their shortest decimals.
 
-    Raises
-    ------
-    InputError
-        If the system runs in continuous time, says nothing about time, or is not rational.
-
     Examples
     --------
     >>> import scipy.signal

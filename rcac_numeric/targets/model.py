@@ -170,11 +170,6 @@ def _require_same(
 def from_transfer_function(exact: exact_theory.TransferFunction) -> TargetModel:
     """The target model with these exact coefficients, each rounded once.
 
-    Raises
-    ------
-    ImproperError, InputError
-        If it would use future values, or is not in q.
-
     Examples
     --------
     >>> from compensator_theory import transfer_function
@@ -234,12 +229,6 @@ def require_no_pole_outside(
     exact : TransferFunction or TransferMatrix, optional
         What the filter was rounded from: the roots of its denominator are the poles.
 
-    Raises
-    ------
-    InputError
-        If there is such a pole; the message names the largest, up to degree 200. BudgetError if
-        l_z n_f is beyond the budget's degree.
-
     Examples
     --------
     >>> import numpy as np
@@ -265,13 +254,7 @@ def require_no_pole_outside(
 
 
 def _determinant(denominator: Array) -> Poly:
-    """A multiple of q^(l n_f) det D_f(q) with integer coefficients, by fraction-free elimination.
-
-    Raises
-    ------
-    BudgetError
-        If the degree, or what the elimination writes down, is beyond the budget.
-    """
+    """A multiple of q^(l n_f) det D_f(q), with integer coefficients, without fractions."""
     size, what = denominator.shape[1], "the denominator of the target model"
     degree = size * (len(denominator) - 1)
     ask("degree", degree, what)

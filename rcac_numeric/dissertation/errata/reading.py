@@ -77,13 +77,7 @@ def find_errata(where: str = "") -> tuple[Erratum, ...]:
 
 
 def read_chapter(table: Raw, file: str) -> tuple[Erratum, ...]:
-    """The errata of one file's table.
-
-    Raises
-    ------
-    InputError
-        Where a key is unknown or missing, the evidence is none or several, or a name stands twice.
-    """
+    """The errata of one file's table."""
     read: _File = _FILE.read(table, Place(file))
     entries = tuple(attrs.evolve(entry, chapter=read.chapter) for entry in read.erratum)
     _require_different(entries, file)

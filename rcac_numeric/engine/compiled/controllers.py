@@ -80,14 +80,7 @@ def compiled_controller(
 
 @singledispatch
 def kernel_arguments(controller: object, l_z: int, failures: Failures) -> dict[str, Any]:
-    """What `_kernel.controller` is called with; the export writes it as tables, too.
-
-    Parameters
-    ----------
-    controller : ControllerSettings or FixedController
-    l_z : int
-    failures : Failures
-    """
+    """What `_kernel.controller` is called with; the export writes it as tables, too."""
     raise InputError(f"settings = {controller!r}: ControllerSettings are needed.")
 
 

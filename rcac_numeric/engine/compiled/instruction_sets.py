@@ -32,14 +32,6 @@ def require_instruction_set() -> None:
 
 
 def instruction_set() -> str:
-    """The instructions that everything is made with from now on; raises where there are none.
-
-    Examples
-    --------
-    >>> from rcac_numeric.engine import _kernel
-    >>> from rcac_numeric.engine.compiled.instruction_sets import instruction_set
-    >>> instruction_set() in _kernel.instruction_sets()
-    True
-    """
+    """The instructions that everything is made with from now on; raises where there are none."""
     require_instruction_set()
     return os.environ.get(VARIABLE, "") or _kernel.instruction_sets()[0]

@@ -36,11 +36,6 @@ def compiled_plant(plant: object, x_0: ArrayLike | None, failures: Failures) -> 
         Zero by default.
     failures : Failures
         Keeps the exceptions of a plant's Python functions.
-
-    Raises
-    ------
-    InputError
-        Where the plant is of no known kind, or x_0 has the wrong size.
     """
     kinds = [kind.__name__ for kind in compiled_plant.registry if kind is not object]
     raise InputError(f"plant = {plant!r} is not a {' or '.join(kinds)}.")

@@ -68,13 +68,7 @@ class KernelUpdate:
 
 
 def kernel_update(update: Update, l_theta: int) -> KernelUpdate:
-    """The kernel's arguments for an update of l_theta coefficients.
-
-    Raises
-    ------
-    InputError
-        Where the update, its forgetting or its reset is of no kind that is registered.
-    """
+    """The kernel's arguments for an update of l_theta coefficients."""
     require_kind(update, "update", ARGUMENTS)
     return ARGUMENTS[type(update)](update, l_theta)
 

@@ -169,16 +169,7 @@ class TargetLearner:
 
 
 def acting_input(run: Run) -> Array:
-    """The applied control, with the disturbance that enters where the control does.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.engine.learning.target_learner import acting_input
-    >>> run = load_example("2.1").main_run.execute().first.run
-    >>> bool((acting_input(run) == run.u_applied).all())
-    True
-    """
+    """The applied control, with the disturbance that enters where the control does."""
     plant = plant_at(run.plant, 0)
     if "d" not in plant.blocks:
         return run.u_applied

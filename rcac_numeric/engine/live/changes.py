@@ -130,19 +130,6 @@ def nmp_zero_count(numerator: Array) -> int | None:
     """How many zeros of G_f lie outside the unit circle; None where G_f is not square.
 
     Of a square G_f those of det N_f, in float64: a count that decides about P, not about a claim.
-
-    Parameters
-    ----------
-    numerator : array, shape (n_f + 1, l_z, l_u)
-
-    Examples
-    --------
-    >>> from rcac_numeric import TargetModel
-    >>> from rcac_numeric.engine.live.changes import nmp_zero_count
-    >>> nmp_zero_count(TargetModel([0, 1, -1.5]).numerator)
-    1
-    >>> nmp_zero_count(TargetModel([0, 1, -0.5]).numerator)
-    0
     """
     l_z, l_u = numerator.shape[1:]
     if l_z != l_u:

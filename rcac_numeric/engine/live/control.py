@@ -44,13 +44,6 @@ def apply_change(
     change : ControllerChange
     evidence : str
         Kept with what is returned.
-
-    Raises
-    ------
-    InputError, ImproperError
-        Where a part does not fit the controller; nothing has changed then.
-    DivergedError
-        Where a replay left the range of float64; nothing has changed then.
     """
     require_kind(change, "the change", (ControllerChange,))
     if isinstance(settings.update, JointUD):

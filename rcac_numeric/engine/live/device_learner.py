@@ -100,18 +100,7 @@ class DeviceLearner:
 
 
 def require_not_learnt(settings: ControllerSettings, change: ControllerChange) -> None:
-    """Refuse a target model from outside where the controller learns its own.
-
-    Parameters
-    ----------
-    settings : ControllerSettings
-    change : ControllerChange
-
-    Raises
-    ------
-    InputError
-        Where both would set it.
-    """
+    """Refuse a target model from outside where the controller learns its own."""
     if settings.learning is not None and change.target is not None:
         raise InputError(
             "the target model of this controller is learnt, by DataDriven; the next look would "

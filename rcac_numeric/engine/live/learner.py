@@ -141,13 +141,7 @@ class Restorable(Protocol):
 
 
 class LearningLoop:
-    """A compiled loop or controller and its learner, saved and restored as one.
-
-    Parameters
-    ----------
-    compiled : compiled loop or controller
-    learner : DataDrivenLearner or DeviceLearner
-    """
+    """A compiled loop or controller and its learner, saved and restored as one."""
 
     def __init__(self, compiled: Restorable, learner: Restorable) -> None:
         self._compiled, self._learner = compiled, learner

@@ -52,13 +52,7 @@ class BallUpdate(Protocol):
 
 
 def ball_update(update: Update, l_theta: int) -> BallUpdate:
-    """An update in balls.
-
-    Raises
-    ------
-    InputError
-        Where the reference does not know the update or one of its rules.
-    """
+    """An update in balls."""
     # The very type: of a subclass it would leave out what that adds.
     if type(update) not in BALL_UPDATES:
         raise InputError(

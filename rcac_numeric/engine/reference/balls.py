@@ -18,13 +18,7 @@ T = TypeVar("T")
 
 
 def held(value: arb, low: float, high: float, k: int) -> arb:
-    """`value` moved into [low, high].
-
-    Raises
-    ------
-    DivergedError
-        Where the ball lies on a bound, so that it cannot be told from which side.
-    """
+    """`value` moved into [low, high]."""
     if value > high:
         return arb(high)
     if value < low:

@@ -32,13 +32,7 @@ class AnyModel(Protocol):
 
 
 def any_model(value: object) -> AnyModel:
-    """`value` if it has what a model has.
-
-    Raises
-    ------
-    InputError
-        Where it has not.
-    """
+    """`value` if it has what a model has."""
     if isinstance(value, type) or not isinstance(value, AnyModel):
         raise InputError(
             f"model = {value!r} is no model: use LinearModel, SymbolicModel or NonlinearModel."

@@ -27,17 +27,7 @@ from rcac_numeric.estimation.models.symbolic import SymbolicModel
 
 @singledispatch
 def compiled_model(model: object) -> EstimationModel:
-    """The model for the kernel.
-
-    Parameters
-    ----------
-    model : LinearModel, SymbolicModel or NonlinearModel
-
-    Raises
-    ------
-    InputError
-        Where it is of no kind that is registered.
-    """
+    """The model for the kernel."""
     kinds = [kind.__name__ for kind in compiled_model.registry if kind is not object]
     raise InputError(f"model = {model!r} is not a {' or '.join(kinds)}.")
 
@@ -191,11 +181,6 @@ def tape(expressions: Sequence[Any], given: Sequence[sympy.Symbol]) -> Tape:
     expressions : sequence of SymPy expressions
     given : sequence of symbols
         x, u and k, in this order.
-
-    Raises
-    ------
-    NoTapeError
-        Where the kernel has no operation for a part of them.
     """
     writer = Writer(given)
     shared, reduced = sympy.cse(list(expressions))

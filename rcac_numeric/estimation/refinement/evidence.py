@@ -56,14 +56,7 @@ class Evidence(Value):
 
 
 def evidence(settings: RCMR, P: Array, k: int) -> Evidence:
-    """The evidence in P after k steps with these settings.
-
-    Parameters
-    ----------
-    settings : RCMR
-    P : array, shape (l_theta, l_theta)
-    k : int
-    """
+    """The evidence in P after k steps with these settings."""
     share = settings.lambda_ ** max(k - settings.k_update, 0)
     root = np.linalg.cholesky(settings.beta)
     whitened = share * np.linalg.solve(root, np.linalg.solve(root, P).T)

@@ -53,11 +53,6 @@ def require_solvable(H: Array, method: str, eta_bar: float, delays: Sequence[int
         H~.
     method, eta_bar, delays
         Those of `RCMR`.
-
-    Raises
-    ------
-    IllConditionedError
-        Where H~ is zero, or (8.56) as printed is singular.
     """
     values = np.linalg.svd(H, compute_uv=False)
     rank = int((values > ROUNDING * values.max(initial=0.0)).sum())

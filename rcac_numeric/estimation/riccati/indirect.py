@@ -253,16 +253,6 @@ def refined_matrices(settings: RCMR, theta: Array) -> tuple[Array, Array]:
 
     A + B N_0 E_1 for a static proper subsystem, A + sum theta_j A_j and D_1 + sum theta_j D_j for
     repeated parameters.
-
-    Parameters
-    ----------
-    settings : RCMR
-    theta : array, shape (l_theta,)
-
-    Raises
-    ------
-    InputError
-        Where the subsystem has dynamics of its own.
     """
     part = settings.subsystem
     if isinstance(part, RepeatedParameters):
@@ -285,11 +275,6 @@ def require_observable(settings: RCMR, C: Array) -> None:
     settings : RCMR
     C : array, shape (1, n)
         What is measured.
-
-    Raises
-    ------
-    NotObservableError
-        Says how many modes are seen.
     """
     A, _ = refined_matrices(settings, settings.theta_0)
     rows = [C]

@@ -105,12 +105,6 @@ def is_estimation(table: Raw) -> bool:
 def estimation_experiment(table: Raw, file: str, budget: Budget) -> Experiment:
     """The experiment of an estimation example: studies and claims.
 
-    Raises
-    ------
-    InputError
-        Where a key is unknown or missing, a value is out of range, or it would take more than the
-        budget.
-
     Examples
     --------
     >>> from rcac_numeric import verify

@@ -82,13 +82,7 @@ class ExactCheck(Value):
         return self
 
     def evaluate(self, results: Mapping[str, object] | None = None) -> ExactResult:
-        """Decide it; nothing that ran has a part in it.
-
-        Raises
-        ------
-        CompensatorError
-            Where its data allow no answer, with the statement's name in front.
-        """
+        """Decide it; nothing that ran has a part in it."""
         try:
             found = STATEMENTS[self.statement](self.system, **self.arguments)
         except CompensatorError as error:

@@ -42,11 +42,6 @@ def is_exact(table: Mapping[str, Any]) -> bool:
 def exact_experiment(table: Mapping[str, Any], file: str) -> Experiment:
     """The experiment of an exact example: claims without runs.
 
-    Raises
-    ------
-    InputError
-        Where a key is unknown or missing, or a statement is not known.
-
     Examples
     --------
     >>> from rcac_numeric import verify

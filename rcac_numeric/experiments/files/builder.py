@@ -117,18 +117,7 @@ def load_experiment(path: str | Path, budget: Budget | None = None) -> Experimen
 
 
 def build(table: Raw, file: str, budget: Budget | None = None) -> Experiment:
-    """The experiment that tables describe as a file would; `file` is named in errors.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.files.builder import build
-    >>> build({"plant": {"problem": "standrad"}}, "case.toml")
-    Traceback (most recent call last):
-        ...
-    compensator_theory.errors.InputError: case.toml: 2 errors.
-    1. [plant] problem = 'standrad' is not known; choose one of ... Did you mean 'standard'?
-    2. there is no table [run], which needs the key 'steps'. ...
-    """
+    """The experiment that tables describe as a file would; `file` is named in errors."""
     require_plain(dict(table), file)
     return _built(table, file, budget or Budget())
 

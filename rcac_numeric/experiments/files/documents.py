@@ -33,14 +33,7 @@ REORDERING = "\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069"
 
 
 def read_file(path: str | Path) -> tuple[Raw, str]:
-    """The tables of a user's file and its name.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is no ordinary file, is larger than 10 MiB or has keys of more parts
-        than it may, is not TOML, or holds control characters.
-    """
+    """The tables of a user's file and its name."""
     try:
         require_readable(Path(path))
         with Path(path).open("rb") as file:

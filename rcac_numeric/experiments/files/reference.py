@@ -29,14 +29,7 @@ from rcac_numeric.experiments.judging.reading import open_table
 
 
 def reference_tables() -> dict[str, str]:
-    """Every generated table by its name in the page.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.files.reference import reference_tables
-    >>> print(reference_tables()["run"].splitlines()[2])
-    | `steps` | Length of the run. | needed |
-    """
+    """Every generated table by its name in the page."""
     structures = CONTROLLER.table.kinds["structure"]
     measures = CHECK.kinds["measure"]
     tables = {

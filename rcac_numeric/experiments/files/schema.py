@@ -71,15 +71,6 @@ def strict_schema(table: Table[Any]) -> Schema:
 
     For every kind that is spread over the table it says which keys that kind needs, and that those
     of other kinds must not be there.
-
-    Examples
-    --------
-    >>> from rcac_numeric import pid, fir
-    >>> from rcac_numeric.experiments.files.schema import strict_schema
-    >>> from rcac_numeric.experiments.format.tables import Kinds, Table
-    >>> given = ["l_u", "l_y"]
-    >>> strict_schema(Table(fir, given=given))["required"]
-    ['n_c']
     """
     schema = table.schema()
     own = [key.name for key in table.keys if key.is_required and not isinstance(key.form, Kinds)]

@@ -145,13 +145,7 @@ def _words_of(hint: Any) -> str:
 
 
 def form_of(hint: Any) -> Form:
-    """How a value of a type is read.
-
-    Raises
-    ------
-    TypeError
-        Where the type does not say it; Annotated[type, form] does.
-    """
+    """How a value of a type is read."""
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
         declared = next((one for one in inner[1:] if isinstance(one, Form)), None)
@@ -325,13 +319,7 @@ class Table(Form, Generic[T]):
         return every
 
     def read(self, value: object, place: Place) -> Any:
-        """What the table describes: all keys known, none missing, each of its form.
-
-        Raises
-        ------
-        CompensatorError
-            With everything that is wrong.
-        """
+        """What the table describes: all keys known, none missing, each of its form."""
         here = place.inside() if place.key else place
         table = require_table(value, here)
         errors = Errors()

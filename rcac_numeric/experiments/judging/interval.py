@@ -86,13 +86,7 @@ class Check(Value):
         return replace(self, run=moves.get(self.run, self.run), relative_to=other)
 
     def evaluate(self, results: Mapping[str, Measured]) -> CheckResult:
-        """Measure it.
-
-        Raises
-        ------
-        CompensatorError
-            Where the measure refuses what ran.
-        """
+        """Measure it."""
         result = results[self.run]
         values = result.values(self.measure, self.arguments, self.until)
         silence = result.silence(self.measure)
@@ -185,14 +179,7 @@ class CheckResult(Value):
 
 
 def quoted_interval(quoted: str, within: float | None) -> tuple[float, float]:
-    """What a printed number stands for: half a unit of its last digit, or so much of itself.
-
-    Examples
-    --------
-    >>> from rcac_numeric.experiments.judging.interval import quoted_interval
-    >>> quoted_interval("1.274", None), quoted_interval("-4", 0.25)
-    ((1.2735, 1.2745), (-5.0, -3.0))
-    """
+    """What a printed number stands for: half a unit of its last digit, or so much of itself."""
     try:
         value = Decimal(quoted)
         digits = value.as_tuple().exponent

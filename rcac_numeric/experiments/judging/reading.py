@@ -191,7 +191,7 @@ class ClaimTable(Value):
     def _words_and_checks(self, standards: Mapping[str, Claim]) -> tuple[str, Sequence[AnyCheck]]:
         """Its own, or those of the standard claim that it names."""
         text = self.text or self.quote
-        own = [name for name in ("text", "checks") if getattr(self, name)]
+        own = [name for name, has in (("text", self.text), ("checks", self.checks)) if has]
         if self.standard:
             if own:
                 raise InputError(

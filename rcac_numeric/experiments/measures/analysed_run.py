@@ -52,15 +52,7 @@ class AnalysedRun(Value):
     target: TargetModel | None = None
 
     def until(self, k: int) -> AnalysedRun:
-        """The same run cut off before step k: the controller theta(k), which must have been kept.
-
-        Examples
-        --------
-        >>> from rcac_numeric.dissertation import load_example
-        >>> whole = load_example("4.7").main_run.execute().first
-        >>> whole.until(90).run.steps, whole.until(90).match.worst < 1e-5
-        (90, True)
-        """
+        """The same run cut off before step k: the controller theta(k), which must be kept."""
         run = self.run
         length = integer(k, "k") - run.first_step
         if length == run.steps:

@@ -150,16 +150,7 @@ def identified_zero_error(r: AnalysedRun, start: int = 0, stop: int | None = Non
 
 
 def windows_of(run: Run) -> tuple[IdentifiedWindow, ...]:
-    """What windows of 70 samples of a run show of its plant, of whose order the model is.
-
-    Examples
-    --------
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.experiments.measures.plant_measures import windows_of
-    >>> run = load_example("2.1").main_run.execute().first.run
-    >>> len(windows_of(run)) == len(run.u) // 70
-    True
-    """
+    """What windows of 70 samples of a run show of its plant, of whose order the model is."""
     n = plant_at(run.plant, 0).n
     return identify_windows(acting_input(run), run.z, 2 * n + 2, n, window=WINDOW, order=n)
 

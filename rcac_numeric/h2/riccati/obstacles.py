@@ -60,11 +60,6 @@ ESTIMATOR = Role(
 def require_stabilisable(A: Array, B: Array, role: Role = REGULATOR) -> None:
     """Refuse a mode on or outside the unit circle that no gain moves, by name.
 
-    Raises
-    ------
-    NotControllableError, NotObservableError
-        For the regulator and for the estimator.
-
     Examples
     --------
     >>> import numpy as np
@@ -89,13 +84,7 @@ def require_stabilisable(A: Array, B: Array, role: Role = REGULATOR) -> None:
 
 
 def require_rank(A: Array, B: Array, E_1: Array, E_2: Array, role: Role = REGULATOR) -> None:
-    """Refuse a transfer matrix with dependent columns: the weights do not determine the gain.
-
-    Raises
-    ------
-    NoSolutionError
-        The message names the rank and the number of columns.
-    """
+    """Refuse a transfer matrix with dependent columns: the weights do not determine the gain."""
     n, columns = len(A), B.shape[1]
     rank = max(_rank(_pencil(A, B, E_1, E_2, probe)) for probe in PROBES) - n
     if rank < columns:
@@ -119,11 +108,6 @@ def require_no_zero_on_circle(
 
     From each of them a zero is sought by Newton's method on the smallest singular value of the
     system pencil; at a zero that value is rounding noise.
-
-    Raises
-    ------
-    UnitCircleError
-        The message names the zero.
     """
     size = len(A) + B.shape[1]
     for start in near:

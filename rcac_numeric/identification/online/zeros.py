@@ -85,19 +85,6 @@ def zeros_of(
         Residuals of the last steps, for the whiteness.
     samples, level, d_zu
         As in `OnlineZeros`; d_zu is estimated where it is left out.
-
-    Raises
-    ------
-    InputError
-        Where no coefficient is significant: the data do not show that u acts on z.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification.online.zeros import zeros_of
-    >>> found = zeros_of(np.array([1.0, -1.5]), 1e-4 * np.eye(2), errors=np.ones(9), samples=100.0)
-    >>> found.phases, found.modulus_error.round(3).tolist()
-    (('nonminimum phase',), [0.018])
     """
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     if d_zu is None:
@@ -131,20 +118,7 @@ def zeros_of(
 
 
 def whiteness(errors: Array) -> float:
-    """The Ljung-Box probability that white noise is as correlated over 20 lags as these errors.
-
-    Parameters
-    ----------
-    errors : array, shape (n,)
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric.identification.online.zeros import whiteness
-    >>> noise = np.random.default_rng(0).standard_normal(200)
-    >>> whiteness(noise) > 0.01, whiteness(np.cumsum(noise)) > 0.01
-    (True, False)
-    """
+    """The Ljung-Box probability that white noise is as correlated over 20 lags as these errors."""
     n = len(errors)
     lags = min(LAGS_OF_WHITENESS, n // 5)
     power = float(errors @ errors)

@@ -98,11 +98,6 @@ def plant_of(
 def linear_plant(system: Any, name: str = "plant") -> Plant:
     """A linear plant, ours or one that `plant_of` reads.
 
-    Raises
-    ------
-    InputError
-        Where it is neither, is in continuous time, or is made of functions.
-
     Examples
     --------
     >>> import control
@@ -229,14 +224,7 @@ def is_nonlinear(system: Any) -> bool:
 
 
 def plant_of_nonlinear(system: Any, sample_time: float | None) -> FunctionPlant:
-    """A discrete `nlsys`, or nonlinear `interconnect`, with w added to its inputs and y = z.
-
-    Raises
-    ------
-    InputError
-        Where it is in continuous time, has no dimensions, or its output depends on its input at
-        once: the controller reads y(k) before u(k) is known.
-    """
+    """A discrete `nlsys`, or nonlinear `interconnect`, with w added to its inputs and y = z."""
     kind = type(system).__name__
     if sample_time is not None or not system.isdtime(strict=True):
         raise InputError(

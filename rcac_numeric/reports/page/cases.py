@@ -106,13 +106,7 @@ class Case(Value):
 
     @classmethod
     def from_record(cls, record: Mapping[str, Any]) -> Case:
-        """What `to_record` gave.
-
-        Raises
-        ------
-        InputError
-            If it is something else.
-        """
+        """What `to_record` gave."""
         try:
             claims = tuple(
                 ClaimRow(**{**row, "notes": tuple(row["notes"])}) for row in record["claims"]
@@ -124,19 +118,7 @@ class Case(Value):
 
 
 def case_of(verification: Verification) -> Case:
-    """What a page says of a verification.
-
-    Examples
-    --------
-    >>> from rcac_numeric import verify
-    >>> from rcac_numeric.dissertation import load_example
-    >>> from rcac_numeric.reports.page.cases import Case, case_of
-    >>> case = case_of(verify(load_example("7.1")))
-    >>> case.anchor, case.chapter, case.claims[0].verdict, case.pictures
-    ('e7.1', '7', 'reproduced', ())
-    >>> Case.from_record(case.to_record()) == case
-    True
-    """
+    """What a page says of a verification."""
     experiment = verification.experiment
     sheet = verification_sheet(verification)
     name = experiment.id or "case"

@@ -73,20 +73,7 @@ SMALL_PICTURES = {
 
 
 def picture_of(result: object, *arguments: Any, **options: Any) -> figures.Figure:
-    """The picture of a result.
-
-    Raises
-    ------
-    InputError
-        Where its type has none, or Matplotlib is not installed.
-
-    Examples
-    --------
-    >>> from rcac_numeric import lqg, standard_plant
-    >>> from rcac_numeric.reports.page.displays import picture_of
-    >>> len(picture_of(lqg(standard_plant("1/(q - 1.2)"))).axes)
-    3
-    """
+    """The picture of a result."""
     drawn: figures.Figure = _shows(PICTURES, result)(result, *arguments, **options)
     return drawn
 
@@ -97,13 +84,7 @@ def small_pictures_of(result: object) -> dict[str, figures.Figure]:
 
 
 def sheet_of(result: object) -> Sheet:
-    """The report of a result as data.
-
-    Raises
-    ------
-    InputError
-        Where its type has none.
-    """
+    """The report of a result as data."""
     sheet: Sheet = _shows(SHEETS, result)(result)
     return sheet
 
@@ -143,13 +124,6 @@ def notebook_html(sheet: Sheet, draw: Callable[[], figures.Figure] | None = None
     """A report in the ink of the notebook that it stands in, and a picture below it.
 
     Without Matplotlib it is the report alone.
-
-    Examples
-    --------
-    >>> from rcac_numeric.reports.page.displays import notebook_html
-    >>> from rcac_numeric.reports.sheets.sheet import Sheet
-    >>> "<h3>A case</h3>" in notebook_html(Sheet("A case"))
-    True
     """
     title = words(in_a_line(sheet.title + sheet.remark))
     parts = [f'<div class="rcac"><style>{STYLE}</style>']

@@ -19,16 +19,6 @@ def sheet_html(sheet: Sheet, level: int = 3) -> str:
     sheet : Sheet
     level : int
         Of the headings of its sections.
-
-    Examples
-    --------
-    >>> from rcac_numeric.reports.page.html import sheet_html
-    >>> from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
-    >>> print(sheet_html(Sheet("A", sections=(Section("Loop", (Fact("radius", "0.5 < 1"),)),))))
-    <h3>Loop</h3>
-    <dl>
-    <div><dt>radius</dt><dd class="plain">0.5 &lt; 1</dd></div>
-    </dl>
     """
     sections = [
         {"title": section.title, "remark": section.remark, "groups": _groups(section)}

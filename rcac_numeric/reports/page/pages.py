@@ -24,15 +24,6 @@ def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **mo
         A template that extends ``case.html``, and the package whose it is.
     **more
         What that template says besides.
-
-    Examples
-    --------
-    >>> from rcac_numeric import load_experiment, verify
-    >>> from rcac_numeric.reports.page.cases import case_of
-    >>> from rcac_numeric.reports.page.pages import case_page
-    >>> page = case_page(case_of(verify(load_experiment("examples/boost_converter.toml"))))
-    >>> page.startswith("<!DOCTYPE html>"), "dissertation" in page
-    (True, False)
     """
     title = in_a_line(f"{case.id}: {case.title}".strip(": "))
     lead = case.source or "A case, its claims and what was measured."

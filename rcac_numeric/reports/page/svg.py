@@ -50,14 +50,6 @@ def svg_of(figure: figures.Figure, prefix: str, title: str) -> str:
         Of every id in it, so that several pictures share a page.
     title : str
         What it shows, for those who cannot see it.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from rcac_numeric.reports.page.svg import svg_of
-    >>> text = svg_of(Figure(figsize=(2, 1)), "a", "Nothing")
-    >>> text.startswith('<svg role="img" aria-labelledby="a-title"'), "#000000" in text
-    (True, False)
     """
     import matplotlib as mpl  # a third of a second, for those who draw
 

@@ -17,13 +17,6 @@ def as_dict(sheet: Sheet) -> dict[str, Any]:
 
     A complex number becomes [real, imaginary], an array a list, and null stands for what is
     infinite, not a number, or not known: strict JSON has no word for them.
-
-    Examples
-    --------
-    >>> from rcac_numeric.reports.sheets.json_record import as_dict
-    >>> from rcac_numeric.reports.sheets.sheet import Section, Sheet
-    >>> as_dict(Sheet("", sections=(Section(record={"poles": [0.5 + 1j], "cost": float("inf")}),)))
-    {'poles': [[0.5, 1.0]], 'cost': None}
     """
     plain = _plain(sheet.record)
     assert isinstance(plain, dict)

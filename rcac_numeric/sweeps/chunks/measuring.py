@@ -70,11 +70,6 @@ def measured(cell: Cell, run: AnalysedRun) -> tuple[list[float], str]:
 
     That a run has none is a property of it: a measure says so by a `CompensatorError`, which after
     a run that did not complete is not even worth a word.
-
-    Raises
-    ------
-    MeasureFailed
-        Where a measure raised anything else.
     """
     values, notes = [], []
     for kept in cell.study.keep:

@@ -44,11 +44,6 @@ def run_chunk(task: ChunkTask, progress: Callable[[], None] = _silence) -> Chunk
     """Run some runs of a study; none of them can fail but as a record.
 
     `progress` is called when it begins, and whenever a run has ended.
-
-    Raises
-    ------
-    InputError
-        Where this process cannot read the study, or lacks the instructions that it is run with.
     """
     start = time.perf_counter()
     _use(task.instruction_set)
@@ -62,13 +57,7 @@ def run_chunk(task: ChunkTask, progress: Callable[[], None] = _silence) -> Chunk
 
 
 def run_in_full(cells: Cells, coordinates: Coordinates, repetition: int) -> AnalysedRun:
-    """One run of a study by itself, with all that belongs to it.
-
-    Raises
-    ------
-    CompensatorError
-        Where these values make no run.
-    """
+    """One run of a study by itself, with all that belongs to it."""
     cell = cells.cell(coordinates)
     if cell.is_reference:
         return AnalysedRun(_reference(cell, repetition), cell.target)

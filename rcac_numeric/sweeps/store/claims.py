@@ -42,12 +42,7 @@ class Claim:
 
 
 class Claims:
-    """What this process has taken from a store; to be closed, so that the rest is free again.
-
-    Parameters
-    ----------
-    store : Store
-    """
+    """What this process has taken from a store; to be closed, so that the rest is free again."""
 
     def __init__(self, store: Store) -> None:
         self.store, self.owner = store, this_owner()
@@ -228,14 +223,7 @@ def this_owner() -> str:
 
 
 def is_gone(owner: str) -> bool:
-    """Whether a process of this machine has ended; of another machine only its lease can tell.
-
-    Examples
-    --------
-    >>> from rcac_numeric.sweeps.store.claims import is_gone, this_owner
-    >>> is_gone(this_owner())
-    False
-    """
+    """Whether a process of this machine has ended; of another machine only its lease can tell."""
     try:
         machine, pid, start, _ = owner.rsplit("/", 3)
         number = int(pid)

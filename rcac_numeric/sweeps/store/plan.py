@@ -205,13 +205,7 @@ def stage_of(resolved: Resolved) -> Stage:
 
 
 def grown(path: object, old: Resolved, new: Resolved) -> Resolved:
-    """What the store holds and the study asks for together, the old values of each axis first.
-
-    Raises
-    ------
-    StoreError
-        Where the study is another one: what differs is named.
-    """
+    """What the store holds and the study asks for together, the old values of each axis first."""
     differences = [
         key
         for key in sorted({*old, *new} - set(GROWING))

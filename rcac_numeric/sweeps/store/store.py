@@ -259,13 +259,7 @@ class Store:
         return self._study or self.refreshed()
 
     def refreshed(self) -> StudyRow:
-        """What is said of the study now: another process may have made it grow.
-
-        Raises
-        ------
-        StoreError
-            Where that is not what was written, or no study.
-        """
+        """What is said of the study now: another process may have made it grow."""
         with explained(self.path):
             rows = self.connection.execute("SELECT * FROM study").fetchall()
         if len(rows) != 1 or not _is_digest(rows[0][-1], list(rows[0][:-1])):
@@ -278,13 +272,7 @@ class Store:
         return self._study
 
     def chunks(self) -> list[ChunkRow]:
-        """All chunks, held against the plan, and the number of rows against them.
-
-        Raises
-        ------
-        StoreError
-            Where they are not those of the plan.
-        """
+        """All chunks, held against the plan, and the number of rows against them."""
         plan = self.study.plan
         with explained(self.path):
             found = [ChunkRow(*row) for row in
@@ -305,13 +293,7 @@ class Store:
         return found
 
     def rows(self, chunk: ChunkRow) -> list[Row]:
-        """The rows of a chunk that has ended, by increasing run.
-
-        Raises
-        ------
-        StoreError
-            Where they are not what was written.
-        """
+        """The rows of a chunk that has ended, by increasing run."""
         with explained(self.path):
             rows = self.connection.execute(
                 "SELECT * FROM run WHERE run BETWEEN ? AND ? ORDER BY run",
@@ -328,13 +310,7 @@ class Store:
                 yield self.rows(chunk)
 
     def row(self, run: int) -> Row:
-        """One row.
-
-        Raises
-        ------
-        StoreError
-            Where there is no such run, or it has not ended yet.
-        """
+        """One row."""
         plan = self.study.plan
         if not 0 <= run < plan.runs:
             raise StoreError(f"{self.path} has no run {run}; its runs are 0 to {plan.runs - 1}.")
@@ -344,13 +320,7 @@ class Store:
         return self.rows(chunk)[run - chunk.first]
 
     def signals(self, row: Row) -> dict[str, Array]:
-        """The signals that were kept of a run, by its row.
-
-        Raises
-        ------
-        StoreError
-            Where they are not what was written.
-        """
+        """The signals that were kept of a run, by its row."""
         found = self.stored_signals(row[0])
         if fault := signals_fault(self.study, row, found):
             raise StoreError(damaged(self.path, fault))

@@ -21,17 +21,6 @@ def canonical_json(value: Any) -> str:
     """The same text for equal data, whatever their order, machine and process.
 
     Keys are sorted, 1.0 is written 1, and a function counts by its name and its source.
-
-    Raises
-    ------
-    InputError
-        Where something is no number, text, truth value, list, table or function.
-
-    Examples
-    --------
-    >>> from rcac_numeric.sweeps.study.canonical import canonical_json
-    >>> canonical_json({"b": [1.0, 0.1], "a": None})
-    '{"a":null,"b":[1,0.1]}'
     """
     return json.dumps(_merged(plain(value)), sort_keys=True, separators=(",", ":"))
 
@@ -61,13 +50,7 @@ def digest(text: str) -> str:
 
 
 def name_of(function: Callable[..., Any]) -> str:
-    """What a function is imported by, `module:name`.
-
-    Raises
-    ------
-    InputError
-        Where it cannot be: a lambda, a method or a function inside another.
-    """
+    """What a function is imported by, `module:name`."""
     module = getattr(function, "__module__", "")
     name = getattr(function, "__qualname__", "")
     if not module or not name.isidentifier():

@@ -69,13 +69,7 @@ class Cell:
         )
 
     def case(self, repetition: int) -> SimulationCase:
-        """What is run.
-
-        Raises
-        ------
-        InputError
-            Where a function returned something else.
-        """
+        """What is run."""
         made = self.specification
         if made is not None:
             options: dict[str, Any] = {"stride": self._stride(made)}
@@ -105,13 +99,7 @@ class Cells:
         self._plants: OrderedDict[str, Any] = OrderedDict()
 
     def cell(self, coordinates: Coordinates) -> Cell:
-        """One cell.
-
-        Raises
-        ------
-        CompensatorError
-            Where these values do not make a run.
-        """
+        """One cell."""
         return _remembered(
             self._cells, canonical_json(coordinates), lambda: self._made(coordinates)
         )
@@ -143,14 +131,7 @@ PERTURBATION, WHOLE_RUN = 2**32 - 1, 2**32 - 2
 
 
 def words_of(by_path: dict[str, Any]) -> tuple[int, ...]:
-    """Coordinates as four integers below 2^32: the same however many other values there are.
-
-    Examples
-    --------
-    >>> from rcac_numeric.sweeps.study.cells import words_of
-    >>> words_of({"a": 1, "b": 2.0}) == words_of({"b": 2, "a": 1.0}) != words_of({"a": 1})
-    True
-    """
+    """Coordinates as four integers below 2^32: the same however many other values there are."""
     key = hashlib.blake2b(canonical_json(by_path).encode(), digest_size=16).digest()
     return tuple(int(word) for word in np.frombuffer(key, "<u4"))
 

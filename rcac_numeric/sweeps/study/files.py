@@ -240,11 +240,6 @@ BESIDE: dict[str, str] = {
 def axis_of(name: str, sets: str, given: dict[str, Any]) -> Axis | RandomAxis:
     """The axis that a table of [study.axes] describes.
 
-    Raises
-    ------
-    InputError
-        Where it names its values in no way or in two, or something beside them is missing.
-
     Examples
     --------
     >>> from rcac_numeric.sweeps.study.files import axis_of

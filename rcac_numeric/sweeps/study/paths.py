@@ -13,17 +13,6 @@ def with_value(document: Mapping[str, Any], path: str, value: Any) -> dict[str, 
     """The document with one value set; what is around it is copied, nothing changed.
 
     The table around it must be there; the last key may be new, an entry of a list may not.
-
-    Raises
-    ------
-    InputError
-        Where the path leads nowhere; what is there is named.
-
-    Examples
-    --------
-    >>> from rcac_numeric.sweeps.study.paths import with_value
-    >>> with_value({"plant": {"changes": [{"start": 0}]}}, "plant.changes.0.delay", 3)
-    {'plant': {'changes': [{'start': 0, 'delay': 3}]}}
     """
     keys = path.split(".")
     changed = _with(document, keys, value, path, "")

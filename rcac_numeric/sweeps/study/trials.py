@@ -19,11 +19,6 @@ def tried(study: Study) -> Cell:
     """The first cell, after every value of every axis was tried once, the others at their first.
 
     A combination of values that cannot be made shows only where it is run, as an outcome.
-
-    Raises
-    ------
-    InputError
-        Where a value makes no run, and why.
     """
     try:
         pickle.dumps(study)
