@@ -22,6 +22,8 @@ from rcac_numeric.estimation import (
 from tests.support.estimation_cases import linear_case, relative_error
 
 seeds = st.integers(0, 10_000)
+# A drawn record may say nothing of a direction: that is not what is tested.
+pytestmark = pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnobservableWarning")
 FILTERS = {
     "extended": EKF,
     "joseph": lambda *a, **k: EKF(*a, form="joseph", **k),
@@ -161,7 +163,6 @@ def test_a_whole_turn_changes_nothing(make, model, seed):
     assert found.log_likelihood == pytest.approx(plain.log_likelihood, rel=1e-6)
 
 
-@pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnobservableWarning")
 def test_sigma_points_on_both_sides_of_pi_have_their_mean_between_them():
     """h jumps from pi to -pi among the points: their plain mean points the other way."""
     x, y = sp.symbols("x y", real=True)
@@ -193,7 +194,6 @@ def test_sigma_points_on_both_sides_of_pi_have_their_mean_between_them():
         ),
     ],
 )
-@pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnobservableWarning")
 def test_what_is_refused(make, says):
     with pytest.raises(InputError, match=says):
         make()
