@@ -57,7 +57,9 @@ def _coefficient(part: Table) -> bool:
     if "G" in plant:
         plant["G"] = _scaled(str(plant["G"]), 1.05)
     elif "A" in plant:
-        plant["A"][0][0] = plant["A"][0][0] + 1 if "exact" in part else 1.05 * plant["A"][0][0]
+        first = plant["A"][0][0]  # an expression may be an entry
+        larger = f"1.05*({first})" if isinstance(first, str) else 1.05 * first
+        plant["A"][0][0] = first + 1 if "exact" in part else larger
     elif "a" in plant:
         plant["a"] = f"{plant['a']} + 7"
     else:
