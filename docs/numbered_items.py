@@ -95,8 +95,8 @@ def counts() -> str:
         own = [claim.recorded for claim in claims if claim.whose == whose]
         lines.append(f"| {whose} | {' | '.join(str(own.count(verdict)) for verdict in ORDER)} |")
     kinds = [entry.kind for entry in find_errata()]
-    told = ", ".join(f"{kinds.count(kind)} *{kind}*" for kind in KINDS)
-    after = f"Errata: 129 before, 59 of them called false; {len(kinds)} after: {told}."
+    summary = ", ".join(f"{kinds.count(kind)} *{kind}*" for kind in KINDS)
+    after = f"Errata: 129 before, 59 of them called false; {len(kinds)} after: {summary}."
     return "\n".join([*lines, "", after])
 
 
@@ -162,15 +162,15 @@ def _named(number: str, words: str) -> Claim:
 
 
 def _cell(item: Item) -> str:
-    """Examples are told by their verdicts, figures and tables by their sentences."""
+    """An example by its verdicts, a figure or a table by its sentences."""
     if item.is_diagram:
         return "a diagram: nothing to check"
     if item.ledger:
         parts = [f"ledger of proofs: {{ref}}`{item.ledger} <{item.ledger}>`"]
     elif item.name.startswith("Example"):
         verdicts = [claim.recorded for claim in item.claims]
-        told = (f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
-        parts = [f"{', '.join(told)}: `rcac verify {item.example}`"]
+        summary = (f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
+        parts = [f"{', '.join(summary)}: `rcac verify {item.example}`"]
     else:
         parts = [f'"{_quoted(claim.quote)}": **{claim.recorded}**' for claim in item.claims]
         parts = [f"{'; '.join(parts)} (Example {item.example})"] if parts else []

@@ -44,8 +44,8 @@ def test_what_is_proved_is_in_the_ledger(found):
 
 def test_the_tables_are_whole(found):
     assert table().count("\n| ") == len(found)  # the head has no line before it
-    told = sum(map(int, re.findall(r"\| (\d+)(?= )", counts())))
-    assert told == sum(len(quoted_claims(number)) for number in example_ids())
+    counted = sum(map(int, re.findall(r"\| (\d+)(?= )", counts())))
+    assert counted == sum(len(quoted_claims(number)) for number in example_ids())
 
 
 def test_a_verdict_that_changed_is_the_one_of_record():
