@@ -2,7 +2,8 @@
 
 ``python benchmarks/seed_groups.py --groups 20 5.1 6.1`` judges the claims of the text on groups 1
 to 20 of held-out seeds (the verdicts of record are those of group 0) and prints, for each claim
-that a draw can decide, in how many groups another verdict came out.
+that a draw can decide, in how many groups another verdict came out. Where a bound was changed after
+a look at some groups, ``--first 21`` takes others.
 """
 
 import argparse
@@ -22,6 +23,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("examples", nargs="*")
     parser.add_argument("--groups", type=int, default=20)
+    parser.add_argument("--first", type=int, default=1)
     options = parser.parse_args()
     flips: Counter[tuple[str, str]] = Counter()
     judged = 0
@@ -31,7 +33,7 @@ def main() -> int:
         if max((run.seeds for run in runs), default=1) == 1:
             continue  # nothing of it is drawn, or one draw is all that is asked
         claims = [replace(c, control="") for c in example.claims if c.whose != OURS]
-        for group in range(1, options.groups + 1):
+        for group in range(options.first, options.first + options.groups):
             with np.errstate(all="ignore"):
                 verdicts = verify(example.only(claims).held_out(group)).verdicts
             judged += len(verdicts)

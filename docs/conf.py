@@ -8,14 +8,18 @@ from pathlib import Path
 # Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
+import rcac_numeric.dissertation
 from docs.cross_references import intersphinx, resolve_public, skip_foreign, type_links
 from docs.equation_index import equations, equations_page
 from docs.equation_links import setup_equations
 from docs.errata_page import CHAPTERS, errata_page
 from docs.notebook_pages import copy_notebooks, write_settings
+from docs.numbered_items import FILE as ITEMS
+from docs.numbered_items import counts, table
 from docs.reference_pages import changed, write_reference
 from tests.house.layers import LAYERS
 
+EXAMPLES = Path(rcac_numeric.dissertation.__file__).parent / "example_files"
 REFERENCE = Path(__file__).resolve().parent / "reference"
 write_reference(REFERENCE, LAYERS)
 index = equations()
@@ -119,9 +123,19 @@ def insert_errata(app, name, source):
         source[0] = source[0].replace("<!-- the errata -->", errata_page())
 
 
+def insert_judging(app, name, source):
+    """Write where every numbered item stands, and how many claims have which verdict."""
+    if name == "fair-judging":
+        for path in (ITEMS, *EXAMPLES.glob("*.toml"), *CHAPTERS.glob("*.toml")):
+            app.env.note_dependency(str(path))
+        source[0] = source[0].replace("<!-- the numbered items -->", table())
+        source[0] = source[0].replace("<!-- the counts -->", counts())
+
+
 def setup(app):
     setup_equations(app)
     app.connect("autodoc-skip-member", skip_foreign)
     app.connect("missing-reference", resolve_public)
     app.connect("source-read", insert_ledger)
     app.connect("source-read", insert_errata)
+    app.connect("source-read", insert_judging)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from rcac_numeric.dissertation.errata.entries import KINDS, Erratum
 from rcac_numeric.dissertation.errata.reading import find_errata
-from rcac_numeric.dissertation.typesetting import typeset
+from rcac_numeric.dissertation.typesetting import typeset, typeset_quotes
 from rcac_numeric.experiments.judging.claim import (
     CLASSES,
     DEPENDS,
@@ -75,7 +76,7 @@ _EQUATION = re.compile(r"\(([1-9AB]\.\d+)\)")
 def example_page(case: Case) -> str:
     """The page of one example, a whole HTML document."""
     return case_page(
-        case, template="example.html", home=HOME, work=WORK, errata=_told(_errata_at([case]))
+        _set(case), template="example.html", home=HOME, work=WORK, errata=_told(_errata_at([case]))
     )
 
 
@@ -95,6 +96,7 @@ def gallery_page(
         Whether runs were repeated less often than the verdicts of record are made of.
     """
     wrong = _errata_at(cases)
+    cases = [_set(case) for case in cases]
     return whole_page(
         "gallery.html",
         HOME,
@@ -116,6 +118,11 @@ def gallery_page(
         typeset=typeset,
         made=made_with(cases),
     )
+
+
+def _set(case: Case) -> Case:
+    """The same case, the formulas of its quotes as such."""
+    return replace(case, body=str(typeset_quotes(case.body)))
 
 
 def headline(cases: Iterable[Case]) -> dict[str, Counter[str]]:

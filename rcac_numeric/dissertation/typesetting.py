@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from html import unescape
 
 from markupsafe import Markup, escape
 
@@ -14,6 +15,7 @@ SYMBOLS = {
 }  # fmt: skip
 ACCENTS = {"tilde": "\u0303", "hat": "\u0302", "bar": "\u0304"}
 PLAIN = ("text", "mathbf", "mathrm", "mathcal", "operatorname", "mathbb")
+_QUOTE = re.compile("\N{LEFT DOUBLE QUOTATION MARK}[^<]*\N{RIGHT DOUBLE QUOTATION MARK}")
 _TOKEN = re.compile(r"\\([A-Za-z]+|.)|([{}^_])|([^\\{}^_]+)", re.DOTALL)
 
 
@@ -24,6 +26,11 @@ def typeset(text: str) -> Markup:
         return escape(text)
     told = (_formula(part) if i % 2 else escape(part) for i, part in enumerate(parts))
     return Markup("").join(told)
+
+
+def typeset_quotes(body: str) -> Markup:
+    """HTML in which the formulas of what stands in quotation marks are set."""
+    return Markup(_QUOTE.sub(lambda quote: typeset(unescape(quote.group(0))), body))
 
 
 def _formula(text: str) -> Markup:

@@ -108,7 +108,8 @@ def _claims(verification: Verification) -> Section:
     verdicts = sorted(verification.verdicts, key=lambda v: v.claim.whose == OURS)
     quoted = any(v.claim.quote for v in verdicts)
     rows = tuple(
-        cells(_words_of(v), [Text(str(r)) for r in v.results], _verdict(v)) for v in verdicts
+        cells(_words_of(v, quoted), [Text(str(r)) for r in v.results], _verdict(v))
+        for v in verdicts
     )
     heads = ("the text's words" if quoted else "claim", "measured", "verdict")
     table = (Table(heads, rows),)
@@ -150,10 +151,10 @@ def claim_record(v: Verdict) -> dict[str, Any]:
     }
 
 
-def _words_of(v: Verdict) -> list[Text]:
+def _words_of(v: Verdict, beside_quotes: bool) -> list[Text]:
     claim = v.claim
     if claim.whose == OURS:
-        return [Text(claim.text)]
+        return [Text(claim.text), *([Text("a question of ours", "quiet")] if beside_quotes else [])]
     said = [Text(f"\N{LEFT DOUBLE QUOTATION MARK}{claim.quote}\N{RIGHT DOUBLE QUOTATION MARK}")]
     said.append(Text(claim.place, "quiet"))
     if claim.reading:

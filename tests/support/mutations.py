@@ -52,12 +52,21 @@ def _scaled(text: str, factor: float) -> str:
 
 
 def _coefficient(part: Table) -> bool:
-    """A coefficient of the plant, 5 % larger; of an exact system, one more."""
+    """A coefficient of the plant, 5 % larger; of an exact system, one more or twice as large.
+
+    A plant of the library is sampled half as often again.
+    """
     plant = part.get("plant") or part.get("exact") or part.get("estimation") or {}
-    if "G" in plant:
+    if "exact" in part and "G" in plant:
+        plant["G"] = f"2*({plant['G']})"
+    elif "G" in plant:
         plant["G"] = _scaled(str(plant["G"]), 1.05)
+    elif "problem" in plant and "h" in plant:
+        plant["h"] *= 1.5
     elif "A" in plant:
-        plant["A"][0][0] = plant["A"][0][0] + 1 if "exact" in part else 1.05 * plant["A"][0][0]
+        first = plant["A"][0][0]  # an expression may be an entry
+        larger = f"1.05*({first})" if isinstance(first, str) else 1.05 * first
+        plant["A"][0][0] = first + 1 if "exact" in part else larger
     elif "a" in plant:
         plant["a"] = f"{plant['a']} + 7"
     else:

@@ -117,7 +117,12 @@ def test_every_verdict_is_explained(gallery):
 
 
 def test_quotes_are_typeset(gallery):
-    assert "<i>M<sub>" in str(typeset(r"$M_{2}$")) and "$H_2$" not in gallery
+    assert "<i>M<sub>" in str(typeset(r"$M_{2}$"))
+    said = re.findall("\N{LEFT DOUBLE QUOTATION MARK}[^\N{RIGHT DOUBLE QUOTATION MARK}]*", gallery)
+    said += re.findall("<q>.*?</q>", gallery)
+    assert any("<sub>" in words for words in said) and all(
+        words.count("$") < 2 for words in said
+    )  # one alone is no formula
 
 
 def test_examples_that_run_have_pictures_with_titles(gallery, cases):

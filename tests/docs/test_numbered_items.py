@@ -1,0 +1,66 @@
+"""Every numbered item of the text has a place in the table, and what the page says is of record."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import docs
+from docs.numbered_items import counts, items, quoted_claims, table
+from proofs.ledger.ledger import ledger
+from rcac_numeric.dissertation.examples import example_ids
+from rcac_numeric.experiments.judging.claim import Claim
+
+PAGE = (Path(docs.__path__[0]) / "fair-judging.md").read_text("utf-8")
+ROW = re.compile(r'^\| ([\dAB.]+) \| "(.+)" ([^|"]+) \| ([^|]+) \| ([^|]+) \| (.+) \|$', re.M)
+CHANGED = ROW.findall(PAGE[PAGE.index("## Verdicts that changed") :])
+
+
+@pytest.fixture(scope="module")
+def found():
+    return items()
+
+
+def test_every_item_is_settled_or_says_why_not(found):
+    assert not [item.name for item in found if not item.is_settled]
+    assert all(len(why) > 20 for item in found for _, why in item.besides)
+    assert all(item.claims or item.besides for item in found if item.example)
+
+
+def test_every_example_and_every_caption_that_is_quoted_is_an_item(found):
+    by_name = {item.name: item for item in found}
+    chapters = [number for number in example_ids() if not number.startswith("9.")]
+    assert {item.example for item in found if item.name.startswith("Example")} == set(chapters)
+    for number in chapters:
+        for claim in quoted_claims(number):
+            if claim.place.startswith(("Figure", "Table")):
+                item = by_name[claim.place]
+                assert claim.quote in {own.quote for own in item.claims}, claim.place
+
+
+def test_what_is_proved_is_in_the_ledger(found):
+    assert {item.ledger for item in found} - {""} <= {entry.name for entry in ledger()}
+
+
+def test_the_tables_are_whole(found):
+    assert table().count("\n| ") == len(found)  # the head has no line before it
+    counted = sum(map(int, re.findall(r"\| (\d+)(?= )", counts())))
+    assert counted == sum(len(quoted_claims(number)) for number in example_ids())
+
+
+def test_a_verdict_that_changed_is_the_one_of_record():
+    """The column `new` of the table of changes, sentence by sentence."""
+    assert len(CHANGED) > 90
+    for number, quote, place, _, new, why in CHANGED:
+        same = [
+            claim
+            for claim in quoted_claims(number)
+            if (claim.quote, claim.place) == (quote, place.strip())
+        ]
+        assert new.strip() in {words(claim) for claim in same}, (number, quote)
+        assert why
+
+
+def words(claim: Claim) -> str:
+    on = f" on {', '.join(claim.open)}" if claim.open and claim.recorded == "depends" else ""
+    return claim.recorded + on
