@@ -79,6 +79,21 @@ def readme(
         said += ["", f"float32 against float64 over these steps: {agreement}."]
     if t.low:
         said += ["", "u is held within its bounds by the core: send it out as it is."]
+    if t.supervision:
+        growth, limit, patience = t.supervision
+        said += [
+            "",
+            "## Supervision",
+            "",
+            "A missed sample (NaN, infinite or NULL) holds u or theta, and numbers that leave "
+            "their range give theta of the last good look back, with P(0); u is always a number. "
+            f"The status says RCAC_WOUND_UP where a variance is more than {growth:g} times that of "
+            "P(0), looked at every 16 steps; RCAC_HELD_BACK where u was not applied for "
+            f"{patience} steps, which it learns by `rcac_correct` or from its own bounds; "
+            + (f"RCAC_LARGE_Z where abs(z) exceeds {limit:g}; " if limit else "")
+            + "RCAC_MISSED and RCAC_RESTORED. What was noted since `rcac_init` is in `troubles` of "
+            "the state; `rcac_save` keeps it. It acts on none of this: your program does.",
+        ]
     if "arduino" in layouts:
         said += ["", "Arduino: this folder is a library; the sketch is in examples/."]
     if "wasm" in layouts:
