@@ -110,7 +110,7 @@ def _measured(place: Path, core: dict[str, str], config: str, level: str) -> lis
         capture_output=True,
         text=True,
     ).stdout
-    used = r"^\.(?:text|rodata)\.?(?:rcac_(?:init|step|control|adapt|[a-zA-Z_0]+)|[a-z_]+)?\s+(\d+)"
+    used = r"^\.(?:text|rodata)\.?[a-zA-Z_0-9.]*\s+(\d+)"
     extra = r"rcac_(self_check|save|restore|set_target|correct|freeze|reset_covariance|set_lambda)"
     flash = sum(
         int(match[1])
