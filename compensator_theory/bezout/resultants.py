@@ -138,7 +138,7 @@ def _generic_number(
 def _kept(
     a: PolynomialLike, b: PolynomialLike, variable: str | Symbol | None
 ) -> tuple[flint.fmpq_poly, flint.fmpq_poly] | None:
-    """Return what is read already, at its true degrees: a door would cost more than the work."""
+    """Return what is read already, at its true degrees: a reader would cost more than the work."""
     kept = kept_in_flint(a, b) if variable is None else None
     if kept is None or not kept[0] or not kept[1]:
         return None

@@ -35,7 +35,7 @@ def intercalated_transfer_matrix(
         If shapes do not fit or D_c is not monic.
     ImproperError
         If the compensator is improper or :math:`\det(I - Q_0 D_0) = 0`, a hypothesis that the
-        dissertation leaves unsaid for :math:`k_c = 0`.
+        dissertation leaves open for :math:`k_c = 0`.
 
     Notes
     -----

@@ -73,7 +73,7 @@ def control_state_space(
     >>> control_state_space(*(M([[k]]) for k in range(4)), 0.01).dt
     0.01
     """
-    import control  # slow to import, and only needed at this door
+    import control  # slow to import, and only needed here
 
     symbols = set().union(*(m.free_symbols for m in (A, B, C, D)))
     if symbols:

@@ -220,7 +220,7 @@ class TransferFunction(ExactValue):
         InputError
             If a coefficient is symbolic or overflows, or `dt` is needed and missing.
         """
-        import control  # slow to import, and only needed at this door
+        import control  # slow to import, and only needed here
 
         rounded = [
             [to_float(c) for c in p.all_coeffs()] for p in (self.numerator, self.denominator)

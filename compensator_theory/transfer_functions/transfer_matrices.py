@@ -159,7 +159,7 @@ class TransferMatrix(ExactValue):
         InputError
             If a coefficient is symbolic or overflows, or `dt` is needed and missing.
         """
-        import control  # slow to import, and only needed at this door
+        import control  # slow to import, and only needed here
 
         below = [to_float(c) for c in self.denominator.all_coeffs()]
         above = [[[to_float(c) for c in n.all_coeffs()] for n in row] for row in self.numerators]

@@ -33,25 +33,24 @@ public:
         ++k_;
     }
 
-    void correct(const double* y, const double* u) override {
+private:
+    void correct_there(const double* y, const double* u) override {
         model_->linear_output(k_, x_.data(), u, y_hat_.data(), J_.data());
         require_finite(y_hat_.data(), p_, "h(k, x, u)");
         require_finite(J_.data(), p_ * n_, "the Jacobian H of h");
-        const std::size_t columns = p_ + n_;
-        for (std::size_t i = 0; i < p_; ++i) {
-            std::copy_n(R_root_.data() + i * p_, p_, M_.data() + i * columns);
-            times_S(J_.data() + i * n_, M_.data() + i * columns + p_);
+        const std::size_t columns = p_ + n_, q = there_.size();
+        for (std::size_t i = 0; i < q; ++i) {
+            std::copy_n(R_root_.data() + there_[i] * p_, p_, M_.data() + i * columns);
+            times_S(J_.data() + there_[i] * n_, M_.data() + i * columns + p_);
         }
         for (std::size_t i = 0; i < n_; ++i) {
-            double* row = M_.data() + (p_ + i) * columns;
+            double* row = M_.data() + (q + i) * columns;
             std::fill_n(row, p_, 0.0);
             std::copy_n(S_.data() + i * n_, n_, row + p_);
         }
-        triangularise(M_.data(), p_ + n_, columns);
+        triangularise(M_.data(), q + n_, columns);
         commit(M_.data(), columns, y);
     }
-
-private:
     void times_S(const double* row, double* out) const {
         std::fill_n(out, n_, 0.0);
         for (std::size_t m = 0; m < n_; ++m)
@@ -91,58 +90,63 @@ public:
         ++k_;
     }
 
-    void correct(const double* y, const double* u) override {
+    void covariance(double* P) const override { std::copy(S_.begin(), S_.end(), P); }
+    double variance(std::size_t i) const override { return S_[i * n_ + i]; }
+
+private:
+    void correct_there(const double* y, const double* u) override {
         model_->linear_output(k_, x_.data(), u, y_hat_.data(), J_.data());
         require_finite(y_hat_.data(), p_, "h(k, x, u)");
         require_finite(J_.data(), p_ * n_, "the Jacobian H of h");
-        std::vector<double> PHt(n_ * p_, 0.0), S_y = R_;
+        const std::size_t q = there_.size();
+        std::vector<double> PHt(n_ * q, 0.0), S_y(q * q), R(q * q);
+        for (std::size_t i = 0; i < q; ++i)
+            for (std::size_t j = 0; j < q; ++j)
+                S_y[i * q + j] = R[i * q + j] = R_[there_[i] * p_ + there_[j]];
         for (std::size_t i = 0; i < n_; ++i)
-            for (std::size_t j = 0; j < p_; ++j)
+            for (std::size_t j = 0; j < q; ++j)
                 for (std::size_t m = 0; m < n_; ++m)
-                    PHt[i * p_ + j] += S_[i * n_ + m] * J_[j * n_ + m];
-        for (std::size_t i = 0; i < p_; ++i)
-            for (std::size_t j = 0; j < p_; ++j)
-                for (std::size_t m = 0; m < n_; ++m) S_y[i * p_ + j] += J_[i * n_ + m] * PHt[m * p_ + j];
-        if (!cholesky(S_y.data(), p_))
+                    PHt[i * q + j] += S_[i * n_ + m] * J_[there_[j] * n_ + m];
+        for (std::size_t i = 0; i < q; ++i)
+            for (std::size_t j = 0; j < q; ++j)
+                for (std::size_t m = 0; m < n_; ++m)
+                    S_y[i * q + j] += J_[there_[i] * n_ + m] * PHt[m * q + j];
+        if (!cholesky(S_y.data(), q))
             throw EstimationError{"singular", "the covariance of the innovation is singular"};
-        for (std::size_t i = 0; i < p_; ++i) whitened_[i] = next_innovation_[i] = y[i] - y_hat_[i];
-        solve_lower(S_y.data(), p_, p_, whitened_.data());
+        innovate(y);
+        solve_lower(S_y.data(), q, q, whitened_.data());
         for (std::size_t i = 0; i < n_; ++i) {  // a row of K = P H' L'^-1 L^-1
-            double* row = K_.data() + i * p_;
-            std::copy_n(PHt.data() + i * p_, p_, row);
-            solve_lower(S_y.data(), p_, p_, row);
+            double* row = K_.data() + i * q;
+            std::copy_n(PHt.data() + i * q, q, row);
+            solve_lower(S_y.data(), q, q, row);
             next_[i] = x_[i];
-            for (std::size_t j = 0; j < p_; ++j) next_[i] += row[j] * whitened_[j];
-            for (std::size_t j = p_; j-- > 0;) {
-                for (std::size_t m = j + 1; m < p_; ++m) row[j] -= S_y[m * p_ + j] * row[m];
-                row[j] /= S_y[j * p_ + j];
+            for (std::size_t j = 0; j < q; ++j) next_[i] += row[j] * whitened_[j];
+            for (std::size_t j = q; j-- > 0;) {
+                for (std::size_t m = j + 1; m < q; ++m) row[j] -= S_y[m * q + j] * row[m];
+                row[j] /= S_y[j * q + j];
             }
         }
         std::vector<double> rest(n_ * n_, 0.0);  // I - K H
         for (std::size_t i = 0; i < n_; ++i) {
             rest[i * n_ + i] = 1.0;
-            for (std::size_t m = 0; m < p_; ++m)
+            for (std::size_t m = 0; m < q; ++m)
                 for (std::size_t j = 0; j < n_; ++j)
-                    rest[i * n_ + j] -= K_[i * p_ + m] * J_[m * n_ + j];
+                    rest[i * n_ + j] -= K_[i * q + m] * J_[there_[m] * n_ + j];
         }
         std::vector<double> P = congruent(rest.data());
         for (std::size_t i = 0; i < n_; ++i)
             for (std::size_t j = 0; j < n_; ++j)
-                for (std::size_t m = 0; m < p_; ++m)
-                    for (std::size_t q = 0; q < p_; ++q)
-                        P[i * n_ + j] += K_[i * p_ + m] * R_[m * p_ + q] * K_[j * p_ + q];
+                for (std::size_t m = 0; m < q; ++m)
+                    for (std::size_t l = 0; l < q; ++l)
+                        P[i * n_ + j] += K_[i * q + m] * R[m * q + l] * K_[j * q + l];
         require_range(next_.data(), n_);
         require_range(P.data(), n_ * n_);
         remember();
         S_ = std::move(P);
         x_ = next_;
-        accept(S_y.data(), p_);
+        accept(S_y.data(), q);
     }
 
-    void covariance(double* P) const override { std::copy(S_.begin(), S_.end(), P); }
-    double variance(std::size_t i) const override { return S_[i * n_ + i]; }
-
-private:
     static std::vector<double> gram(const std::vector<double>& L, std::size_t n) {
         std::vector<double> P(n * n, 0.0);
         for (std::size_t i = 0; i < n; ++i)

@@ -25,11 +25,24 @@ public:
           R_root_(std::move(R_root)),
           next_(n_),
           y_hat_(p_),
-          innovation_(p_) {}
+          innovation_(p_),
+          given_(p_) {}
     virtual ~KalmanFilter() = default;
 
-    // x(k|k-1) -> x(k|k)
-    virtual void correct(const double* y, const double* u) = 0;
+    // x(k|k-1) -> x(k|k) by the entries of y that are numbers; NaN is a sensor that says nothing.
+    void correct(const double* y, const double* u) {
+        there_.clear();
+        for (std::size_t i = 0; i < p_; ++i)
+            if (y[i] == y[i]) there_.push_back(i);
+        if (there_.empty()) {
+            remember();
+            corrected_ = x_;
+            std::fill(innovation_.begin(), innovation_.end(), std::nan(""));
+            squared_ = log_determinant_ = 0.0;
+        } else {
+            correct_there(y, u);
+        }
+    }
     // x(k|k) -> x(k+1|k)
     virtual void predict(const double* u) = 0;
     // Both; x(k|k-1) -> x(k+1|k), or nothing where either of them throws.
@@ -64,6 +77,8 @@ public:
     // e' S_y^-1 e and log det S_y of the last correction.
     double squared_innovation() const { return squared_; }
     double log_determinant() const { return log_determinant_; }
+    // How many entries of y that correction was of.
+    std::size_t measured() const { return there_.size(); }
     const std::vector<double>& innovation() const { return innovation_; }
     const std::vector<double>& x() const { return x_; }
     const std::vector<double>& corrected() const { return corrected_; }  // the last x(k|k)
@@ -80,25 +95,38 @@ public:
     }
 
 protected:
-    // From M = [[., .], [., .]] with M M' = [[S_y, P_yx], [P_xy, P]], triangular: L_y in the first
-    // p rows, then P_xy L_y'^-1 and the new S. `columns` is the length of its rows.
+    virtual void correct_there(const double* y, const double* u) = 0;
+
+    // The innovation, and its measured entries in `whitened_`.
+    void innovate(const double* y) {
+        // A function of the user sees what was expected where nothing was measured.
+        std::copy(y_hat_.begin(), y_hat_.end(), given_.begin());
+        for (const std::size_t i : there_) given_[i] = y[i];
+        next_innovation_.assign(p_, 0.0);
+        model_->difference(given_.data(), y_hat_.data(), next_innovation_.data());
+        for (std::size_t i = 0; i < there_.size(); ++i)
+            whitened_[i] = next_innovation_[there_[i]];
+        for (std::size_t i = 0; i < p_; ++i)
+            if (y[i] != y[i]) next_innovation_[i] = y[i];
+    }
+
+    // From M = [[., .], [., .]] with M M' = [[S_y, P_yx], [P_xy, P]], triangular: L_y in the rows
+    // of what was measured, then P_xy L_y'^-1 and the new S. `columns` is the length of its rows.
     void commit(const double* M, std::size_t columns, const double* y) {
-        for (std::size_t i = 0; i < p_; ++i) {
-            next_innovation_[i] = y[i] - y_hat_[i];
-            whitened_[i] = next_innovation_[i];
-        }
-        if (!solve_lower(M, p_, columns, whitened_.data()))
+        const std::size_t q = there_.size();
+        innovate(y);
+        if (!solve_lower(M, q, columns, whitened_.data()))
             throw EstimationError{"singular", "the covariance of the innovation is singular"};
         for (std::size_t i = 0; i < n_; ++i) {
-            const double* row = M + (p_ + i) * columns;
+            const double* row = M + (q + i) * columns;
             next_[i] = x_[i];
-            for (std::size_t j = 0; j < p_; ++j) next_[i] += row[j] * whitened_[j];
+            for (std::size_t j = 0; j < q; ++j) next_[i] += row[j] * whitened_[j];
         }
         require_range(next_.data(), n_);
-        require_range(M, (n_ + p_) * columns);
+        require_range(M, (n_ + q) * columns);
         remember();
         for (std::size_t i = 0; i < n_; ++i)
-            std::copy_n(M + (p_ + i) * columns + p_, n_, S_.data() + i * n_);
+            std::copy_n(M + (q + i) * columns + q, n_, S_.data() + i * n_);
         x_ = next_;
         accept(M, columns);
     }
@@ -111,7 +139,7 @@ protected:
         corrected_ = x_;
         innovation_ = next_innovation_;
         squared_ = log_determinant_ = 0.0;
-        for (std::size_t i = 0; i < p_; ++i) {
+        for (std::size_t i = 0; i < there_.size(); ++i) {
             squared_ += whitened_[i] * whitened_[i];
             log_determinant_ += 2.0 * std::log(L_y[i * columns + i]);
         }
@@ -126,8 +154,9 @@ protected:
     std::shared_ptr<EstimationModel> model_;
     std::size_t n_, p_;
     std::int64_t k_ = 0;
-    std::vector<double> x_, S_, Q_root_, R_root_, next_, y_hat_, innovation_, x_before_,
+    std::vector<double> x_, S_, Q_root_, R_root_, next_, y_hat_, innovation_, given_, x_before_,
         S_before_, corrected_;
+    std::vector<std::size_t> there_;  // the entries of y that are numbers
     std::vector<double> next_innovation_ = std::vector<double>(p_), whitened_ = next_innovation_;
     double squared_ = 0.0, log_determinant_ = 0.0;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -39,8 +40,17 @@ public:
                                  double* F) = 0;
     virtual void linear_output(std::int64_t k, const double* x, const double* u, double* y,
                                double* H) = 0;
+    // How far y is from what was expected of it; an angle by the shorter way round.
+    virtual void difference(const double* y, const double* expected, double* out) {
+        for (std::size_t i = 0; i < l_y; ++i) {
+            out[i] = y[i] - expected[i];
+            if (!is_angle.empty() && is_angle[i])
+                out[i] = std::remainder(out[i], 2.0 * 3.14159265358979323846);
+        }
+    }
 
     const std::size_t n, l_u, l_y;
+    std::vector<bool> is_angle;  // of each measurement; empty where none is
 };
 
 class LinearEstimationModel final : public EstimationModel {

@@ -10,7 +10,7 @@ namespace rcac {
 
 // A lower triangular T with T T' = O' O for O = [W H(0) S; W H(1) F(0) S; ...], S = diag(scale) and
 // W = diag(weight). Ends where the transition has grown by `growth`, which would hide what does not
-// grow. x and u hold one row for each step; `measured` is 0 where y(k) is missing.
+// grow. x, u and `measured` hold one row for each step, 0 where an entry of y(k) is missing.
 inline std::vector<double> sensitivity(EstimationModel& model, std::size_t steps, const double* x,
                                        const double* u, const double* measured,
                                        const double* scale, const double* weight, double growth) {
@@ -22,14 +22,15 @@ inline std::vector<double> sensitivity(EstimationModel& model, std::size_t steps
     for (std::size_t k = 0; k < steps; ++k) {
         const auto step = static_cast<std::int64_t>(k);
         model.linear_dynamics(step, x + k * n, u + k * model.l_u, next.data(), F.data());
-        if (measured[k] != 0.0) {
+        const double* there = measured + k * p;
+        if (std::any_of(there, there + p, [](double entry) { return entry != 0.0; })) {
             model.linear_output(step, x + k * n, u + k * model.l_u, y.data(), H.data());
             require_finite(H.data(), p * n, "the Jacobian H of h");
             for (std::size_t i = 0; i < n; ++i)
                 for (std::size_t j = 0; j < p; ++j) {
                     double sum = 0.0;
                     for (std::size_t m = 0; m < n; ++m) sum += H[j * n + m] * transition[m * n + i];
-                    T[i * columns + n + j] = weight[j] * sum;
+                    T[i * columns + n + j] = there[j] != 0.0 ? weight[j] * sum : 0.0;
                 }
             triangularise(T.data(), n, columns);
         }

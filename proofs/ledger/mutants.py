@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 from .checks import ForAll
@@ -144,6 +145,8 @@ def first_caught(package: str, check: str, tries: int = _TRIES) -> Mutant | None
 def moved(value: Any) -> Any:
     """Change what a function returned: a truth is turned, a number or a polynomial is one more.
 
+    A result that `holds` holds no more, or does.
+
     Raises
     ------
     TypeError
@@ -163,6 +166,8 @@ def moved(value: Any) -> Any:
         changed = value.as_mutable()
         changed[0, 0] += 1
         return changed
+    if hasattr(value, "holds"):
+        return SimpleNamespace(**{**vars(value), "holds": not value.holds})
     return value + 1
 
 

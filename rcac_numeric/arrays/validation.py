@@ -82,7 +82,7 @@ def float_array(value: ArrayLike, name: str) -> Array:
 
 
 def rounded(entries: Sequence[Any], name: str) -> Array:
-    """Exact numbers, each rounded once to float64; the one door from the exact half."""
+    """Exact numbers, each rounded once to float64; the one way out of the exact half."""
     for entry in entries:
         if not getattr(entry, "is_number", True):
             raise InputError(

@@ -82,8 +82,8 @@ class ControllerCheck(Value):
         with its own plant.
     decision : Decision or str or None
         Which problem the log is of, where that was asked of it; a text says why it could not be.
-    unsaid : mapping
-        From what could not be said to the reason.
+    unanswered : mapping
+        From what could not be answered to the reason.
     """
 
     log: ControllerLog
@@ -102,7 +102,7 @@ class ControllerCheck(Value):
     costs: LoopCosts | None = None
     margins: dict[str, Margins] = field(default_factory=dict)
     disk: DiskMargin | None = None
-    unsaid: dict[str, str] = field(default_factory=dict)
+    unanswered: dict[str, str] = field(default_factory=dict)
     plant_residual: PlantResidual | None = None
     decision: Decision | str | None = None
 
@@ -135,7 +135,7 @@ class ControllerCheck(Value):
     def __repr__(self) -> str:
         said = "consistent" if self.is_consistent else "u is not the output of theta"
         loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
-        return f"ControllerCheck({said}, {loop}, {len(self.unsaid)} unsaid)"
+        return f"ControllerCheck({said}, {loop}, {len(self.unanswered)} unanswered)"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and its sheet of pictures."""
@@ -215,7 +215,7 @@ def check_controller(
     ...     structure=iir(n_c=2), plant=plant, target=settings.target)
     >>> check.replay.agrees, check.drift.is_converged, check.loop.is_stable
     (True, True, True)
-    >>> check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2)).unsaid["poles"]
+    >>> check_controller(run.u, run.y, theta=run.theta, structure=iir(n_c=2)).unanswered["poles"]
     'the plant is not known'
     """
     plant = None if plant is None else linear_plant(plant)
@@ -244,7 +244,7 @@ def check_controller(
         if noise is not None:
             raise InputError("noise is for the H2 costs, and they need the plant; give both.")
         nothing = dict.fromkeys(NEED_THE_PLANT, "the plant is not known")
-        check = replace(check, unsaid=check.unsaid | nothing)
+        check = replace(check, unanswered=check.unanswered | nothing)
     else:
         with np.errstate(over="ignore", invalid="ignore"):  # an unstable loop leaves float64
             check = _with_loop(check, plant)
@@ -281,13 +281,13 @@ def _with_log(
         if log.theta.ndim == 2:
             return replace(check, replay=replayed, drift=drift_of(log.theta))
         reason = "theta was logged only once"
-        return replace(check, replay=replayed, unsaid={"convergence": reason})
+        return replace(check, replay=replayed, unanswered={"convergence": reason})
     reason = "no theta was logged" if log.theta is None else "theta was not used"
     if log.steps > len(fixed.past_u):
         replayed = replay_compensator(log, fixed, tolerance=tolerance)
-        return replace(check, replay=replayed, unsaid={"convergence": reason})
+        return replace(check, replay=replayed, unanswered={"convergence": reason})
     short = f"the log of {log.steps} steps does not fill the controller's memory"
-    return replace(check, unsaid={"convergence": reason, "replay": short})
+    return replace(check, unanswered={"convergence": reason, "replay": short})
 
 
 def _with_loop(check: ControllerCheck, plant: Plant) -> ControllerCheck:
@@ -297,13 +297,13 @@ def _with_loop(check: ControllerCheck, plant: Plant) -> ControllerCheck:
     check = replace(check, loop=analysis.loop)
     if check.target is None:
         nothing = dict.fromkeys(NEED_THE_TARGET, "the target model is not known")
-        check = replace(check, unsaid=check.unsaid | nothing)
+        check = replace(check, unanswered=check.unanswered | nothing)
     else:
         check = _against_target(check, analysis)
     if check.comparison is not None or plant.l_z == 1:
         return replace(check, zeros=analysis.zeros)
     reason = f"they are for one z, and the plant has l_z = {plant.l_z}"
-    return replace(check, unsaid=check.unsaid | {"zeros": reason})
+    return replace(check, unanswered=check.unanswered | {"zeros": reason})
 
 
 def _against_target(check: ControllerCheck, analysis: LoopAnalysis) -> ControllerCheck:
@@ -313,7 +313,11 @@ def _against_target(check: ControllerCheck, analysis: LoopAnalysis) -> Controlle
     reasons = {"exact poles": no_comparison, "match": no_match, "split": no_split}
     reasons = {name: reason for name, reason in reasons.items() if reason}
     return replace(
-        check, comparison=comparison, match=match, split=split, unsaid=check.unsaid | reasons
+        check,
+        comparison=comparison,
+        match=match,
+        split=split,
+        unanswered=check.unanswered | reasons,
     )
 
 
@@ -336,7 +340,9 @@ def _with_costs_and_margins(
     margins, reasons = channel_margins(loop, sample_time)
     several = loop.plant.l_u > 1 and loop.is_stable
     disk = multivariable_disk_margin(loop) if several else None
-    return replace(check, costs=costs, margins=margins, disk=disk, unsaid=check.unsaid | reasons)
+    return replace(
+        check, costs=costs, margins=margins, disk=disk, unanswered=check.unanswered | reasons
+    )
 
 
 # A run of our own as what a check needs: its log, its controller, its plant.

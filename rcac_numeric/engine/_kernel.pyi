@@ -177,7 +177,9 @@ def python_plant(
 def compiled_plant(sizes: Sizes, advance: Any, output: Any, x_0: Array) -> Plant: ...
 
 class EstimationError(Exception): ...
-class EstimationModel: ...
+
+class EstimationModel:
+    def set_angles(self, is_angle: Sequence[bool]) -> None: ...
 
 class Filter:
     def move(self, y: object, u: object, corrects: bool, predicts: bool) -> bool:
@@ -186,7 +188,6 @@ class Filter:
         self,
         u: Array,
         y: Array,
-        measured: Array,
         x: Array,
         deviation: Array,
         P: Array,
@@ -247,6 +248,7 @@ def function_estimation_model(
     h: Callable[..., Any],
     F: Callable[..., Any] | None,
     H: Callable[..., Any] | None,
+    residual: object,
     scale: Array,
 ) -> EstimationModel: ...
 def tape_estimation_model(

@@ -20,8 +20,8 @@ class Consistency(Value):
     ----------
     mean : float
         Its expected value is `degrees` where model and noises are right.
-    degrees : int
-        l_y for the NIS, n for the NEES.
+    degrees : int or float
+        l_y for the NIS, on average where entries are missing; n for the NEES.
     samples : int
         How many steps.
     interval : tuple of two floats
@@ -32,7 +32,7 @@ class Consistency(Value):
     """
 
     mean: float
-    degrees: int
+    degrees: float
     samples: int
     interval: tuple[float, float]
     confidence: float
@@ -49,13 +49,13 @@ class Consistency(Value):
         return "pessimistic" if self.mean < low else "consistent"
 
 
-def chi_square_interval(degrees: int, samples: int, confidence: float) -> tuple[float, float]:
+def chi_square_interval(degrees: float, samples: int, confidence: float) -> tuple[float, float]:
     """Where the mean of independent chi-square numbers lies.
 
     Parameters
     ----------
-    degrees : int
-        Degrees of freedom of each.
+    degrees : int or float
+        Degrees of freedom of each, on average.
     samples : int
         How many.
     confidence : float
@@ -67,7 +67,9 @@ def chi_square_interval(degrees: int, samples: int, confidence: float) -> tuple[
     >>> [round(v, 2) for v in chi_square_interval(2, 50, 0.95)]  # 74.22 and 129.56 over 50
     [1.48, 2.59]
     """
-    degrees, samples = integer(degrees, "degrees", 1), integer(samples, "samples", 1)
+    samples = integer(samples, "samples", 1)
+    if not number(degrees, "degrees") > 0:
+        raise InputError(f"degrees = {degrees} must be positive.")
     if not 0 < number(confidence, "confidence") < 1:
         raise InputError(f"confidence = {confidence} must lie between 0 and 1.")
     tail = (1 - confidence) / 2
@@ -77,15 +79,15 @@ def chi_square_interval(degrees: int, samples: int, confidence: float) -> tuple[
     return float(ends[0]), float(ends[1])
 
 
-def nis_consistency(nis: ArrayLike, l_y: int, confidence: float = 0.95) -> Consistency:
+def nis_consistency(nis: ArrayLike, l_y: float, confidence: float = 0.95) -> Consistency:
     """The mean NIS of a run, or of many, against its chi-square interval.
 
     Parameters
     ----------
     nis : array
         Normalised squared innovations.
-    l_y : int
-        Number of measurements in each step.
+    l_y : int or float
+        Number of measurements in each step, on average.
     confidence : float
 
     Raises

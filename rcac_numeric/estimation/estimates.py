@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import FunctionFailedError, InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import real_array, signal_array
+from rcac_numeric.arrays.validation import float_array, real_array, signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.estimators import estimation_failure
 from rcac_numeric.estimation.consistency import Consistency, nees_consistency, nis_consistency
@@ -37,9 +37,9 @@ class StateEstimates(Value):
     P : array, shape (steps, n, n) or (0, n, n)
         P(k|k), where it was asked for.
     innovation : array, shape (steps, l_y)
-        y(k) - h(x(k|k-1)); NaN where y(k) is missing.
+        y(k) - h(x(k|k-1)); NaN where an entry is missing.
     nis : array, shape (steps,)
-        Innovations squared and normalised; NaN where y(k) is missing.
+        Innovations squared and normalised, of what was measured; NaN where nothing was.
     log_likelihood : float
         Of the measurements, under the model.
     observability : Observability
@@ -63,8 +63,11 @@ class StateEstimates(Value):
         confidence : float
             Of the interval for the mean of the NIS.
         """
-        kept = self.nis[~np.isnan(self.nis)]
-        return nis_consistency(kept, self.settings.model.l_y, confidence)
+        kept = ~np.isnan(self.nis)
+        if not kept.any():
+            raise InputError("no step has a measurement: there is no innovation to judge.")
+        measured = int((~np.isnan(self.innovation[kept])).sum())
+        return nis_consistency(self.nis[kept], measured / int(kept.sum()), confidence)
 
     def nees_consistency(self, truth: ArrayLike, confidence: float = 0.95) -> Consistency:
         """Whether the errors are as large as the filter says; needs covariances.
@@ -103,11 +106,12 @@ def estimate(
     ----------
     settings : EKF or UKF
     y : array, shape (steps, l_y)
-        A 1-D array is one signal.
+        A 1-D array is one signal. A NaN is an entry that was not measured; the others of its row
+        count.
     u : array, shape (steps, l_u), optional
         The known input, where the model has one.
-    measured : array of bool, shape (steps,), optional
-        False where y(k) is missing; its row is not looked at.
+    measured : array of bool, shape (steps,) or (steps, l_y), optional
+        False where y(k), or an entry of it, is missing; what stands there is not looked at.
     Q, R : arrays, shapes (steps, n, n) and (steps, l_y, l_y), or (steps,), optional
         Q(k) and R(k) of each step, where they change; those of the settings by default, which also
         judge what is observable. A number stands for that multiple of I.
@@ -121,7 +125,7 @@ def estimate(
     Raises
     ------
     InputError
-        Where shapes do not fit or an entry is not finite.
+        Where shapes do not fit or an entry is infinite.
     FunctionFailedError
         Where a function of the model failed; `run` holds the estimates until then.
     IllConditionedError, DivergedError
@@ -160,9 +164,9 @@ def estimated_record(
     """As `estimate`, without the warning: for who reads `observability`."""
     kernel, compiled = compiled_filter(settings)
     model = settings.model
-    values = _with_gaps(y, model.l_y, measured)
-    steps = len(values[0])
-    outputs = signal_array(values[0], "y", model.l_y, steps)
+    outputs = _with_gaps(y, model.l_y, measured)
+    steps = len(outputs)
+    there = ~np.isnan(outputs)
     inputs = signal_array(np.zeros((steps, model.l_u)) if u is None else u, "u", model.l_u, steps)
     if u is None and model.l_u:
         raise InputError(f"the model has {model.l_u} known inputs; give their record u.")
@@ -182,12 +186,11 @@ def estimated_record(
             nis[:kept],
             float(likelihood[:kept].sum()),
             observability_along(
-                model, compiled, x[:kept], inputs[:kept], settings.P_0, settings.R, values[1][:kept]
+                model, compiled, x[:kept], inputs[:kept], settings.P_0, settings.R, there[:kept]
             ),
         )
 
-    there = values[1].astype(float)
-    record = (inputs, outputs, there, x, deviation, P, innovation, nis, likelihood)
+    record = (inputs, outputs, x, deviation, P, innovation, nis, likelihood)
     noises = None if Q is None and R is None else _roots(settings, Q, R, steps)
     try:
         if noises is None:
@@ -223,17 +226,17 @@ def _roots(
     return roots
 
 
-def _with_gaps(y: ArrayLike, l_y: int, measured: ArrayLike | None) -> tuple[Array, Array]:
-    """Y with zeros where it is missing, and a bool for each step."""
-    if measured is None:
-        read = signal_array(y, "y", l_y)
-        return read, np.ones(len(read), dtype=bool)
-    there = np.asarray(measured)
-    given = np.array(y, dtype=float)
-    if there.dtype != bool or there.ndim != 1 or len(there) != len(given):
-        raise InputError(
-            f"measured has type {there.dtype} and shape {there.shape}; one True or False for each "
-            f"of the {len(given)} rows of y is needed."
-        )
-    given[~there] = 0.0
-    return signal_array(real_array(given, "y"), "y", l_y), there
+def _with_gaps(y: ArrayLike, l_y: int, measured: ArrayLike | None) -> Array:
+    """y, shape (steps, l_y), with NaN where an entry is missing."""
+    given = float_array(y, "y")
+    if measured is not None:
+        there = np.asarray(measured)
+        if there.dtype != bool or there.shape not in {given.shape[:1], given.shape}:
+            raise InputError(
+                f"measured has type {there.dtype} and shape {there.shape}; one True or False for "
+                f"each of the {len(given)} rows of y, or for each of its entries, is needed."
+            )
+        given[~there] = np.nan
+    missing = np.isnan(given)
+    read = signal_array(np.where(missing, 0.0, given), "y", l_y)
+    return np.where(missing.reshape(read.shape), np.nan, read)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import vector
+from rcac_numeric.arrays.validation import float_array, vector
 from rcac_numeric.engine.compiled.estimators import (
     EstimationModel,
     Filter,
@@ -78,7 +78,7 @@ class Estimator(Resumable[EKF | UKF]):
         Parameters
         ----------
         y : array, shape (l_y,), a number, or None
-            The measurement; None where it is missing.
+            The measurement; None where it is missing, NaN where an entry of it is.
         u : array, shape (l_u,), or a number
             The known input, where the model has one.
         Q, R : arrays or numbers, optional
@@ -92,7 +92,7 @@ class Estimator(Resumable[EKF | UKF]):
         Raises
         ------
         InputError
-            Where an argument has the wrong size or is not finite, or a covariance is not
+            Where an argument has the wrong size or is infinite, or a covariance is not
             semidefinite.
         FunctionFailedError
             Where a function of the model raised, or gave what is not finite.
@@ -115,6 +115,7 @@ class Estimator(Resumable[EKF | UKF]):
         Parameters
         ----------
         y : array, shape (l_y,), or a number
+            An entry that is NaN was not measured.
         u : array, shape (l_u,), or a number
             Zero where it is left out.
 
@@ -158,7 +159,7 @@ class Estimator(Resumable[EKF | UKF]):
             if not self._kernel.move(y, u, corrects, predicts):
                 model = self.settings.model
                 wide = vector(np.zeros(0) if u is None else u, "u", model.l_u)
-                read = vector(y, "y", model.l_y) if corrects else None
+                read = _measured(y, model.l_y) if corrects else None
                 self._kernel.move(read, wide, corrects, predicts)
         except InputError:
             raise
@@ -202,3 +203,10 @@ class Estimator(Resumable[EKF | UKF]):
     def take_up(self, values: Array) -> None:
         """Go on from what `save` gave."""
         self._kernel.restore(values)
+
+
+def _measured(y: Any, l_y: int) -> Array:
+    """A measurement whose missing entries are NaN."""
+    given = float_array(y, "y")
+    there = vector(np.where(np.isnan(given), 0.0, given), "y", l_y)
+    return np.where(np.isnan(given.reshape(-1)), np.nan, there)

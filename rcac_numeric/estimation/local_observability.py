@@ -115,7 +115,7 @@ def observability(
         inputs,
         weight,
         np.eye(model.l_y),
-        np.ones(steps, dtype=bool),
+        np.ones((steps, model.l_y), dtype=bool),
     )
 
 

@@ -91,6 +91,8 @@ def smooth(
     if not isinstance(settings, EKF) or not isinstance(settings.model, LinearModel):
         raise InputError("a smoother needs an EKF with a LinearModel; give EKF(LinearModel(...)).")
     model = settings.model
+    if model.angles:
+        raise InputError("a smoother takes no angles: unwrap their record first (numpy.unwrap).")
     given = float_array(y, "y")
     measured = ~np.isnan(given)
     given = signal_array(real_array(np.where(measured, given, 0.0), "y"), "y", model.l_y)

@@ -74,11 +74,14 @@ def _of_run(found: AnalysedRun) -> LoopHealth:
         k_w = min(one.k_w for one in controllers_of(run.settings))
     start = max(k_w - run.first_step, 0)
     free = without_control(run)
+    signals = {"z": signal_health(run.z, start), "u": signal_health(run.u, start)}
+    if not np.array_equal(run.u, run.u_applied, equal_nan=True):
+        signals["applied u"] = signal_health(run.u_applied, start)
     health = LoopHealth(
         outcome=run.outcome,
         steps=run.steps,
         k_w=k_w,
-        signals={"z": signal_health(run.z, start), "u": signal_health(run.u, start)},
+        signals=signals,
         free=None if free is None else SignalSize.of(free[-max(len(free) // 10, 1) :]),
         guard_count=run.guard_count,
         guard_first_step=run.guard_first_step,

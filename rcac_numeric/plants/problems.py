@@ -11,6 +11,7 @@ from compensator_theory.systems.foreign import is_foreign
 from compensator_theory.systems.foreign import sample_time_of as exact_sample_time
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from rcac_numeric.arrays.validation import rounded
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.plants.linear import MATRICES, Plant
 
 
@@ -165,9 +166,10 @@ def _signals(system: Any) -> tuple[int, int]:
 
 
 def _discrete(problem: exact.StandardProblem) -> exact.StandardProblem:
+    """The problem in q, as compensators and target models are."""
     if str(problem.variable) not in ("q", "z"):
         raise InputError(
             f"the plant is a transfer function in {problem.variable}; RCAC runs in discrete time. "
             "Sample it first: servo_plant(plant_of(system, sample_time=0.01)), or write it in q."
         )
-    return problem
+    return replaced(problem, variable="q")

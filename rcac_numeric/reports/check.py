@@ -194,8 +194,8 @@ def _comparison(comparison: ExactComparison) -> Section:
 
 
 def _unsaid(check: ControllerCheck) -> Section:
-    lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in check.unsaid.items())
-    return Section("What cannot be said" if lines else "", lines, {"unsaid": check.unsaid})
+    lines = tuple(Text(f"{name}: {why}.", "warning") for name, why in check.unanswered.items())
+    return Section("What cannot be said" if lines else "", lines, {"unanswered": check.unanswered})
 
 
 # The margins of a loop as a section of a report.

@@ -60,8 +60,6 @@ LAYERS = {
         "experiments.estimation",
         "experiments.measures",
         "experiments",
-        "experiments.exact_files",
-        "experiments.estimation_files",
         "experiments.files",
         "checks",
         "health",

@@ -9,10 +9,10 @@ from pathlib import Path
 from rcac_numeric.arrays.records import _exact
 from rcac_numeric.engine.runs import RECORDS
 from rcac_numeric.experiments.estimation.measures import MEASURES as OF_ESTIMATES
-from rcac_numeric.experiments.estimation_files.reading import ESTIMATION_FILE
 from rcac_numeric.experiments.exact.checks import STATEMENTS
-from rcac_numeric.experiments.exact_files.reading import EXACT_FILE
 from rcac_numeric.experiments.files.builder import FILE
+from rcac_numeric.experiments.files.estimation import ESTIMATION_FILE
+from rcac_numeric.experiments.files.exact import EXACT_FILE
 from rcac_numeric.experiments.files.runs import TABLES
 from rcac_numeric.experiments.format.tables import ByKey, Kinds, Table
 from rcac_numeric.experiments.format.values import Form

@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+from functools import cache
 from pathlib import Path
 
 from tests.house.layers import LAYERS
@@ -34,8 +35,13 @@ def folder(module):
     return module if path.is_dir() else module.rpartition(".")[0]
 
 
+@cache
 def imports(path):
     """(line, module, name of the function around it) for every import of this project."""
+    return tuple(_imports(path))
+
+
+def _imports(path):
     package = path.relative_to(ROOT).with_suffix("").parts[:-1]
 
     def visit(node, function):

@@ -3,6 +3,7 @@
 import ast
 import tomllib
 from collections import Counter, defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,7 @@ def _is_module(node):
     )  # fmt: skip
 
 
+@cache
 def occurring():
     """How often each kind occurs in each file of the packages."""
     found = defaultdict(Counter)

@@ -195,6 +195,11 @@ End Sums.
 SUMMED = ["Sums.twice_a_sum", "Sums.small", "Sums.nothing"]
 
 
+def slow(*edit):
+    """What --long compiles, too."""
+    return pytest.param(*edit, marks=pytest.mark.long)
+
+
 @pytest.fixture(scope="module")
 def sums(tmp_path_factory):
     """A formal part that was compiled and found to hold."""
@@ -209,17 +214,19 @@ def sums(tmp_path_factory):
     ("before", "after", "names"),
     [
         ("Variable n : nat.", "Variable n : nat. Hypothesis absurd : 1 = 0.", "twice_a_sum small"),
-        ("Variable n : nat.", "Variables (n : nat) (absurd : 1 = 0).", "twice_a_sum small"),
-        ("twice (n + m) =", "n < m -> twice (n + m) =", "twice_a_sum"),
-        ("twice m + twice n", "twice n + twice m", "twice_a_sum"),
-        ("n + n", "2 * n", "twice"),
+        slow("Variable n : nat.", "Variables (n : nat) (absurd : 1 = 0).", "twice_a_sum small"),
+        slow("twice (n + m) =", "n < m -> twice (n + m) =", "twice_a_sum"),
+        slow("twice m + twice n", "twice n + twice m", "twice_a_sum"),
+        slow("n + n", "2 * n", "twice"),
         ("two := 2", "two := (1 + 1)", "small"),  # a notation is no hiding place
-        ("@nil nat", "@nil bool", "nothing"),  # nor is an implicit argument
+        slow("@nil nat", "@nil bool", "nothing"),  # nor is an implicit argument
         ("Theorem small", "(* more *) Theorem small", ""),
     ],
 )  # fmt: skip
-def test_a_changed_statement_fails(sums, tmp_path, before, after, names):
+def test_a_changed_statement_fails(sums, tmp_path, before, after, names, request):
     """Each of these compiles and rests on no axiom."""
+    if request.node.get_closest_marker("long") and not request.config.getoption("--long"):
+        pytest.skip("compiles once more; --long runs it")
     shutil.copytree(sums, tmp_path, dirs_exist_ok=True)
     assert before in SUMS
     (tmp_path / "Sums.v").write_text(SUMS.replace(before, after))

@@ -41,6 +41,7 @@ def functions_of_a_model(draw):
         "n": N, "l_u": L_U, "l_y": L_Y, "f": f, "h": h,
         "F": draw(st.sampled_from([None, lambda k, x, u: np.eye(N) / 2])),
         "H": draw(st.sampled_from([None, lambda k, x, u: np.eye(L_Y, N)])),
+        "residual": draw(st.sampled_from([None, lambda y, expected: y - expected])),
         "scale": np.ones(N),
     }  # fmt: skip
 
@@ -95,7 +96,8 @@ def filter_arguments(draw):
 def sensitivity_arguments(draw):
     return {
         "model": model(draw), "x": some(draw, STEPS, N), "u": np.zeros((STEPS, L_U)),
-        "measured": np.ones(STEPS), "scale": np.ones(N), "weight": np.ones(L_Y), "growth": 1e8,
+        "measured": np.ones((STEPS, L_Y)), "scale": np.ones(N), "weight": np.ones(L_Y),
+        "growth": 1e8,
     }  # fmt: skip
 
 
@@ -183,9 +185,9 @@ MAY_REFUSE = {"compiled_plant", "sensitivity"}
 
 
 def run_of_a_filter(draw, made):
+    there = [[draw(st.booleans())] for _ in range(STEPS)]
     return {
-        "u": np.zeros((STEPS, L_U)), "y": some(draw, STEPS, L_Y),
-        "measured": np.array([draw(st.integers(0, 1)) for _ in range(STEPS)], dtype=float),
+        "u": np.zeros((STEPS, L_U)), "y": np.where(there, some(draw, STEPS, L_Y), np.nan),
         "x": np.zeros((STEPS, N)), "deviation": np.zeros((STEPS, N)),
         "P": np.zeros((STEPS, N, N) if draw(st.booleans()) else 0),
         "innovation": np.zeros((STEPS, L_Y)), "nis": np.zeros(STEPS),
@@ -236,7 +238,11 @@ METHODS = {
         "set_weights": lambda draw, made: {"R_z": np.eye(1), "R_u": None, "penalty": np.eye(1)},
         "set_lambda": lambda draw, made: {"lambda_": draw(st.sampled_from([1.0, 0.5]))},
     },
-    "EstimationModel": {},
+    "EstimationModel": {
+        "set_angles": lambda draw, made: {
+            "is_angle": draw(st.lists(st.booleans(), min_size=L_Y, max_size=L_Y))
+        }
+    },
     "Filter": {
         **STATE,
         "move": lambda draw, made: {

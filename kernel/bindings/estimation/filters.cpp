@@ -42,10 +42,11 @@ Model linear_model(std::size_t n, std::size_t l_u, std::size_t l_y, const Array&
 }
 
 Model function_model(std::size_t n, std::size_t l_u, std::size_t l_y, nb::object f, nb::object h,
-                     nb::object F, nb::object H, const Array& scale) {
+                     nb::object F, nb::object H, nb::object residual, const Array& scale) {
     require_sizes(n, l_u, l_y);
     return std::make_shared<PythonModel>(n, l_u, l_y, std::move(f), std::move(h), std::move(F),
-                                         std::move(H), copied(scale, n, "scale"));
+                                         std::move(H), std::move(residual),
+                                         copied(scale, n, "scale"));
 }
 
 Tape tape_of(nb::handle given, std::size_t n, std::size_t l_u, std::size_t size) {
@@ -113,7 +114,9 @@ std::unique_ptr<OwnedFilter> filter(const std::string& kind, nb::handle model, c
 
 // Whether the arguments could be read; then what is asked for was done.
 bool move(OwnedFilter& self, nb::handle y, nb::handle u, bool corrects, bool predicts) {
-    if (!quick_read(u, self.u) || (corrects && !quick_read(y, self.y))) return false;
+    if (!quick_read(u, self.u) || (corrects && !quick_read(y, self.y, true))) return false;
+    for (const double value : self.y)
+        if (corrects && std::isinf(value)) return false;
     const Hold hold(self.use);
     if (corrects && predicts)
         self.filter->correct_and_predict(self.y.data(), self.u.data());
@@ -124,32 +127,30 @@ bool move(OwnedFilter& self, nb::handle y, nb::handle u, bool corrects, bool pre
     return true;
 }
 
-// All steps of a record: y and u hold one row for each step, `measured` is 0 where y(k) is
-// missing. Writes x(k|k), its standard deviations, P(k|k) where asked for, innovations and NIS.
-void run(OwnedFilter& self, const Array& u, const Array& y, const Array& measured, Output& x,
-         Output& deviation, Output& P, Output& innovation, Output& nis, Output& log_likelihood) {
+// All steps of a record: y and u hold one row for each step, NaN where an entry of y is missing.
+// Writes x(k|k), its standard deviations, P(k|k) where asked for, innovations and NIS.
+void run(OwnedFilter& self, const Array& u, const Array& y, Output& x, Output& deviation, Output& P,
+         Output& innovation, Output& nis, Output& log_likelihood) {
     KalmanFilter& filter = *self.filter;
     const std::size_t n = filter.model().n, l_u = filter.model().l_u, p = filter.model().l_y,
-                      steps = measured.size();
+                      steps = nis.size();
     require(u.size(), steps * l_u, "u");
     require(y.size(), steps * p, "y");
     require(x.size(), steps * n, "x");
     require(deviation.size(), steps * n, "deviation");
     refuse_unless(P.size() == 0 || P.size() == steps * n * n, "P has the wrong size");
     require(innovation.size(), steps * p, "innovation");
-    require(nis.size(), steps, "nis");
     require(log_likelihood.size(), steps, "log_likelihood");
     const Hold hold(self.use);
     for (std::size_t k = 0; k < steps; ++k) {
         const double* input = u.data() + k * l_u;
-        const bool corrected = measured.data()[k] != 0.0;
-        if (corrected) {
-            filter.correct(y.data() + k * p, input);
+        filter.correct(y.data() + k * p, input);
+        if (filter.measured()) {
             std::copy_n(filter.innovation().data(), p, innovation.data() + k * p);
             nis.data()[k] = filter.squared_innovation();
             log_likelihood.data()[k] =
                 -0.5 * (filter.squared_innovation() + filter.log_determinant() +
-                        static_cast<double>(p) * std::log(2.0 * 3.14159265358979323846));
+                        static_cast<double>(filter.measured()) * std::log(2.0 * 3.14159265358979323846));
         }
         std::copy_n(filter.x().data(), n, x.data() + k * n);
         for (std::size_t i = 0; i < n; ++i)
@@ -164,7 +165,8 @@ nb::object sensitivity_of(nb::handle model, const Array& x, const Array& u, cons
                           const Array& scale, const Array& weight, double growth) {
     Model shared;
     if (!nb::try_cast(model, shared) || !shared) throw nb::type_error("this is not a model");
-    const std::size_t n = shared->n, steps = measured.size();
+    const std::size_t n = shared->n, steps = measured.size() / shared->l_y;
+    require(measured.size(), steps * shared->l_y, "measured");
     require(x.size(), steps * n, "x");
     require(u.size(), steps * shared->l_u, "u");
     require(scale.size(), n, "scale");
@@ -178,12 +180,17 @@ nb::object sensitivity_of(nb::handle model, const Array& x, const Array& u, cons
 
 void bind_filters(nb::module_& m) {
     nb::exception<EstimationError>(m, "EstimationError");
-    nb::class_<EstimationModel>(m, "EstimationModel");
+    nb::class_<EstimationModel>(m, "EstimationModel")
+        .def("set_angles",
+             [](EstimationModel& self, const std::vector<bool>& is_angle) {
+                 refuse_unless(is_angle.size() == self.l_y, "one bool for each measurement");
+                 self.is_angle = is_angle;
+             });
     nb::class_<OwnedFilter>(m, "Filter")
         .def("move", &move, nb::arg("y").none(), nb::arg("u").none(), nb::arg("corrects"),
              nb::arg("predicts"))
-        .def("run", &run, nb::arg("u"), nb::arg("y"), nb::arg("measured"), nb::arg("x"),
-             nb::arg("deviation"), nb::arg("P"), nb::arg("innovation"), nb::arg("nis"),
+        .def("run", &run, nb::arg("u"), nb::arg("y"), nb::arg("x"), nb::arg("deviation"),
+             nb::arg("P"), nb::arg("innovation"), nb::arg("nis"),
              nb::arg("log_likelihood"))
         .def("set_noises",
              [](OwnedFilter& self, const Array& Q_root, const Array& R_root) {
@@ -239,7 +246,7 @@ void bind_filters(nb::module_& m) {
           nb::arg("A"), nb::arg("B"), nb::arg("C"), nb::arg("D"));
     m.def("function_estimation_model", &function_model, nb::arg("n"), nb::arg("l_u"),
           nb::arg("l_y"), nb::arg("f"), nb::arg("h"), nb::arg("F").none(), nb::arg("H").none(),
-          nb::arg("scale"));
+          nb::arg("residual").none(), nb::arg("scale"));
     m.def("tape_estimation_model", &tape_model, nb::arg("n"), nb::arg("l_u"), nb::arg("l_y"),
           nb::arg("f"), nb::arg("h"), nb::arg("f_F"), nb::arg("h_H"));
     m.def("filter", &filter, nb::arg("kind"), nb::arg("model"), nb::arg("x_0"), nb::arg("S_0"),

@@ -14,12 +14,13 @@ namespace rcac {
 class PythonModel final : public EstimationModel {
 public:
     PythonModel(std::size_t n, std::size_t l_u, std::size_t l_y, nb::object f, nb::object h,
-                nb::object F, nb::object H, std::vector<double> scale)
+                nb::object F, nb::object H, nb::object residual, std::vector<double> scale)
         : EstimationModel(n, l_u, l_y),
           f_(std::move(f)),
           h_(std::move(h)),
           F_(std::move(F)),
           H_(std::move(H)),
+          residual_(std::move(residual)),
           scale_(std::move(scale)),
           moved_(n),
           above_(std::max(n, l_y)),
@@ -48,10 +49,18 @@ public:
             call(H_, k, x, u, H, l_y * n, "the Jacobian H of h");
     }
 
+    void difference(const double* y, const double* expected, double* out) override {
+        if (residual_.is_none()) return EstimationModel::difference(y, expected, out);
+        take(residual_(to_numpy(y, l_y), to_numpy(expected, l_y)), out, l_y,
+             "residual(y, expected)");
+    }
+
 private:
     void call(const nb::object& function, std::int64_t k, const double* x, const double* u,
               double* out, std::size_t size, const char* name) {
-        const nb::object result = function(k, to_numpy(x, n), to_numpy(u, l_u));
+        take(function(k, to_numpy(x, n), to_numpy(u, l_u)), out, size, name);
+    }
+    void take(const nb::object& result, double* out, std::size_t size, const char* name) {
         values_.resize(size);
         if (!quick_read(result, values_)) read_with_care(result, name);
         std::copy(values_.begin(), values_.end(), out);
@@ -88,7 +97,7 @@ private:
             for (std::size_t i = 0; i < rows; ++i) J[i * n + j] = (above_[i] - below_[i]) / width;
         }
     }
-    nb::object f_, h_, F_, H_;
+    nb::object f_, h_, F_, H_, residual_;
     std::vector<double> scale_, moved_, above_, below_, values_;
 };
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Protocol, runtime_checkable
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.validation import integer, items
 
 
 @runtime_checkable
@@ -29,6 +31,15 @@ class AnyModel(Protocol):
     @property
     def names(self) -> tuple[str, ...]:
         """The entries of x in words."""
+
+
+def places_of_angles(value: Iterable[int], l_y: int) -> tuple[int, ...]:
+    """Which measurements are angles in radians, in order."""
+    places = tuple(integer(place, "angles") for place in items(value, "angles"))
+    for place in places:
+        if not 0 <= place < l_y:
+            raise InputError(f"angles names measurement {place}; there are {l_y}, counted from 0.")
+    return tuple(sorted(set(places)))
 
 
 def any_model(value: object) -> AnyModel:

@@ -34,14 +34,15 @@ def compiled_model(model: object) -> EstimationModel:
 
 @compiled_model.register(LinearModel)
 def _(model: LinearModel) -> EstimationModel:
-    return linear_estimation_model(
+    made = linear_estimation_model(
         model.n, model.l_u, model.l_y, model.A, model.B, model.C, model.D
     )
+    return _with_angles(made, model)
 
 
 @compiled_model.register(NonlinearModel)
 def _(model: NonlinearModel) -> EstimationModel:
-    return function_estimation_model(
+    made = function_estimation_model(
         model.n,
         model.l_u,
         model.l_y,
@@ -49,8 +50,10 @@ def _(model: NonlinearModel) -> EstimationModel:
         model.joint_output if model.l_p else model.output,
         None if model.dynamics_jacobian is None else model.joint_dynamics_jacobian,
         None if model.output_jacobian is None else model.joint_output_jacobian,
+        model.residual,
         model.scale,
     )
+    return _with_angles(made, model)
 
 
 @compiled_model.register(SymbolicModel)
@@ -59,12 +62,21 @@ def _(model: SymbolicModel) -> EstimationModel:
     given = [*model.x, *model.inputs, model.step]
     sizes = model.n, model.l_u, model.l_y
     try:
-        return tape_estimation_model(
+        made = tape_estimation_model(
             *sizes, tape(f, given), tape(h, given), tape([*f, *F], given), tape([*h, *H], given)
         )
     except NoTapeError:  # Piecewise, special functions: Python calls for each step
         f_, h_, F_, H_ = map(model.function, (f, h, F, H))
-        return function_estimation_model(*sizes, f_, h_, F_, H_, np.ones(model.n))
+        made = function_estimation_model(*sizes, f_, h_, F_, H_, None, np.ones(model.n))
+    return _with_angles(made, model)
+
+
+def _with_angles(
+    made: EstimationModel, model: LinearModel | NonlinearModel | SymbolicModel
+) -> EstimationModel:
+    if model.angles:
+        made.set_angles([place in model.angles for place in range(model.l_y)])
+    return made
 
 
 # SymPy expressions as a list of operations on registers, which the kernel runs without Python.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import matrix
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.estimation.models.any_model import places_of_angles
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -28,6 +30,8 @@ class LinearModel(Value):
         Without it there is no known input.
     D : array, shape (l_y, l_u), optional
         Zero by default.
+    angles : sequence of int
+        Which measurements are angles, in radians: their innovations go the shorter way round.
 
     Raises
     ------
@@ -45,6 +49,7 @@ class LinearModel(Value):
     C: Array
     B: Array
     D: Array
+    angles: tuple[int, ...]
 
     def __init__(
         self,
@@ -52,6 +57,7 @@ class LinearModel(Value):
         C: ArrayLike,
         B: ArrayLike | None = None,
         D: ArrayLike | None = None,
+        angles: Iterable[int] = (),
     ) -> None:
         set_ = partial(object.__setattr__, self)
         read = matrix(A, "A", (None, None))
@@ -61,6 +67,7 @@ class LinearModel(Value):
         set_("B", matrix(np.zeros((n, 0)) if B is None else B, "B", (n, None)))
         shape = (self.C.shape[0], self.B.shape[1])
         set_("D", matrix(np.zeros(shape) if D is None else D, "D", shape))
+        set_("angles", places_of_angles(angles, self.C.shape[0]))
 
     @property
     def n(self) -> int:

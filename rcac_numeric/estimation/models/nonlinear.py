@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -13,6 +13,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.estimation.models.any_model import places_of_angles
 
 Function = Callable[..., ArrayLike]
 
@@ -42,6 +43,11 @@ class NonlinearModel(Value):
     scale : array, shape (n_x + l_p,), optional
         How large the entries of [x; p] typically are, for the steps of the differences; 1 by
         default.
+    angles : sequence of int
+        Which measurements are angles, in radians: their innovations go the shorter way round.
+    residual : callable, optional
+        Of (y, expected), in place of y - expected, shape (l_y,): how far a measurement is from what
+        was expected of it, where that is no difference.
 
     Raises
     ------
@@ -71,6 +77,8 @@ class NonlinearModel(Value):
     dynamics_jacobian: Function | None
     output_jacobian: Function | None
     scale: Array
+    angles: tuple[int, ...]
+    residual: Function | None
 
     def __init__(
         self,
@@ -83,17 +91,23 @@ class NonlinearModel(Value):
         dynamics_jacobian: Function | None = None,
         output_jacobian: Function | None = None,
         scale: ArrayLike | None = None,
+        angles: Iterable[int] = (),
+        residual: Function | None = None,
     ) -> None:
         set_ = partial(object.__setattr__, self)
         for name, function in (("dynamics", dynamics), ("output", output)):
             if not callable(function):
                 raise InputError(f"{name} = {function!r} is not a function.")
             set_(name, function)
-        jacobians = {"dynamics_jacobian": dynamics_jacobian, "output_jacobian": output_jacobian}
-        for name, jacobian in jacobians.items():
-            if jacobian is not None and not callable(jacobian):
-                raise InputError(f"{name} = {jacobian!r} is not a function.")
-            set_(name, jacobian)
+        others = {
+            "dynamics_jacobian": dynamics_jacobian,
+            "output_jacobian": output_jacobian,
+            "residual": residual,
+        }
+        for name, other in others.items():
+            if other is not None and not callable(other):
+                raise InputError(f"{name} = {other!r} is not a function.")
+            set_(name, other)
         set_("n_x", integer(n_x, "n_x", at_least=1))
         set_("l_y", integer(l_y, "l_y", at_least=1))
         set_("l_u", integer(l_u, "l_u"))
@@ -103,6 +117,9 @@ class NonlinearModel(Value):
         if sizes.size != size or (sizes <= 0).any():
             raise InputError(f"scale = {sizes} must hold {size} positive numbers, one per entry.")
         set_("scale", sizes)
+        set_("angles", places_of_angles(angles, self.l_y))
+        if self.angles and residual is not None:
+            raise InputError("give angles or a residual: the residual says how angles differ.")
 
     @property
     def n(self) -> int:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.estimation.models.any_model import places_of_angles
 
 Function = Callable[[int, Array, Array], ArrayLike]
 
@@ -39,6 +40,8 @@ class SymbolicModel(Value):
         Unknown parameters; they are estimated jointly as the last entries of x.
     step : symbol, optional
         k, where the model depends on it.
+    angles : sequence of int
+        Which measurements are angles, in radians: their innovations go the shorter way round.
 
     Raises
     ------
@@ -63,6 +66,7 @@ class SymbolicModel(Value):
     inputs: tuple[sympy.Symbol, ...]
     parameters: tuple[sympy.Symbol, ...]
     step: sympy.Symbol
+    angles: tuple[int, ...]
 
     def __init__(
         self,
@@ -72,10 +76,12 @@ class SymbolicModel(Value):
         inputs: Iterable[sympy.Symbol] = (),
         parameters: Iterable[sympy.Symbol] = (),
         step: sympy.Symbol | None = None,
+        angles: Iterable[int] = (),
     ) -> None:
         set_ = partial(object.__setattr__, self)
         set_("dynamics", _expressions(dynamics, "dynamics"))
         set_("output", _expressions(output, "output"))
+        set_("angles", places_of_angles(angles, len(self.output)))
         set_("states", _symbols(states, "states"))
         set_("inputs", _symbols(inputs, "inputs"))
         set_("parameters", _symbols(parameters, "parameters"))

@@ -10,12 +10,12 @@ import attrs
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.estimation_files.reading import estimation_experiment, is_estimation
-from rcac_numeric.experiments.exact_files.reading import exact_experiment, is_exact
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, FigureRequest, require_drawable
 from rcac_numeric.experiments.files.claims import CLAIM, STANDARD_CLAIMS
 from rcac_numeric.experiments.files.documents import named, read_file, require_plain
+from rcac_numeric.experiments.files.estimation import estimation_experiment, is_estimation
+from rcac_numeric.experiments.files.exact import exact_experiment, is_exact
 from rcac_numeric.experiments.files.runs import (
     CONTROLLERS,
     OPEN_VALUE,

@@ -7,10 +7,12 @@ from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import attrs
+from sympy import Expr
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError, NotCoprimeError
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import (
@@ -22,6 +24,7 @@ from rcac_numeric.experiments.format.tables import (
     require_table,
 )
 from rcac_numeric.experiments.format.values import Exact, Integer
+from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.gallery.aircraft import aircraft_plant, aircraft_transition
 from rcac_numeric.plants.gallery.boost_converter import BoostConverter
 from rcac_numeric.plants.gallery.cart_pendulum import CartPendulum
@@ -51,8 +54,8 @@ class PlantKind(ABC):
 
 
 TRANSFER_FUNCTION = (
-    'In q. Of the servo problem also one row of several, [["G_1", "G_2"]], for a plant with '
-    "several inputs."
+    "In q or z; or in s, and with sample_time, which samples it with a zero-order hold. Of the "
+    'servo problem also one row of several, [["G_1", "G_2"]], for a plant with several inputs.'
 )
 OF_STATE = "Of x(k+1) = A x + B u + D_1 w."
 OF_Y = "Of y = C x + D_0 u + D_2 w; D_0 and D_2 are zero where they are left out."
@@ -72,6 +75,11 @@ class StandardOfG(PlantKind):
         """The plant."""
         _require_coprime(self.G)
         return standard_plant(self.G)
+
+    def sampled(self, period: float) -> Plant:
+        """The plant, where G is in s."""
+        plant: Plant = instance_of(plant_of(self.G, sample_time=period), "G", Plant)
+        return plant
 
 
 @attrs.frozen(eq=False)
@@ -107,6 +115,10 @@ class ServoOfG(PlantKind):
         if not isinstance(self.G, list):
             _require_coprime(self.G)
         return servo_plant(self.G, performance=self.performance)
+
+    def sampled(self, period: float) -> Plant:
+        """The plant, where G is in s."""
+        return servo_plant(plant_of(self.G, sample_time=period), performance=self.performance)
 
 
 @attrs.frozen(eq=False)
@@ -344,12 +356,21 @@ class PlantTable:
     ] = None
     sample_time: Annotated[
         Entry,
-        "One step in seconds: reports give times too, and controllers go out with it.",
+        "One step in seconds: reports give times too, and controllers go out with it. A plant in s "
+        "is sampled with it.",
     ] = None
 
     def made(self) -> Plant | PlantSchedule:
         """The plant, its changes left out."""
-        plant = self.problem.made()
+        problem = self.problem
+        if isinstance(problem, StandardOfG | ServoOfG) and _is_continuous(problem.G):
+            if self.sample_time is None:
+                raise InputError(
+                    f"[plant] G = {problem.G} is in s, and RCAC runs in discrete time. Add "
+                    "sample_time, in seconds: it is sampled with a zero-order hold."
+                )
+            return problem.sampled(float(_period(self.sample_time)))
+        plant = problem.made()
         if self.sample_time is None:
             return plant
         if isinstance(plant, PlantSchedule):
@@ -416,13 +437,19 @@ def _in_loop(plant: ContinuousPlant, h: float, loop: Loop) -> Plant:
     return plant.servo(h) if loop == "servo" else plant.sampled(h)
 
 
-def _timed(plant: Plant, sample_time: Any) -> Plant:
-    """The plant with a sample time, of its exact data too."""
+def _period(sample_time: Any) -> Expr:
+    """A sample time in seconds."""
     if isinstance(sample_time, list):
         raise InputError(f"[plant] sample_time = {sample_time} must be one number, in seconds.")
     period = exact.exact_number(sample_time)
     if not (period.is_Rational and 0 < float(period) < float("inf")):
         raise InputError(f"[plant] sample_time = {sample_time!r} must be positive, in seconds.")
+    return period
+
+
+def _timed(plant: Plant, sample_time: Any) -> Plant:
+    """The plant with a sample time, of its exact data too."""
+    period = _period(sample_time)
     known = None if plant.exact is None else replace(plant.exact, sample_time=period)
     return replace(plant, exact=known, sample_time=float(period))
 
@@ -447,6 +474,11 @@ def _amplified(plant: Plant, gain: Any) -> Plant:
     scaled = {name: factor * getattr(problem, name) for name in ("B", "D_0", "E_2")}
     made = from_problem(replace(problem, **scaled), plant.blocks)
     return replace(made, sample_time=plant.sample_time)
+
+
+def _is_continuous(G: Any) -> bool:
+    """Whether a transfer function is in s; rows of several say it where they are read."""
+    return not isinstance(G, list) and str(exact.transfer_function(G).variable) == "s"
 
 
 def _require_coprime(G: Any) -> None:

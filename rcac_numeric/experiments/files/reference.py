@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from rcac_numeric.experiments.estimation_files.claims import CHECK as ESTIMATION_CHECK
-from rcac_numeric.experiments.estimation_files.reading import RUN
-from rcac_numeric.experiments.estimation_files.tables import ESTIMATOR, TRIAL
 from rcac_numeric.experiments.figure_requests import FIGURE
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.claims import CHECK, CLAIM
 from rcac_numeric.experiments.files.controllers import CONTROLLER
+from rcac_numeric.experiments.files.estimation import CHECK as ESTIMATION_CHECK
+from rcac_numeric.experiments.files.estimation import ESTIMATOR, RUN, TRIAL
 from rcac_numeric.experiments.files.plants import CHANGE, PLANT, PROBLEMS
 from rcac_numeric.experiments.files.runs import COURSE, OPEN_VALUE, OVERRIDE, SATURATION
 from rcac_numeric.experiments.files.signals import SIGNAL, SIGNALS

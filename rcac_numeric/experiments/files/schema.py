@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from rcac_numeric.experiments.estimation_files.reading import ESTIMATION_FILE
-from rcac_numeric.experiments.estimation_files.tables import EXCITATION
-from rcac_numeric.experiments.exact_files.reading import EXACT_FILE
 from rcac_numeric.experiments.files.builder import FILE
+from rcac_numeric.experiments.files.estimation import ESTIMATION_FILE, EXCITATION
+from rcac_numeric.experiments.files.exact import EXACT_FILE
 from rcac_numeric.experiments.files.runs import TABLES
 from rcac_numeric.experiments.files.signals import SIGNAL
 from rcac_numeric.experiments.format.tables import Kind, Kinds, Table

@@ -47,7 +47,7 @@ class TargetKind(Unresolved):
 
 
 RELATIVE_DEGREE = (
-    "What RCAC is told of the relative degree of G_zu; that of the plant where it is left out."
+    "What RCAC assumes of the relative degree of G_zu; that of the plant where it is left out."
 )
 LEADING = (
     "Of its leading coefficient; likewise. For the servo problem G_zu = -G_u, so that it is minus"

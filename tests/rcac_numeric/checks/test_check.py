@@ -66,7 +66,7 @@ def test_the_octave_controller_has_the_poles_that_theory_asks_for(octave):
 
 def test_the_octave_log_is_consistent_and_says_everything(octave):
     assert octave.replay.agrees and octave.replay.shift == 0 and octave.replay.worst < 1e-12
-    assert octave.drift.is_converged and octave.unsaid == {}
+    assert octave.drift.is_converged and octave.unanswered == {}
     (model,) = octave.internal_models
     assert abs(model.distance) < 1e-5 and model.rejects == "constant signals"
     assert model.gains["w"] < 1e-4
@@ -151,7 +151,7 @@ def test_last_coefficients_alone_are_compared_with_the_last_tenth():
     plant = standard_plant("(q - 0.5)/(q*(q - 0.9))")
     run = logged(plant, iir(n_c=2), [Harmonic(0.3)], steps=2000)
     check = check_controller(run.u, run.y, theta=run.theta_final, structure=iir(n_c=2))
-    assert check.replay.start == 1800 and check.unsaid["convergence"]
+    assert check.replay.start == 1800 and check.unanswered["convergence"]
     assert len(check.plot().axes) == 3
 
 
@@ -164,20 +164,20 @@ def test_what_a_harmonic_leaves_in_the_controller():
     model = min(check.internal_models, key=lambda m: abs(m.omega - 0.5))
     assert abs(model.omega - 0.5) < 1e-3 and "harmonics of 0.5" in model.rejects
     assert model.gains["r"] < 0.05
-    assert check.unsaid.keys() >= {"target", "match", "split"}
+    assert check.unanswered.keys() >= {"target", "match", "split"}
     assert check.costs.obstacle == "" and check.costs.ratio >= 1
 
 
 def test_without_a_plant_or_w_it_says_what_it_cannot_say(octave):
     log = octave.log
     alone = check_controller(log.u, log.y, theta=log.theta, structure=iir(n_c=4))
-    assert set(alone.unsaid) == {"poles", "costs", "margins", "match", "split"}
+    assert set(alone.unanswered) == {"poles", "costs", "margins", "match", "split"}
     assert alone.poles is None and alone.margins == {} and len(alone.plot().axes) == 3
     without_w = check_controller(
         log.u, log.y, z=log.z, theta=log.theta, structure=iir(n_c=4), plant=octave.plant,
         target=octave.target,
     )  # fmt: skip
-    assert without_w.unsaid == {"split": "the exogenous input w was not logged"}
+    assert without_w.unanswered == {"split": "the exogenous input w was not logged"}
 
 
 def test_a_compensator_or_its_polynomials_in_place_of_theta(octave):
@@ -188,7 +188,7 @@ def test_a_compensator_or_its_polynomials_in_place_of_theta(octave):
         u=log.u, y=log.y, D_c=2 * fixed.denominator, N_c=2 * fixed.numerator
     )
     other = check_controller(polynomials, plant=octave.plant)
-    assert np.allclose(given.poles, other.poles) and given.unsaid["convergence"]
+    assert np.allclose(given.poles, other.poles) and given.unanswered["convergence"]
 
 
 @pytest.mark.parametrize("size", [1e-300, 1e-150, 1e-8, 1e20, 1e80])
@@ -223,7 +223,7 @@ def test_an_unstable_loop_and_several_inputs():
         compensator=Compensator(np.zeros((1, 2, 2)), 0.1 * np.ones((2, 2, 2))),
     )  # fmt: skip
     assert set(check.margins) == {"u1", "u2"} and check.disk.alpha > 0
-    assert "all of u at once" in str(check) and "zeros" in check.unsaid
+    assert "all of u at once" in str(check) and "zeros" in check.unanswered
 
 
 @pytest.mark.parametrize(

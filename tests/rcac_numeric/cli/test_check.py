@@ -63,7 +63,7 @@ def test_json_is_strict_and_complete():
     assert answer["replay"]["agrees"] and answer["loop"]["is_stable"]
     assert answer["replay"]["of"] == "theta"
     assert answer["target"]["worst_pole_distance"] < 1e-5 and answer["match"]["worst"] < 1e-5
-    assert answer["residual"]["identity_error"] < 1e-10 and answer["unsaid"] == {}
+    assert answer["residual"]["identity_error"] < 1e-10 and answer["unanswered"] == {}
     delay = answer["margins"]["u"]["delay"]
     assert abs(delay["radius_at"] - 1) < 1e-6
     assert np.isclose(answer["margins"]["u"]["delay_time"], 0.1 * delay["value"])
@@ -78,7 +78,7 @@ def test_json_stays_strict_where_numbers_are_infinite(tmp_path):
     lag = still["margins"]["u"]["phase_lag"]
     assert lag["value"] is None and not lag["is_reached"]
     assert still["replay"]["of"] == "the compensator"
-    assert still["replay"]["agrees"] and still["unsaid"]["convergence"] == "no theta was logged"
+    assert still["replay"]["agrees"] and still["unanswered"]["convergence"] == "no theta was logged"
 
 
 @pytest.mark.parametrize("kind", ["csv", "mat", "npz", "renamed csv", "rows"])

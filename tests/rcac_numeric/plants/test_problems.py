@@ -7,7 +7,13 @@ from sympy import Poly, symbols
 
 from compensator_theory import InputError, transfer_function
 from compensator_theory.errors import ImproperError, NotCoprimeError
-from rcac_numeric import servo_plant
+from rcac_numeric import (
+    Compensator,
+    compare_exactly,
+    pole_placement_target,
+    servo_plant,
+    standard_plant,
+)
 
 q = symbols("q")
 roots = st.lists(st.integers(-4, 4), min_size=1, max_size=3)
@@ -74,3 +80,17 @@ def test_a_factor_of_one_entry_alone_is_no_hidden_mode():
 def test_rows_that_are_refused(row, error, message):
     with pytest.raises(error, match=message):
         servo_plant([row])
+
+
+@pytest.mark.parametrize("make", [standard_plant, servo_plant])
+def test_z_is_the_same_as_q(make):
+    """A plant in z meets compensators and target models, which are in q."""
+    in_z, in_q = (
+        make("(z - 1/2)/((z - 9/10)*(z - 7/10))"),
+        make("(q - 1/2)/((q - 9/10)*(q - 7/10))"),
+    )
+    assert in_z == in_q and in_z.problem == in_q.problem
+    target = pole_placement_target(in_z, ["1/2", "1/3"])
+    compensator = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625]]])
+    compared = [compare_exactly(plant, compensator, target) for plant in (in_z, in_q)]
+    assert compared[0].reached == compared[1].reached

@@ -87,7 +87,7 @@ def test_any_check_has_a_strict_record_with_the_numbers_that_are_said(plant, see
     said = float(re.search(r"radius ([\d.e+-]+)\.$", stability.words)[1])
     assert np.isclose(said, record["loop"]["spectral_radius"], rtol=1e-8)
     assert record["margins"].keys() == check.margins.keys()
-    assert record["unsaid"] == check.unsaid and as_text(sheet) == str(check)
+    assert record["unanswered"] == check.unanswered and as_text(sheet) == str(check)
     assert pickle.loads(pickle.dumps(check)) == check
 
 

@@ -17,8 +17,8 @@ from rcac_numeric.estimation import refine
 from rcac_numeric.experiments.estimation.measures import MEASURES
 from rcac_numeric.experiments.estimation.runs import EstimatedRun
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem
-from rcac_numeric.experiments.estimation_files.reading import is_estimation
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.experiments.files.estimation import is_estimation
 from tests.support.estimation_cases import relative_error
 from tests.support.refinement_cases import spring
 

@@ -1,4 +1,4 @@
-"""From the file of an exact example to an experiment that runs nothing."""
+"""The file of an exact example: its tables, and the experiment, which runs nothing."""
 
 from __future__ import annotations
 
@@ -7,14 +7,35 @@ from typing import Annotated, Any
 
 import attrs
 
+from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
 from rcac_numeric.experiments.exact.system import ExactSystem
-from rcac_numeric.experiments.exact.tables import CHECK
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
-from rcac_numeric.experiments.format.tables import Table
+from rcac_numeric.experiments.format.tables import Kinds, Table
 from rcac_numeric.experiments.heading import Heading
 from rcac_numeric.experiments.judging.reading import ClaimTable, OpenItems, claim_table
+
+# Every statement with its arguments; the system itself is given.
+STATEMENT_KINDS: Kinds[Any] = Kinds(
+    {name: Table(function, given=["system"]) for name, function in STATEMENTS.items()}
+)
+
+
+@attrs.frozen(eq=False)
+class StatementTable:
+    """A statement that is decided exactly."""
+
+    statement: Annotated[Part[Any], STATEMENT_KINDS, "What is stated."]
+
+    def of(self, system: ExactSystem) -> ExactCheck:
+        """The check of a system."""
+        return ExactCheck(self.statement.make.__name__, system, self.statement.arguments)
+
+
+CHECK = Table(StatementTable)
+
 
 CLAIM: Table[Any] = claim_table(CHECK, runs=False)
 

@@ -1,1 +1,0 @@
-"""The files of estimation examples: their tables, and the experiments that they make."""

@@ -1,1 +1,0 @@
-"""The files of exact examples, read as experiments that run nothing."""
