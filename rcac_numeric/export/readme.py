@@ -58,7 +58,8 @@ def readme(
         "## Sizes",
         "",
         f"- RAM: {state} bytes, all of it in `rcac_state`.",
-        f"- Flash: {constants} bytes of constants, and the code: 2 to 4.5 kB on a Cortex-M4.",
+        f"- Flash: {constants} bytes of constants, and the code: 2 to 4.5 kB on a Cortex-M4"
+        + (", and 0.8 kB for supervision." if t.supervision else "."),
         f"- Stack: about {t.stack(real)} bytes in `rcac_adapt`, estimated; -fstack-usage measures.",
         f"- Operations of a step, at most: {products} multiplications with as many additions, "
         f"{quotients} divisions.",
