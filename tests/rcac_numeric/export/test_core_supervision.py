@@ -16,6 +16,7 @@ from rcac_numeric import (
     TargetModel,
     WhiteNoise,
     exogenous,
+    export_controller,
     iir,
     simulate,
     standard_plant,
@@ -235,6 +236,16 @@ def test_float32_goes_on_where_its_numbers_end():
 def test_what_the_core_does_not_do_is_refused_by_name(supervision, words):
     with pytest.raises(InputError, match=words):
         core_tables(SETTINGS, supervision=supervision)
+
+
+def test_a_folder_says_what_is_watched(tmp_path):
+    watched = Supervision(growth=50.0, limit=4.0, patience=7)
+    found = export_controller(SETTINGS, tmp_path, prefix="roll", supervision=watched)
+    assert found.is_verified
+    text = (tmp_path / "README.md").read_text()
+    for words in ("ROLL_LARGE_Z where abs(z) exceeds 4", "more than 50 times", "for 7 steps"):
+        assert words in text
+    assert "#define ROLL_SUPERVISED 1" in (tmp_path / "src" / "roll_config.h").read_text()
 
 
 def test_without_supervision_there_is_nothing_of_it():
