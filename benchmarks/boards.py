@@ -16,12 +16,13 @@ import re
 import subprocess
 import tempfile
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 
 import numpy as np
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric import UD, ControllerSettings, TargetModel, iir
+from rcac_numeric import UD, ControllerSettings, Supervision, TargetModel, iir
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.export.building import compiled
 from rcac_numeric.export.folder import core_texts
@@ -67,20 +68,23 @@ def sizes() -> None:
     """A row for each order and number type."""
     core = core_texts()
     print("real     n_c  level  flash  RAM  stack  instructions a step")
-    for real in ("float32", "float64"):
-        for n_c in (2, 4, 10):
-            settings = ControllerSettings(
-                structure=iir(n_c), target=TargetModel([0, 1.0, -0.5]), update=UD(1e4)
-            )
-            tables = core_tables(settings)
-            tables = scaled(tables) if real == "float32" else tables
-            for level in ("-Os", "-O2"):
-                with tempfile.TemporaryDirectory() as name:
-                    print(
-                        f"{real}  {n_c:3d}  {level:5}",
-                        *_measured(Path(name), core, config_header(tables, real), level),
-                        sep="  ",
-                    )
+    for real, supervision, n_c in product(
+        ("float32", "float64"), (None, Supervision()), (2, 4, 10)
+    ):
+        settings = ControllerSettings(
+            structure=iir(n_c), target=TargetModel([0, 1.0, -0.5]), update=UD(1e4)
+        )
+        tables = core_tables(settings, supervision=supervision)
+        tables = scaled(tables) if real == "float32" else tables
+        for level in ("-Os", "-O2"):
+            with tempfile.TemporaryDirectory() as name:
+                print(
+                    f"{real}  {n_c:3d}  {level:5}",
+                    *_measured(Path(name), core, config_header(tables, real), level),
+                    "supervised" if supervision else "",
+                    sep="  ",
+                    flush=True,
+                )
 
 
 def _measured(place: Path, core: dict[str, str], config: str, level: str) -> list[int]:
@@ -95,7 +99,9 @@ def _measured(place: Path, core: dict[str, str], config: str, level: str) -> lis
     stack = sum(
         int(re.split(r"\s+", line)[1])
         for line in (place / "rcac.su").read_text().splitlines()
-        if re.search(r":(rcac_step|rcac_adapt|adapted|update|take_rows|measure_row)\s", line)
+        if re.search(
+            r":(rcac_step|rcac_adapt|adapted|recover|update|take_rows|measure_row)\s", line
+        )
     )
     sections = subprocess.run(
         ["arm-none-eabi-size", "-A", "rcac.o"],
@@ -104,7 +110,7 @@ def _measured(place: Path, core: dict[str, str], config: str, level: str) -> lis
         capture_output=True,
         text=True,
     ).stdout
-    used = r"^\.(?:text|rodata)\.?(?:rcac_(?:init|step|control|adapt|[a-zA-Z_0]+)|[a-z_]+)?\s+(\d+)"
+    used = r"^\.(?:text|rodata)\.?[a-zA-Z_0-9.]*\s+(\d+)"
     extra = r"rcac_(self_check|save|restore|set_target|correct|freeze|reset_covariance|set_lambda)"
     flash = sum(
         int(match[1])

@@ -122,6 +122,94 @@ static rcac_real root_of(rcac_real x) {
 #endif
 #endif
 
+#if RCAC_SUPERVISED
+/* ---- what a supervised controller notes */
+
+#define RCAC_INTERVAL 16 /* steps from one look at P to the next */
+
+static void note(rcac_state *s, int kind, int64_t step, rcac_real value) {
+    rcac_trouble *t = &s->troubles[kind];
+    /* What lasts from one look to the next is one trouble. */
+    const int64_t gap = kind == RCAC_WINDUP ? RCAC_INTERVAL : 1;
+    if (t->steps == 0 || step > t->last + gap) ++t->episodes;
+    if (t->steps++ == 0) t->first = step;
+    t->last = step;
+    if (!(value <= t->worst)) t->worst = value;
+}
+
+/* Whether the actuator applied the u that it was asked for. */
+static void see_actuator(rcac_state *s, int applied, int64_t step) {
+    s->unapplied = applied ? 0 : s->unapplied + 1;
+    s->heard = 1;
+    if (s->unapplied >= RCAC_PATIENCE) note(s, RCAC_UNAPPLIED, step, (rcac_real)s->unapplied);
+}
+
+static int equals(const rcac_real *a, const rcac_real *b, int count) {
+    int i, same = 1;
+    for (i = 0; i < count; ++i) same &= a[i] <= b[i] && a[i] >= b[i];
+    return same;
+}
+
+static void mend(rcac_real *values, int count) {
+    int i;
+    for (i = 0; i < count; ++i)
+        if (!is_finite(values[i])) values[i] = 0;
+}
+
+static void reset(rcac_state *s);
+
+/* Numbers left their range: theta of the last good look, P(0), and nothing that is no number. */
+static void recover(rcac_state *s) {
+    int i;
+    note(s, RCAC_OVERFLOW, s->step, 0);
+    s->noted |= RCAC_RESTORED;
+    for (i = 0; i < N; ++i) s->theta[i] = s->good[i];
+#if RCAC_CARRY
+    for (i = 0; i < N; ++i) s->carry[i] = 0;
+#endif
+    reset(s);
+    ++s->resets;
+    mend(&s->signals[0][0], RCAC_SIGNALS * RCAC_DEPTH);
+    mend(&s->inputs[0][0], RCAC_CHANNELS * (RCAC_ORDER + 1));
+    mend(&s->outputs[0][0], RCAC_CHANNELS * RCAC_L_Z * RCAC_L_U * RCAC_OUTPUT_DEPTH);
+#if RCAC_FIXED
+    mend(&s->fixed[0][0], (RCAC_L_U + RCAC_L_E) * (RCAC_FIXED_ORDER + 2));
+#endif
+#if RCAC_LIVE
+    mend(&s->past[0][0], RCAC_SOURCES * RCAC_REMEMBERED);
+#endif
+}
+
+/* After a step: every 16 of them whether P has wound up; where it has not, theta is kept. */
+static void look(rcac_state *s) {
+    rcac_real growth = 0;
+    int j;
+    if (s->step % RCAC_INTERVAL != 0) return;
+    for (j = 0; j < N; ++j) {
+        const rcac_real grown = s->D[j] * (1 / rcac_D_0[j]);
+        if (growth < grown) growth = grown;
+    }
+    if (growth > s->worst_growth) s->worst_growth = growth;
+    s->wound_up = growth > rcac_windup[0];
+    if (s->wound_up) {
+        note(s, RCAC_WINDUP, s->step - 1, growth);
+    } else {
+        for (j = 0; j < N; ++j) s->good[j] = s->theta[j];
+    }
+}
+
+/* What is given of y or r, and what was known last of the rest; 1 where something was missing. */
+static int fill(const rcac_state *s, const rcac_real *given, int first, int count, rcac_real *values) {
+    int i, missed = 0;
+    for (i = 0; i < count; ++i) {
+        const int known = given && is_finite(given[i]);
+        values[i] = known ? given[i] : s->signals[first + i][1];
+        missed |= !known;
+    }
+    return missed;
+}
+#endif
+
 /* ---- what is remembered */
 
 static void shift(rcac_real *values, int depth) {
@@ -198,42 +286,78 @@ static void fixed_control(rcac_state *s, rcac_real *u) {
             for (j = 0; j < RCAC_L_E; ++j)
                 sum += rcac_past_e[(lag * RCAC_L_U + i) * RCAC_L_E + j] * s->fixed[RCAC_L_U + j][lag];
         }
+#if !RCAC_SUPERVISED
         if (!is_finite(sum)) {
             s->broken = 1;
             sum = 0;
         }
+#endif
         u[i] += sum;
         s->fixed[i][0] = sum;
     }
 }
 #endif
 
-static void control(rcac_state *s) {
+static void apply(rcac_state *s, const rcac_real *u);
+
+/* u(k); where it is `missed`, that of the step before. */
+static void control(rcac_state *s, int missed) {
     rcac_real u[RCAC_L_U];
+#if RCAC_SUPERVISED && RCAC_SATURATED
+    rcac_real asked[RCAC_L_U];
+#endif
     int i;
     for (i = 0; i < RCAC_L_U; ++i) u[i] = 0;
     if (s->step >= RCAC_K_W && !s->broken) adaptive_control(s, u);
+#if !RCAC_SUPERVISED
     if (!all_finite(u, RCAC_L_U)) {
         s->broken = 1;
         for (i = 0; i < RCAC_L_U; ++i) u[i] = 0;
     }
+#endif
     for (i = 0; i < RCAC_L_U; ++i) s->signals[i][0] = u[i];
 #if RCAC_FIXED
     fixed_control(s, u);
+#if !RCAC_SUPERVISED
     for (i = 0; i < RCAC_L_U; ++i)
         if (!is_finite(u[i])) {
             s->broken = 1;
             u[i] = 0;
         }
 #endif
+#endif
 #if RCAC_SATURATED
+#if RCAC_SUPERVISED
+    for (i = 0; i < RCAC_L_U; ++i) asked[i] = u[i];
+#endif
     for (i = 0; i < RCAC_L_U; ++i) {
         rcac_real moved = u[i];
         if (!(rcac_rate[i] < 0)) moved = held(moved, s->applied[i] - rcac_rate[i], s->applied[i] + rcac_rate[i]);
         s->applied[i] = u[i] = held(moved, rcac_low[i], rcac_high[i]);
     }
 #endif
+#if RCAC_SUPERVISED
+    if (missed) {
+        for (i = 0; i < RCAC_L_U; ++i) u[i] = s->held[i];
+        apply(s, u);
+    }
+    if (!all_finite(u, RCAC_L_U)) {
+        recover(s);
+        for (i = 0; i < RCAC_L_U; ++i) u[i] = s->u[i];
+        apply(s, u);
+        missed = 1;
+    }
+#if RCAC_SATURATED
+    see_actuator(s, missed || equals(u, asked, RCAC_L_U), s->step);
+    apply(s, u);
+#else
+    for (i = 0; i < RCAC_L_U; ++i) s->held[i] = u[i];
+#endif
+#elif RCAC_SATURATED
+    apply(s, u);
+#endif
     for (i = 0; i < RCAC_L_U; ++i) s->u[i] = u[i];
+    (void)missed;
 }
 
 /* What the actuator made of u(k), without the fixed part. */
@@ -247,6 +371,9 @@ static void apply(rcac_state *s, const rcac_real *u) {
 #endif
 #if RCAC_SATURATED
         s->applied[i] = u[i];
+#endif
+#if RCAC_SUPERVISED
+        s->held[i] = u[i];
 #endif
     }
 }
@@ -734,6 +861,10 @@ void rcac_init(rcac_state *s) {
     s->lambda = rcac_lambda[0];
     s->last_reset = s->guard_first_step = -1;
     reset(s);
+#if RCAC_SUPERVISED
+    for (i = 0; i < N; ++i) s->good[i] = rcac_theta_0[i];
+    for (i = 0; i < RCAC_TROUBLES; ++i) s->troubles[i].first = s->troubles[i].last = -1;
+#endif
 #if RCAC_TRACE_BELOW_RULE
     s->initial_trace = trace(s);
 #endif
@@ -756,47 +887,113 @@ static void answer(const rcac_state *s, rcac_real *u) {
 #if RCAC_ADAPTS
 static int adapted(rcac_state *s, const rcac_real *z) {
     const int64_t guards = s->guard_count, bounded = s->bounded;
+#if RCAC_SUPERVISED
+    rcac_real largest = 0;
+    int i;
+    if (!z || !all_finite(z, RCAC_L_Z)) { /* signals move on, theta stays */
+        feed_filter(s);
+        filter(s);
+        see(s, s->z);
+        return 0;
+    }
+    for (i = 0; i < RCAC_L_Z; ++i) {
+        s->z[i] = z[i];
+        if (magnitude(z[i]) > largest) largest = magnitude(z[i]);
+    }
+    if (rcac_windup[1] > 0 && largest > rcac_windup[1]) {
+        note(s, RCAC_LARGE, s->step, largest);
+        s->noted |= RCAC_LARGE_Z;
+    }
+    if (!update(s, z)) recover(s);
+#else
     if (s->broken) return 0;
     if (!update(s, z)) s->broken = 1;
+#endif
     return (s->guard_count != guards ? RCAC_UNSUPPORTED : 0) | (s->bounded != bounded ? RCAC_BOUNDED : 0);
 }
 #endif
 
-int rcac_control(rcac_state *s, const rcac_real *y, const rcac_real *z, const rcac_real *r, rcac_real *u) {
-    int status = 0;
-    const int measures = RCAC_MEASURES_FIRST || y || r;
+/* The step up to u(k), with y(k) and r(k) where it `measures` them now. */
+static int controlled(rcac_state *s, int measures, const rcac_real *y, const rcac_real *z,
+                      const rcac_real *r, rcac_real *u) {
+    int status = 0, missed = 0;
+#if RCAC_SUPERVISED
+    rcac_real y_known[RCAC_L_Y + 1], r_known[RCAC_L_R + 1];
+#endif
     if (s->phase != 0) {
         answer(s, u);
         return RCAC_OUT_OF_ORDER;
     }
+#if !RCAC_SUPERVISED
     if ((measures && (is_bad(y, RCAC_L_Y) || is_bad(r, RCAC_L_R))) ||
         (RCAC_FILTER_FORM && is_bad(z, RCAC_L_Z))) {
         answer(s, u);
         return RCAC_BAD_INPUT;
     }
+#endif
 #if RCAC_ADAPTS
     act_on_events(s);
 #endif
     advance(s);
+#if RCAC_SUPERVISED
+    s->noted = 0;
+    if (!s->heard) s->unapplied = 0;
+    s->heard = 0;
+    if (measures) {
+        missed = fill(s, y, RCAC_L_U, RCAC_L_Y, y_known);
+        missed |= fill(s, r, RCAC_L_U + RCAC_L_Y, RCAC_L_R, r_known);
+        y = y_known;
+        r = r_known;
+        if (missed) s->noted |= RCAC_MISSED;
+    }
+    if (RCAC_FILTER_FORM && is_bad(z, RCAC_L_Z)) s->noted |= RCAC_MISSED;
+#endif
     if (measures) measure(s, y, r);
 #if RCAC_ADAPTS && RCAC_FILTER_FORM
     status = adapted(s, z);
 #endif
-    control(s);
-#if RCAC_SATURATED
-    apply(s, s->u);
-#endif
+    control(s, missed);
     s->phase = measures ? 2 : 1;
     answer(s, u);
     (void)z;
-    return status | (s->broken ? RCAC_DIVERGED : 0);
+    return status | rcac_status(s);
+}
+
+int rcac_control(rcac_state *s, const rcac_real *y, const rcac_real *z, const rcac_real *r, rcac_real *u) {
+    return controlled(s, RCAC_MEASURES_FIRST || y || r, y, z, r, u);
 }
 
 int rcac_adapt(rcac_state *s, const rcac_real *y, const rcac_real *z, const rcac_real *r,
                const rcac_real *u_applied) {
-    int status = 0, is_late = s->phase == 1, bad;
-    int i;
+    int status = 0;
+    const int is_late = s->phase == 1;
+#if RCAC_SUPERVISED
+    rcac_real y_known[RCAC_L_Y + 1], r_known[RCAC_L_R + 1];
+#else
+    int i, bad;
+#endif
     if (s->phase == 0) return RCAC_OUT_OF_ORDER;
+#if RCAC_SUPERVISED
+    if (u_applied && is_bad(u_applied, RCAC_L_U)) u_applied = NULL;
+    if (is_late) {
+        int missed = fill(s, y, RCAC_L_U, RCAC_L_Y, y_known);
+        missed |= fill(s, r, RCAC_L_U + RCAC_L_Y, RCAC_L_R, r_known);
+        if (missed) s->noted |= RCAC_MISSED;
+        measure(s, y_known, r_known);
+    }
+    if (!RCAC_FILTER_FORM && is_bad(z, RCAC_L_Z)) s->noted |= RCAC_MISSED;
+    if (s->noted & RCAC_MISSED) note(s, RCAC_MISSING, s->step, 1);
+    if (u_applied) {
+        see_actuator(s, equals(u_applied, s->u, RCAC_L_U), s->step);
+        apply(s, u_applied);
+    }
+    if (!RCAC_FILTER_FORM) status = adapted(s, z);
+    if (RCAC_FILTER_FORM) feed_filter(s); /* u(k) was not known to the filter yet */
+    remember(s);
+    s->phase = 0;
+    ++s->step;
+    look(s);
+#else
     bad = (is_late && (is_bad(y, RCAC_L_Y) || is_bad(r, RCAC_L_R))) ||
           (RCAC_ADAPTS && !RCAC_FILTER_FORM && is_bad(z, RCAC_L_Z)) ||
           (u_applied && is_bad(u_applied, RCAC_L_U));
@@ -826,19 +1023,19 @@ int rcac_adapt(rcac_state *s, const rcac_real *y, const rcac_real *z, const rcac
     ++s->step;
     for (i = 0; i < RCAC_SIGNALS; ++i)
         if (!is_finite(s->signals[i][0])) s->broken = 1;
+#endif
     (void)z;
-    return status | (s->broken ? RCAC_DIVERGED : 0);
+    return status | rcac_status(s);
 }
 
 int rcac_step(rcac_state *s, const rcac_real *y, const rcac_real *z, const rcac_real *r, rcac_real *u) {
     int status;
-    const rcac_real none[1] = {0};
-    if (s->phase != 0 || is_bad(y, RCAC_L_Y) || is_bad(r, RCAC_L_R) ||
-        (RCAC_ADAPTS && is_bad(z, RCAC_L_Z))) {
+    if (s->phase != 0 || (!RCAC_SUPERVISED && (is_bad(y, RCAC_L_Y) || is_bad(r, RCAC_L_R) ||
+                                               (RCAC_ADAPTS && is_bad(z, RCAC_L_Z))))) {
         answer(s, u);
         return s->phase != 0 ? RCAC_OUT_OF_ORDER : RCAC_BAD_INPUT;
     }
-    status = rcac_control(s, RCAC_L_Y ? y : none, z, RCAC_L_R ? r : none, u);
+    status = controlled(s, 1, y, z, r, u);
     return status | rcac_adapt(s, y, z, r, NULL);
 }
 
@@ -859,6 +1056,9 @@ int rcac_correct(rcac_state *s, const rcac_real *u_applied) {
 #endif
     if (s->step == 0) return RCAC_REFUSED;
     if (is_bad(u_applied, RCAC_L_U)) return RCAC_BAD_INPUT;
+#if RCAC_SUPERVISED
+    see_actuator(s, equals(u_applied, s->held, RCAC_L_U), s->step - 1);
+#endif
     apply(s, u_applied);
 #if RCAC_ADAPTS
     {
@@ -1032,7 +1232,14 @@ int rcac_restore(rcac_state *s, const unsigned char *bytes) {
     return RCAC_OK;
 }
 
-int rcac_status(const rcac_state *s) { return s->broken ? RCAC_DIVERGED : RCAC_OK; }
+int rcac_status(const rcac_state *s) {
+#if RCAC_SUPERVISED
+    return s->noted | (s->wound_up ? RCAC_WOUND_UP : 0) |
+           (s->unapplied >= RCAC_PATIENCE ? RCAC_HELD_BACK : 0);
+#else
+    return s->broken ? RCAC_DIVERGED : RCAC_OK;
+#endif
+}
 
 int64_t rcac_guard_count(const rcac_state *s) {
 #if RCAC_ADAPTS

@@ -26,8 +26,24 @@ enum {
     RCAC_OUT_OF_ORDER = 4,  /* rcac_control and rcac_adapt do not alternate */
     RCAC_REFUSED = 8,       /* an argument does not fit: nothing moved */
     RCAC_UNSUPPORTED = 16,  /* an update of this step was decided by rounding, see rcac_guard_count */
-    RCAC_BOUNDED = 32       /* theta was moved to its bounds */
+    RCAC_BOUNDED = 32,      /* theta was moved to its bounds */
+    /* Where RCAC_SUPERVISED is 1; RCAC_BAD_INPUT and RCAC_DIVERGED do not occur then. */
+    RCAC_MISSED = 64,       /* an entry of y, z or r was NaN or infinite: see rcac_step */
+    RCAC_WOUND_UP = 128,    /* a variance is too many times that of P(0) */
+    RCAC_LARGE_Z = 256,     /* |z| is beyond its limit */
+    RCAC_HELD_BACK = 512,   /* the actuator has not applied u for RCAC_PATIENCE steps */
+    RCAC_RESTORED = 1024    /* numbers left their range: theta is that of the last good look, P is P(0) */
 };
+
+#if RCAC_SUPERVISED
+/* A trouble: its steps, how often it began, the first and the last of its steps (-1: none), and how bad it
+ * was: the growth, |z|, the steps in a row; 1 for a missed sample, 0 for an overflow. */
+typedef struct {
+    int64_t steps, episodes, first, last;
+    rcac_real worst;
+} rcac_trouble;
+enum { RCAC_WINDUP, RCAC_LARGE, RCAC_UNAPPLIED, RCAC_MISSING, RCAC_OVERFLOW, RCAC_TROUBLES };
+#endif
 
 /* The state is plain memory: memcpy saves it. Between two builds use rcac_save. */
 typedef struct {
@@ -70,13 +86,26 @@ typedef struct {
     int32_t next_event;
     int64_t last_reset, resets, bounded, guard_count, guard_first_step;
 #endif
+#if RCAC_SUPERVISED
+    rcac_trouble troubles[RCAC_TROUBLES];
+    int64_t unapplied; /* steps in a row */
+    rcac_real worst_growth;
+    rcac_real good[RCAC_L_THETA]; /* theta of the last look at which P was not wound up */
+    rcac_real z[RCAC_L_Z];        /* of the last step */
+    rcac_real held[RCAC_L_U];     /* u of the last step as it was applied */
+    int32_t wound_up, heard, noted;
+#endif
 } rcac_state;
 
 /* theta(0), P(0) and no past. */
 void rcac_init(rcac_state *s);
 
 /* One step: y(k) with RCAC_L_Y entries, z(k) with RCAC_L_Z, r(k) with RCAC_L_R; u(k) is written, with
- * RCAC_L_U. What has no entries may be NULL. */
+ * RCAC_L_U. What has no entries may be NULL.
+ *
+ * With RCAC_SUPERVISED a sample that is missed (NaN, infinite or NULL) does not stop anything: k moves on,
+ * u is held where y or r is not known, theta waits where z is not, and in the regressor stands what was
+ * known last. Every 16 steps it looks at P and keeps theta. */
 int rcac_step(rcac_state *s, const rcac_real *y, const rcac_real *z, const rcac_real *r, rcac_real *u);
 
 /* The same in two halves, so that u(k) goes out before the update is computed. Where
@@ -105,7 +134,8 @@ int rcac_set_target(rcac_state *s, const rcac_real *numerator, const rcac_real *
 void rcac_save(const rcac_state *s, unsigned char *bytes);
 int rcac_restore(rcac_state *s, const unsigned char *bytes); /* RCAC_REFUSED: nothing moved */
 
-/* RCAC_OK, or RCAC_DIVERGED: what the last step left behind. */
+/* RCAC_OK or RCAC_DIVERGED, and what a supervised controller noted in the last step; what it has noted since
+ * rcac_init is s->troubles. */
 int rcac_status(const rcac_state *s);
 int64_t rcac_guard_count(const rcac_state *s);
 

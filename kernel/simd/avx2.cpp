@@ -11,7 +11,6 @@ namespace rcac {
 extern const InstructionSet set_avx2;
 const InstructionSet set_avx2{
     "avx2",
-    &avx2::ud_rank_one,
     &avx2::ud_measure,
     &avx2::lanes_rank_one,
     &avx2::lanes_measure,

@@ -11,7 +11,6 @@ namespace rcac {
 extern const InstructionSet set_avx512;
 const InstructionSet set_avx512{
     "avx512",
-    &avx512::ud_rank_one,
     &avx512::ud_measure,
     &avx512::lanes_rank_one,
     &avx512::lanes_measure,

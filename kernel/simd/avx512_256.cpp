@@ -11,7 +11,6 @@ namespace rcac {
 extern const InstructionSet set_avx512_256;
 const InstructionSet set_avx512_256{
     "avx512-256",
-    &avx512_256::ud_rank_one,
     &avx512_256::ud_measure,
     &avx512_256::lanes_rank_one,
     &avx512_256::lanes_measure,

@@ -7,19 +7,18 @@ namespace rcac {
 
 struct LaneArrays;
 
+// One measurement  scale phi theta + rhs = 0  of variance r by Bierman's recursion: updates U, D and
+// theta; phi has n entries, and `row` and `gain` are room to work in. False where
+// alpha = r + row P row', theta or D left the range of float64. `lost` is set where some direction's
+// excitation was lost in rounding while its variance is so large that the answer matters.
+using UdMeasure = bool(const UdFactors& factors, const double* phi, double scale, double rhs, double r,
+                       double* row, double* gain, double* theta, bool& lost);
+
 // The functions that one of the files beside this one compiles.
 struct InstructionSet {
     const char* name;
-    // One measurement of regressor `row` and variance r by Bierman's recursion: updates U and D,
-    // leaves the unscaled gain in `gain` and returns alpha = r + row P row'. `lost` is set where
-    // some direction's excitation was lost in rounding while its variance is so large that the
-    // answer matters.
-    double (*ud_rank_one)(const UdFactors& factors, const double* row, double r, double* gain,
-                          bool& lost);
-    // The same for the measurement  scale phi theta + rhs = 0  with theta; phi has n entries and
-    // scale phi is left in `row`. False where alpha, theta or D left the range of float64.
-    bool (*ud_measure)(const UdFactors& factors, const double* phi, double scale, double rhs,
-                       double r, double* row, double* gain, double* theta, bool& lost);
+    // What takes one measurement of n coefficients, see UdMeasure.
+    UdMeasure* (*ud_measure)(std::size_t n);
     // One measurement on each lane: r and alpha per lane, bit k of the result tells whether
     // lane k was lost. A lane whose row is zero keeps its factors to the bit.
     unsigned (*lanes_rank_one)(const UdLaneFactors& factors, const double* row, const double* r,

@@ -11,7 +11,6 @@ namespace rcac {
 extern const InstructionSet set_plain;
 const InstructionSet set_plain{
     "plain",
-    &plain::ud_rank_one,
     &plain::ud_measure,
     &plain::lanes_rank_one,
     &plain::lanes_measure,

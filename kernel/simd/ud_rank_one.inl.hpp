@@ -161,28 +161,17 @@ inline double rank_one_loop(const UdFactors& factors, const double* RCAC_RESTRIC
 
 // The guard's full test costs another pass over a column; a variance below alpha / noise cannot
 // need it, and alpha never falls below r.
-inline double rank_one_with(const UdFactors& factors, const double* row, double r, double* gain,
-                            double largest_row, double largest_d, bool& lost) {
-    const double root = 1024.0 * epsilon * largest_row, noise = root * root;
-    return largest_d * noise > r ? rank_one_loop<true>(factors, row, r, gain, noise, lost)
-                                 : rank_one_loop<false>(factors, row, r, gain, noise, lost);
+inline double noise_of(double largest_row) {
+    const double root = 1024.0 * epsilon * largest_row;
+    return root * root;
+}
+inline bool may_be_lost(double largest_row, double largest_d, double r) {
+    return largest_d * noise_of(largest_row) > r;
 }
 
-inline double ud_rank_one(const UdFactors& factors, const double* row, double r, double* gain,
-                          bool& lost) {
-    Vec size = zero(), spread = zero();
-    for (std::size_t j = 0; j < padded_to_tiles(factors.n); j += width) {
-        const Vec phi = load(row + j);
-        size = larger(larger(phi, -phi), size);
-        spread = larger(load(factors.D + j), spread);
-        store(gain + j, zero());
-    }
-    return rank_one_with(factors, row, r, gain, largest_of(size), largest_of(spread), lost);
-}
-
-inline bool ud_measure(const UdFactors& factors, const double* RCAC_RESTRICT phi, double scale,
-                       double rhs, double r, double* RCAC_RESTRICT row, double* RCAC_RESTRICT gain,
-                       double* RCAC_RESTRICT theta, bool& lost) {
+inline bool measure_by_tiles(const UdFactors& factors, const double* RCAC_RESTRICT phi,
+                             double scale, double rhs, double r, double* RCAC_RESTRICT row,
+                             double* RCAC_RESTRICT gain, double* RCAC_RESTRICT theta, bool& lost) {
     // Everything that is proportional to n takes two passes, one before and one after.
     const std::size_t n = factors.n, whole = n / width * width;
     Vec size = zero(), spread = zero(), sum = zero();
@@ -202,7 +191,10 @@ inline bool ud_measure(const UdFactors& factors, const double* RCAC_RESTRICT phi
         widest = factors.D[j] > widest ? factors.D[j] : widest;
     }
     for (std::size_t j = whole; j < padded_to_tiles(n); j += width) store(gain + j, zero());
-    const double alpha = rank_one_with(factors, row, r, gain, largest, widest, lost);
+    const double alpha =
+        may_be_lost(largest, widest, r)
+            ? rank_one_loop<true>(factors, row, r, gain, noise_of(largest), lost)
+            : rank_one_loop<false>(factors, row, r, gain, 0.0, lost);
     const double step = innovation / alpha;
     // x * 0 is 0 for every finite x and not a number for the others.
     Vec check = zero();
@@ -217,6 +209,126 @@ inline bool ud_measure(const UdFactors& factors, const double* RCAC_RESTRICT phi
         rest += theta[j] * 0.0 + factors.D[j] * 0.0;
     }
     return rest == 0.0;
+}
+
+// The same with the number of blocks known to the compiler, for regressors so short that filling tiles of 8 up and
+// waiting for the memory between the stages is most of the time: row, gain and theta stay in
+// registers, a block has as many columns as a vector lanes, and its dots stand before the columns of
+// the block before it. Every number is made by the operations of the tiles in their order, so both
+// give the same bits.
+
+template <std::size_t J>
+RCAC_INLINE Vec block_dots(const double* U, const Vec* row) {
+    Vec sum[width];
+    RCAC_UNROLL for (std::size_t c = 0; c < width; ++c) {
+        sum[c] = zero();
+        RCAC_UNROLL for (std::size_t I = 0; I <= J; ++I)
+            sum[c] = sum[c] + load(U + place_in_tiles(I * width, J * width + c)) * row[I];
+    }
+    return sums_of(sum);
+}
+
+template <std::size_t J>
+RCAC_INLINE void block_columns(double* RCAC_RESTRICT U, Vec* gain, Vec v, Vec factor) {
+    gain[J] = zero();
+    RCAC_UNROLL for (std::size_t c = 0; c < width; ++c) {
+        const Vec v_c = spread_lane(v, c), factor_c = spread_lane(factor, c);
+        RCAC_UNROLL for (std::size_t I = 0; I <= J; ++I) {
+            double* place = U + place_in_tiles(I * width, J * width + c);
+            const Vec old = load(place);
+            store(place, old - factor_c * gain[I]);
+            gain[I] = gain[I] + v_c * old;
+        }
+    }
+}
+
+// Blocks J, ..., B - 1; f are the dots of block J. The last lane of the result is alpha.
+template <std::size_t J, std::size_t B>
+RCAC_INLINE Vec block_steps(double* RCAC_RESTRICT U, double* RCAC_RESTRICT D, const Vec* row,
+                            Vec* gain, Vec alpha, Vec f) {
+    const Vec d = load(D + J * width), v = d * f;
+    const Vec grown = all(alpha[width - 1]) + running_sums(v * f);
+    const Vec previous = moved_up(grown, alpha), factor = f / previous;
+    store(D + J * width, where_zero(f, d, d * (previous / grown)));
+    if constexpr (J + 1 < B) {
+        const Vec next = block_dots<J + 1>(U, row);
+        block_columns<J>(U, gain, v, factor);
+        return block_steps<J + 1, B>(U, D, row, gain, grown, next);
+    } else {
+        block_columns<J>(U, gain, v, factor);
+        return grown;
+    }
+}
+
+// The first `count` of a vector's numbers, and zeros.
+RCAC_INLINE Vec load_first(const double* p, std::size_t count) {
+    if (count == width) return load(p);
+    Vec a = zero();
+    RCAC_UNROLL for (std::size_t c = 0; c < width; ++c)
+        if (c < count) a[c] = p[c];
+    return a;
+}
+RCAC_INLINE void store_first(double* p, std::size_t count, Vec a) {
+    if (count == width) return store(p, a);
+    RCAC_UNROLL for (std::size_t c = 0; c < width; ++c)
+        if (c < count) p[c] = a[c];
+}
+
+// For n in the last block of B.
+template <std::size_t B>
+inline bool measure_by_blocks(const UdFactors& factors, const double* RCAC_RESTRICT phi,
+                              double scale, double rhs, double r, double* row_room,
+                              double* gain_room, double* RCAC_RESTRICT theta, bool& lost) {
+    constexpr std::size_t last = (B - 1) * width;
+    const std::size_t tail = factors.n - last;
+    double* RCAC_RESTRICT D = factors.D;
+    Vec row[B], gain[B], moved[B], size = zero(), spread = zero(), sum = zero();
+    RCAC_UNROLL for (std::size_t I = 0; I < B; ++I) {
+        const bool whole = I * width < last;
+        row[I] = (whole ? load(phi + I * width) : load_first(phi + last, tail)) * all(scale);
+        moved[I] = whole ? load(theta + I * width) : load_first(theta + last, tail);
+        size = larger(larger(row[I], -row[I]), size);
+        spread = larger(load(D + I * width), spread);
+        if (whole || tail == width) sum = sum + row[I] * moved[I];
+    }
+    double innovation = rhs + sum_of(sum);
+    RCAC_UNROLL for (std::size_t c = 0; c + 1 < width; ++c)
+        if (c < tail && tail < width) innovation += row[B - 1][c] * moved[B - 1][c];
+    if (may_be_lost(largest_of(size), largest_of(spread), r))
+        return measure_by_tiles(factors, phi, scale, rhs, r, row_room, gain_room, theta, lost);
+    const double alpha =
+        block_steps<0, B>(factors.U, D, row, gain, all(r), block_dots<0>(factors.U, row))[width - 1];
+    const double step = innovation / alpha;
+    Vec check = zero();
+    RCAC_UNROLL for (std::size_t I = 0; I < B; ++I) {
+        moved[I] = moved[I] - gain[I] * all(step);
+        if (I * width < last)
+            store(theta + I * width, moved[I]);
+        else
+            store_first(theta + last, tail, moved[I]);
+        check = check + moved[I] * zero() + load(D + I * width) * zero();
+    }
+    return sum_of(check) + alpha * 0.0 == 0.0;
+}
+
+// Beyond this a size of its own gains nothing: with vectors of 2 the registers do not hold it, with
+// vectors of 8 nobody has measured.
+#if defined(__GNUC__) || defined(__clang__)
+constexpr std::size_t most_blocks = width == 2 ? 10 : width == 4 ? 6 : 0;
+#else
+constexpr std::size_t most_blocks = 0;
+#endif
+
+template <std::size_t B>
+UdMeasure* measure_with(std::size_t blocks) {
+    if constexpr (B == 0)
+        return &measure_by_tiles;
+    else
+        return blocks == B ? &measure_by_blocks<B> : measure_with<B - 1>(blocks);
+}
+
+inline UdMeasure* ud_measure(std::size_t n) {
+    return measure_with<most_blocks>((n + width - 1) / width);
 }
 
 inline bool finite(const double* values, std::size_t count) {

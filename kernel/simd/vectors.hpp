@@ -18,6 +18,12 @@ constexpr std::size_t parts = tile / width;    // vectors in one column of a til
 #if defined(__GNUC__) || defined(__clang__)
 #define RCAC_INLINE inline __attribute__((always_inline))
 #define RCAC_RESTRICT __restrict__
+// Before a loop over registers, whose numbers must be known where it is compiled.
+#if defined(__clang__)
+#define RCAC_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define RCAC_UNROLL _Pragma("GCC unroll 32")
+#endif
 
 typedef double Vec __attribute__((vector_size(8 * RCAC_WIDTH)));
 // The same vector at any address that a double may have.
@@ -32,6 +38,7 @@ RCAC_INLINE Vec where_zero(Vec x, Vec yes, Vec no) { return x == Vec{} ? yes : n
 #else  // a compiler without vector extensions gets loops that it may vectorise
 #define RCAC_INLINE inline
 #define RCAC_RESTRICT __restrict
+#define RCAC_UNROLL
 
 struct Vec {
     double lane[RCAC_WIDTH];
@@ -114,6 +121,20 @@ RCAC_INLINE Vec sums_of(const Vec* a) {
         result[c] = sum;
     }
     return result;
+#endif
+}
+
+// Lane c of a in every lane; c is known where this is compiled.
+RCAC_INLINE Vec spread_lane(Vec a, std::size_t c) {
+#if defined(RCAC_SHUFFLE) && RCAC_WIDTH == 4
+    return c == 0   ? __builtin_shufflevector(a, a, 0, 0, 0, 0)
+           : c == 1 ? __builtin_shufflevector(a, a, 1, 1, 1, 1)
+           : c == 2 ? __builtin_shufflevector(a, a, 2, 2, 2, 2)
+                    : __builtin_shufflevector(a, a, 3, 3, 3, 3);
+#elif defined(RCAC_SHUFFLE) && RCAC_WIDTH == 2
+    return c == 0 ? __builtin_shufflevector(a, a, 0, 0) : __builtin_shufflevector(a, a, 1, 1);
+#else
+    return all(a[c]);
 #endif
 }
 

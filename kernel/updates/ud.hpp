@@ -20,6 +20,7 @@ public:
              const InstructionSet& instructions = rcac::instruction_set())
         : n_(l_theta),
           instructions_(&instructions),
+          measure_(instructions.ud_measure(l_theta)),
           U_(tiles_size(n_), 0.0),
           D_(padded_to_tiles(n_), 0.0),
           gain_(padded_to_tiles(n_), 0.0),
@@ -58,8 +59,8 @@ public:
     // The measurement  scale phi theta + rhs = 0  of this variance.
     bool measure_row(const double* phi, double scale, double rhs, double variance, double* theta,
                      bool& lost) {
-        return instructions_->ud_measure({n_, U_.data(), D_.data()}, phi, scale, rhs, variance,
-                                         row_.data(), gain_.data(), theta, lost);
+        return measure_({n_, U_.data(), D_.data()}, phi, scale, rhs, variance, row_.data(),
+                        gain_.data(), theta, lost);
     }
 
     void reset() override {
@@ -166,6 +167,7 @@ public:
 private:
     std::size_t n_;
     const InstructionSet* instructions_;
+    UdMeasure* measure_;
     AlignedVector U_, D_, U_0_, D_0_, gain_, row_;
     std::vector<double> inverse_D_0_;
     bool capped_ = false;

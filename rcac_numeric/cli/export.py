@@ -18,6 +18,7 @@ from rcac_numeric.cli.cases import (
 )
 from rcac_numeric.cli.output import as_json_option, budget_option, show
 from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.supervision import Supervision
 from rcac_numeric.dissertation.load import load_example
 from rcac_numeric.engine.runs import Run, load_run
 from rcac_numeric.experiments.budgets import Budget
@@ -44,6 +45,8 @@ from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Text
 @click.option("--run", "name", help="Which run of CASE; default: the first.")
 @click.option("--live-order", type=click.IntRange(min=0),
               help="Let the target model be replaced on the board, up to this order.")  # fmt: skip
+@click.option("--supervised", is_flag=True,
+              help="Go on where samples are missed or numbers overflow, and note it.")  # fmt: skip
 @click.option(
     "--set", "values", multiple=True, metavar="KEY=VALUE", shell_complete=complete_key,
     help="Another value, typed as in TOML: --set controller.R_theta=1e-6. Repeatable.",
@@ -60,6 +63,7 @@ def export(
     fixed: bool,
     name: str | None,
     live_order: int | None,
+    supervised: bool,
     values: tuple[str, ...],
     as_json: bool,
     budget: Budget,
@@ -79,6 +83,7 @@ def export(
             prefix=prefix,
             live_order=live_order,
             saturation=run.saturation,
+            supervision=Supervision() if supervised else None,
             run=run,
         )
     show(_sheet(found), as_json)

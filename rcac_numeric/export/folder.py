@@ -18,6 +18,7 @@ from rcac_numeric.arrays.validation import instance_of, items, one_of
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.supervision import Supervision
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.export.building import compiled, compiler, replayed
 from rcac_numeric.export.header import REALS, config_header, vector_header
@@ -82,6 +83,7 @@ def export_controller(
     prefix: str = "rcac",
     saturation: Saturation | None = None,
     live_order: int | None = None,
+    supervision: Supervision | None = None,
     run: Run | None = None,
 ) -> Export:
     """Write a controller as C that needs no library, with a test that replays a recorded vector.
@@ -108,6 +110,11 @@ def export_controller(
         Of the actuator; the core then applies it itself.
     live_order : int, optional
         With it the target model can be replaced while the controller runs, up to this order.
+    supervision : Supervision, optional
+        With the policy "warn": the core notes wind-up, missed samples, an actuator that does not
+        follow and large z as `Controller` does, goes on from an overflow and never leaves the plant
+        without u. Without it a missed sample moves nothing, an overflow ends the adaptation, and
+        nothing of it is compiled.
     run : Run, optional
         Whose signals are replayed; without one a small plant stands in.
 
@@ -147,7 +154,8 @@ def export_controller(
             "'roll'."
         )
     one_of(real, "real", REALS)
-    tables = core_tables(source, saturation=saturation, live_order=live_order)
+    tables = core_tables(source, saturation=saturation, live_order=live_order,
+                         supervision=supervision)  # fmt: skip
     recording, agreement = recorded(source, tables, saturation, run), ""
     warnings: tuple[str, ...] = ()
     if real == "float32":
@@ -278,7 +286,7 @@ def _in_float32(tables: CoreTables, source: Recording, run: Run | None) -> tuple
 
 
 def _ranges(controller: Any, tables: CoreTables, recording: Recording) -> tuple[str, ...]:
-    """What float32 refuses and warns of, as measured (docs/boards.md)."""
+    """What float32 refuses and warns of, as measured (docs/guide/board.md)."""
     if not isinstance(controller, ControllerSettings):
         return ()
     smallest, largest = 1 / max(tables.D_0), 1 / min(tables.D_0)

@@ -146,6 +146,8 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
         "NEEDS_ROOT": int(t.power_window > 0 or t.varying_weights or t.normalization[0] == 2),
         "DENSE_P_0": int(bool(t.U_0)),
         "CARRY": int(single), "CAP": int(single and t.forgets),
+        "SUPERVISED": int(t.supervision is not None),
+        "PATIENCE": f"INT64_C({t.supervision[2] if t.supervision else 0})",
         "SCALE": out.number(t.scale),
         "SMALLEST_NORMAL": out.number(float(np.finfo(real).tiny)),
     }  # fmt: skip
@@ -192,6 +194,8 @@ def _define_tables(out: _Writer, t: CoreTables) -> None:
     if t.bounds:
         out.numbers("least", t.bounds[0])
         out.numbers("most", t.bounds[1])
+    if t.supervision:
+        out.numbers("windup", [t.supervision[0], t.supervision[1]])
     out.numbers("noise", t.noise)
     out.numbers("forgetting", t.forgetting[2:])
     out.numbers("trace_below", [t.reset[1]])

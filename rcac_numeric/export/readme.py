@@ -58,7 +58,8 @@ def readme(
         "## Sizes",
         "",
         f"- RAM: {state} bytes, all of it in `rcac_state`.",
-        f"- Flash: {constants} bytes of constants, and the code: 2 to 4.5 kB on a Cortex-M4.",
+        f"- Flash: {constants} bytes of constants, and the code: 2 to 4.5 kB on a Cortex-M4"
+        + (", and 0.8 kB for supervision." if t.supervision else "."),
         f"- Stack: about {t.stack(real)} bytes in `rcac_adapt`, estimated; -fstack-usage measures.",
         f"- Operations of a step, at most: {products} multiplications with as many additions, "
         f"{quotients} divisions.",
@@ -79,6 +80,21 @@ def readme(
         said += ["", f"float32 against float64 over these steps: {agreement}."]
     if t.low:
         said += ["", "u is held within its bounds by the core: send it out as it is."]
+    if t.supervision:
+        growth, limit, patience = t.supervision
+        said += [
+            "",
+            "## Supervision",
+            "",
+            "A missed sample (NaN, infinite or NULL) holds u or theta, and numbers that leave "
+            "their range give theta of the last good look back, with P(0); u is always a number. "
+            f"The status says RCAC_WOUND_UP where a variance is more than {growth:g} times that of "
+            "P(0), looked at every 16 steps; RCAC_HELD_BACK where u was not applied for "
+            f"{patience} steps, which it learns by `rcac_correct` or from its own bounds; "
+            + (f"RCAC_LARGE_Z where abs(z) exceeds {limit:g}; " if limit else "")
+            + "RCAC_MISSED and RCAC_RESTORED. What was noted since `rcac_init` is in `troubles` of "
+            "the state; `rcac_save` keeps it. It acts on none of this: your program does.",
+        ]
     if "arduino" in layouts:
         said += ["", "Arduino: this folder is a library; the sketch is in examples/."]
     if "wasm" in layouts:

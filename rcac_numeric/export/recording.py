@@ -24,7 +24,7 @@ from rcac_numeric.plants.saturation import Saturation
 
 STEPS = 200
 LARGEST_U = 1e4  # around the stand-in plant, whose noise is below one: it then diverges
-DIVERGED = 2  # RCAC_DIVERGED
+LEFT_RANGE = 2 | 1024  # RCAC_DIVERGED, RCAC_RESTORED
 Rows = list[tuple[Any, ...]]  # y, z, r and u of each step, in float64 or float32
 
 
@@ -183,7 +183,7 @@ def compiled_recording(program: Path, tables: CoreTables, run: Run | None, steps
             u = np.frombuffer(process.stdout.read(4 * t.l_u), dtype=np.float32)
             row = given(k, u.astype(np.float64))
             status = int.from_bytes(process.stdout.read(4), "little")
-            if status & DIVERGED:
+            if status & LEFT_RANGE:
                 process.kill()
                 raise DivergedError(f"in float32 it leaves the range of its numbers at step {k}.")
             theta = np.frombuffer(process.stdout.read(4 * t.l_theta), dtype=np.float32)

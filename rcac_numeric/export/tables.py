@@ -18,6 +18,7 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.supervision import Supervision
 from rcac_numeric.controllers.updates.forgetting import CappedForgetting, SubspaceForgetting
 from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.controllers.weights import SignalWeight
@@ -63,6 +64,7 @@ class CoreTables:
     events : of (step, number of the kind, value)
     live : bool
         Whether the target model can be replaced while it runs.
+    supervision : (growth, limit of abs(z) or 0, patience) or None
     scale : float
         P and the variances are multiplied by it; a power of two.
     """
@@ -106,6 +108,7 @@ class CoreTables:
     strictly_proper: bool
     adapts: bool
     live: bool
+    supervision: tuple[float, float, int] | None = None
     scale: float = 1.0
 
     @property
@@ -182,6 +185,11 @@ class CoreTables:
                 fields += [(number, len(self.sources) * self.remembered)]
             fields += [(i32, 1), (number, self.power_window), (i64, int(self.power_window > 0))]
             fields += [(number, int(self.reset[1] > 0)), (i32, 1), (i64, 5)]
+        if self.supervision:
+            trouble = type("Trouble", (ctypes.Structure,), {
+                "_fields_": [("counts", i64 * 4), ("worst", number)]
+            })  # fmt: skip
+            fields += [(trouble, 5), (i64, 1), (number, 1 + n + self.l_z + l_u), (i32, 3)]
         members = [(f"_{i}", kind * count) for i, (kind, count) in enumerate(fields) if count]
         state = type("State", (ctypes.Structure,), {"_fields_": members})
         numbers = (
@@ -222,6 +230,7 @@ def core_tables(
     *,
     saturation: Saturation | None = None,
     live_order: int | None = None,
+    supervision: Supervision | None = None,
 ) -> CoreTables:
     """The tables of a controller; what the core does not know is refused by name.
 
@@ -232,6 +241,8 @@ def core_tables(
         Of the actuator, which the core then applies itself.
     live_order : int, optional
         The target model can be replaced while the controller runs, by one of this order at most.
+    supervision : Supervision, optional
+        With the policy "warn": what the core notes.
     """
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
@@ -264,6 +275,7 @@ def core_tables(
         "strictly_proper": strictly_proper,
         "low": _numbers(bounds_of_u[0]), "high": _numbers(bounds_of_u[1]),
         "rate": _numbers(bounds_of_u[2]),
+        "supervision": _supervision(supervision, adapts),
     })  # fmt: skip
     _require_sizes(tables)
     return tables
@@ -421,6 +433,27 @@ def _require_known(settings: ControllerSettings, live_order: int | None) -> None
         refuse("target_changes beside live_order", "leave one of them out")
     if live_order is not None and settings.k_filter > 0:
         refuse("k_filter > 0 beside live_order", "use k_filter = 0")
+
+
+def _supervision(given: Supervision | None, adapts: bool) -> tuple[float, float, int] | None:
+    """What the core watches; a policy that acts is refused by name."""
+    if given is None:
+        return None
+    require_kind(given, "supervision", (Supervision,), "export")
+    if given.policy == "off":
+        return None
+    if not adapts:
+        raise InputError("a fixed compensator has no P to supervise; leave supervision out.")
+    if given.policy != "warn":
+        raise InputError(
+            f'the policy "{given.policy}" is not in the stand-alone core, which notes and does not '
+            'act; use Supervision("warn"), and act on its status in your program.'
+        )
+    if given.jump is not None or given.missed != "hold":
+        name = "jump" if given.jump is not None else 'missed="fallback"'
+        raise InputError(f"{name} of Supervision is not in the stand-alone core; leave it out.")
+    limit = given.limit if math.isfinite(given.limit) else 0.0
+    return given.growth, limit, min(given.patience, 2**62)
 
 
 def _require_sizes(tables: CoreTables) -> None:

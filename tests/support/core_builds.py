@@ -17,6 +17,8 @@ WARNINGS = [
     "-Wfloat-equal", "-Werror",
 ]  # fmt: skip
 OK, BAD_INPUT, DIVERGED, OUT_OF_ORDER, REFUSED, UNSUPPORTED, BOUNDED = 0, 1, 2, 4, 8, 16, 32
+MISSED, WOUND_UP, LARGE_Z, HELD_BACK, RESTORED = 64, 128, 256, 512, 1024
+TROUBLES = ("windup", "large z", "saturated", "missed sample", "overflow")
 SHIM = """
 #include <stdlib.h>
 #include "rcac.h"
@@ -24,6 +26,10 @@ void *make(void) { rcac_state *s = (rcac_state *)malloc(sizeof *s); rcac_init(s)
 rcac_real *theta(rcac_state *s) { return s->theta; }
 #if RCAC_ADAPTS
 rcac_real *D(rcac_state *s) { return s->D; }
+#endif
+#if RCAC_SUPERVISED
+rcac_trouble *troubles(rcac_state *s) { return s->troubles; }
+rcac_real *worst_growth(rcac_state *s) { return &s->worst_growth; }
 #endif
 int size(void) { return (int)sizeof(rcac_state); }
 int saved_size(void) { return (int)RCAC_SAVED_SIZE; }
@@ -118,6 +124,24 @@ class Core:
         size = self.tables.l_theta * self.real.itemsize
         bytes_ = ctypes.string_at(self.library.theta(self.state), size)
         return np.frombuffer(bytes_, self.real).copy()
+
+    @property
+    def troubles(self):
+        """(steps, episodes, first, last, worst) of what was noted, by the names of the engine."""
+        number = ctypes.c_double if self.real == np.float64 else ctypes.c_float
+
+        class Trouble(ctypes.Structure):
+            _fields_ = [("counts", ctypes.c_int64 * 4), ("worst", number)]
+
+        self.library.troubles.restype = ctypes.POINTER(Trouble)
+        noted = self.library.troubles(self.state)
+        found = {name: (*noted[i].counts, noted[i].worst) for i, name in enumerate(TROUBLES)}
+        return {name: counts for name, counts in found.items() if counts[0]}
+
+    @property
+    def growth(self):
+        self.library.worst_growth.restype = ctypes.POINTER(ctypes.c_double)
+        return self.library.worst_growth(self.state)[0]
 
     def save(self):
         buffer = ctypes.create_string_buffer(self.library.saved_size())

@@ -110,6 +110,29 @@ def test_ud_keeps_its_digits_for_every_size_of_P_0(l_theta, l_z, seed, R_theta):
         assert close(theta, exact, max(1e-12, rounding))
 
 
+@given(st.integers(1, 32), st.sampled_from([1.0, 1e-12, 1e-30]), seeds)
+@example(10, 1.0, 0)
+@example(24, 1.0, 0)
+@example(20, 1e-30, 1)
+def test_a_size_that_the_compiler_knows_gives_the_bits_of_the_tiles(l_theta, R_theta, seed):
+    """Coefficients that no row reaches make of a small update one of any size."""
+    data = record(seed, l_theta + 4, 1, l_theta)
+    root = np.random.default_rng(seed).standard_normal((l_theta, l_theta))
+    data["P_0"] = (np.eye(l_theta) + 0.1 * root @ root.T) / R_theta
+    data["theta_0"] = np.zeros(l_theta)
+    wide = {**data, "P_0": np.eye(48) * np.diag(data["P_0"]).min(), "theta_0": np.zeros(48)}
+    wide["P_0"][:l_theta, :l_theta] = data["P_0"]
+    wide["Phi_f"] = np.pad(data["Phi_f"], ((0, 0), (0, 0), (0, 48 - l_theta)))
+    # The innovation is summed in the order of n, and is only the target in the first step.
+    first = [{**d, "Phi_f": d["Phi_f"][:1], "target": d["target"][:1]} for d in (data, wide)]
+    for name in SETS:
+        few, many = (_kernel.replay_updates("ud", **d, instruction_set=name) for d in (data, wide))
+        assert np.array_equal(few[1], many[1][:l_theta, :l_theta])
+        assert few[2:] == many[2:]
+        few, many = (_kernel.replay_updates("ud", **d, instruction_set=name) for d in first)
+        assert np.array_equal(few[0], many[0][:l_theta])
+
+
 @given(lengths, seeds)
 def test_rows_of_zeros_change_nothing(l_theta, seed):
     data = record(seed, 6, 1, l_theta)

@@ -16,6 +16,7 @@ from rcac_numeric import (
     Normalization,
     Saturation,
     SignalWeight,
+    Supervision,
     TargetModel,
     VariableRateForgetting,
     iir,
@@ -115,6 +116,10 @@ RICH = replace(
 FUZZED = {
     "iir": (SETTINGS, {"live_order": 4}),
     "rich": (RICH, {"saturation": Saturation(low=-1, high=1)}),
+    "watched": (
+        RICH,
+        {"saturation": Saturation(low=-1, high=1), "supervision": Supervision(limit=9.0)},
+    ),
     "extreme": (replace(SETTINGS, update=UD(1e-38, lambda_=0.5)), {}),
 }
 

@@ -35,7 +35,7 @@ int main(void) {
         const rcac_real *y = rcac_vector_y + k * RCAC_L_Y, *z = rcac_vector_z + k * RCAC_L_Z;
         const rcac_real *r = rcac_vector_r + k * RCAC_L_R;
         status = rcac_step(&s, y, z, r, u);
-        if (status & ~(RCAC_UNSUPPORTED | RCAC_BOUNDED)) {
+        if (status & (RCAC_BAD_INPUT | RCAC_DIVERGED | RCAC_OUT_OF_ORDER | RCAC_MISSED | RCAC_RESTORED)) {
             printf("step %d: status %d\n", k, status);
             return 1;
         }
