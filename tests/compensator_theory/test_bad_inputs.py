@@ -21,7 +21,7 @@ from tests.support.work import Endless, Long, at_most, at_most_bytes
 # An endless list is read as far as the budget of entries goes, a call for each, and no farther.
 CALLS_TO_REFUSE = exact.Budget().entries + 300_000
 CALLS_TO_ANSWER, BYTES = 20_000_000, 50_000_000
-ENOUGH, DRAWN = 50, 6
+ENOUGH, DRAWN = 50, 3
 
 
 def functions():

@@ -15,7 +15,7 @@ from tests.fuzz.expression_checks import check_roots, check_text, warm
 
 # Calls are counted while a text is read, which takes several times as long.
 MANY = settings.default.max_examples
-EXAMPLES = 100 * MANY if MANY >= 1000 else MANY // 4
+EXAMPLES = 100 * MANY if MANY >= 1000 else max(4, MANY // 4)
 
 numbers = st.one_of(
     st.integers(0, 99).map(str),

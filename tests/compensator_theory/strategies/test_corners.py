@@ -18,7 +18,7 @@ from compensator_theory.errors import NotCoprimeError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 
 
-def share(strategy, *conditions, count=600):
+def share(strategy, *conditions, count=300):
     """Return how often each condition holds over draws that are the same in every run."""
     found = [0] * len(conditions)
     drawn = []
