@@ -2,8 +2,8 @@
 
 Choose with HYPOTHESIS_PROFILE=ci. All but `ci` draw anew in every run; `--hypothesis-seed` and
 `--randomly-seed` repeat the draws and the order of another. `--long` runs the marked long
-statistics in full; `--perturb SEED` moves the last digits of all data, but in tests marked
-`exact_data`.
+statistics in full, and what is marked slow; `--perturb SEED` moves the last digits of all data,
+but in tests marked `exact_data`.
 """
 
 import os
@@ -45,8 +45,12 @@ def pytest_runtest_setup(item):
         last_digits.active = not documented and not item.get_closest_marker("exact_data")
 
 
-def pytest_collection_modifyitems(items):
-    """A drawn controller may be in trouble: what its supervisor says then is no failure."""
+def pytest_collection_modifyitems(config, items):
+    """What is slow is for --long; what a supervisor says of a drawn controller is no failure."""
+    if not config.getoption("--long"):
+        slow = [item for item in items if item.get_closest_marker("slow")]
+        items[:] = [item for item in items if not item.get_closest_marker("slow")]
+        config.hook.pytest_deselected(items=slow)
     warning = "ignore::rcac_numeric.controllers.supervision.SupervisionWarning"
     for item in items:
         if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):

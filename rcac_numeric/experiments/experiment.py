@@ -261,7 +261,7 @@ class Experiment(Value):
         --------
         >>> from rcac_numeric.dissertation import load_example
         >>> experiment = load_example("5.1")
-        >>> experiment.main_run.seeds, experiment.reduced().main_run.seeds
+        >>> experiment.main_run.seeds, experiment.reduced(keep_shares=False).main_run.seeds
         (20, 3)
         """
         checks = [c for claim in self.claims for c in claim.checks if isinstance(c, Check)]

@@ -116,6 +116,7 @@ def test_long_results_are_printed_under_the_least_limit(least_limit):
     assert "0" * 5000 in exact.canonical(G)
 
 
+@pytest.mark.slow
 def test_a_long_radicand_is_printed(least_limit):
     value = sympy.Pow(LONG, sympy.S.Half, evaluate=False) * S * A + 1
     for written in (text(value), formula(value)):

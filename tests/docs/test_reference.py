@@ -65,6 +65,7 @@ def test_pages_differ_on_every_file_system():
     assert len(pages) == len(set(pages))
 
 
+@pytest.mark.slow
 def test_a_page_that_is_no_more_is_removed(tmp_path):
     (tmp_path / "api").mkdir()
     (tmp_path / "api" / "rcac_numeric.was_renamed.md").write_text("# old\n")

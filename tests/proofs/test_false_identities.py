@@ -53,6 +53,7 @@ HARMLESS = {"k + i"}  # the index of y in (4.7), which stands on both sides
 MODULES = (separation, return_difference, least_squares, duality, intercalation)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", MODULES, ids=lambda module: module.__name__.split(".")[-1])
 def test_every_flipped_sign_is_noticed(module):
     source = inspect.getsource(module)

@@ -133,6 +133,7 @@ def test_every_way_to_assume_is_found(tmp_path, line, word):
     assert assumed(tmp_path) == (f"A.v: {word}",)
 
 
+@pytest.mark.slow
 @needs_coq
 def test_an_older_compilation_answers_for_nothing(tmp_path):
     formal_part(
@@ -167,6 +168,7 @@ def test_coq_is_asked(folder):
     assert found.answers["Absent.x"] == "proofs/rocq has no file Absent.v"
 
 
+@pytest.mark.slow
 @needs_coq
 def test_a_file_that_does_not_compile_fails_and_the_others_are_asked(folder):
     build(["Proved.one_is_one"], folder)

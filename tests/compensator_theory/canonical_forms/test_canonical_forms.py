@@ -189,6 +189,7 @@ def test_the_examples_of_the_notes():
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_symbols_that_would_fill_the_basis_are_refused():
     A = Matrix(6, 6, lambda i, j: sympy.sympify(f"{i + j}*a + {i * j + 1}*b + {(i - 2 * j) % 5}"))
     with pytest.raises(BudgetError, match="Frobenius form with symbols"):

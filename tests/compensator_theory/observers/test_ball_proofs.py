@@ -122,6 +122,7 @@ def nonminimal_plants(draw):
     return Realisation(*draw(compensators(2, kinds))), Realisation(*draw(compensators(2)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("strategy", "count", "most"),
     [

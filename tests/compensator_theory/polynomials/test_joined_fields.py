@@ -64,6 +64,7 @@ def test_a_loop_is_placed_over_another_field(gain, pole):
     assert place_poles(f"{gain}/s", [f"-{pole}"] * 2, feedback=-1).residual.is_zero
 
 
+@pytest.mark.slow
 @few
 @example(a="3e0*10**(6/8)", b="2e18*10**(3/8)")
 @given(a=same_field, b=same_field)

@@ -150,6 +150,7 @@ def test_a_stable_compensator_stabilises(plant, feedback):
     assert C.is_proper and decide_strong_stabilisability(plant).is_strongly_stabilisable
 
 
+@pytest.mark.slow
 def test_how_often_the_search_ends_without_a_compensator():
     """Pins the None: poles and zeros that lie close together need a higher order."""
     plants = [
@@ -196,6 +197,7 @@ def test_orders_between_a_gain_and_placement(plant, feedback):
         assert not len(roots) or size.max() < 1e-6
 
 
+@pytest.mark.slow
 def test_how_often_an_order_between_is_missed():
     """Pins the None: orders 1 and 2, which small gains show to be enough, are missed at times."""
     pairs = itertools.product(("9/10", "1/2", "-2/5"), ("4/5", 0))

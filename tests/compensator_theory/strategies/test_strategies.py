@@ -127,6 +127,7 @@ def test_every_kind_of_spectrum_occurs():
         occurs(strategy(4), lambda roots: len(set(roots)) < 4)
 
 
+@pytest.mark.slow
 def test_they_shrink_to_the_simplest(in_full):
     s = sympy.Symbol("s")
     a, b = shrunk(ours.coprime_pairs(), lambda pair: pair[0].degree() >= 2)

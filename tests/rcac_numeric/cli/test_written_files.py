@@ -100,6 +100,7 @@ def test_a_full_disk_leaves_the_old_picture(tmp_path):
     assert {p.name for p in tmp_path.iterdir()} <= {"old.png", "old.pdf", "old.svg", "cache"}
 
 
+@pytest.mark.slow
 def test_a_kill_leaves_one_of_the_two_pictures(tmp_path, in_full):
     """The moment is chosen by what the process does: from the first byte of the new file on."""
     picture = tmp_path / "old.png"
@@ -123,6 +124,7 @@ def _others(folder: Path, picture: Path) -> list[Path]:
     return [path for path in folder.iterdir() if path != picture]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("option", ["--save", "--page", "--plot"])
 def test_files_come_also_where_nobody_reads_the_report(tmp_path, option):
     """As behind `| head -1`: the pipe closes after the first line."""

@@ -32,14 +32,14 @@ class Verifications(dict):
 
     def __missing__(self, number):
         example = load_example(number).held_out()
-        chosen = example if self.in_full else example.reduced(keep_shares=False)
+        chosen = example if self.in_full else example.reduced(2, keep_shares=False)
         self[number] = verify(chosen)
         return self[number]
 
 
 @pytest.fixture(scope="module")
 def verifications(request):
-    """All of them; over three seeds where the examples have more, over all with --long."""
+    """All of them; over two seeds where the examples have more, over all with --long."""
     return Verifications(in_full=request.config.getoption("--long"))
 
 

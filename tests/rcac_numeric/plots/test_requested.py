@@ -68,6 +68,7 @@ def test_a_distribution_has_every_repetition(rounding):
     assert figure.axes[0].get_xscale() == "log"
 
 
+@pytest.mark.slow
 def test_the_poles_asked_for_are_drawn(rounding):
     name = next(iter(rounding.results))
     figure = plot_request(rounding, FigureRequest("poles", "", runs=[name]))

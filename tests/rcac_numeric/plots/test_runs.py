@@ -64,6 +64,7 @@ def test_bad_comparisons_are_refused(compared):
         plot_runs([3])
 
 
+@pytest.mark.slow
 def test_notebooks_show_results_in_their_own_ink(tmp_path):
     verification = verify(load_example("4.7"))
     run = verification.main.first.run

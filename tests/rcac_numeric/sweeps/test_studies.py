@@ -237,7 +237,12 @@ def test_the_schema_has_what_the_reader_reads():
 SHIPPED = sorted(Path("examples/studies").glob("*.toml"))
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def always(path):
+    """The study of the README runs always, the others with --long."""
+    return path if path.stem == "gain_change" else pytest.param(path, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize("path", [always(path) for path in SHIPPED], ids=lambda path: path.stem)
 def test_a_shipped_study_runs(path, tmp_path):
     """Its first and its last cell, one run of each; the whole is run by hand."""
     jsonschema.validate(tomllib.loads(path.read_text()), study_schema())

@@ -96,6 +96,7 @@ def crossing(target, seed, steps=20000):
     return run, ratio(plants[1], run) if run.outcome == "completed" else np.inf
 
 
+@pytest.mark.slow
 def test_a_zero_crosses_the_unit_circle(in_full):
     """18 of 20 bounded, median J over LQG's <= 1.3; none without identification."""
     seeds = range(20 if in_full else 2)
