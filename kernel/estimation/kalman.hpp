@@ -38,7 +38,7 @@ public:
             remember();
             corrected_ = x_;
             std::fill(innovation_.begin(), innovation_.end(), std::nan(""));
-            squared_ = log_determinant_ = 0.0;
+            squared_ = log_determinant_ = std::nan("");  // nothing was judged
         } else {
             correct_there(y, u);
         }

@@ -193,7 +193,10 @@ class Estimator(Resumable[EKF | UKF]):
 
     @property
     def nis(self) -> float:
-        """The last innovation squared and normalised; l_y on average where the noises are right."""
+        """The last innovation squared and normalised; l_y on average where the noises are right.
+
+        NaN where that correction had no measurement.
+        """
         return self._kernel.nis
 
     def save(self) -> Array:

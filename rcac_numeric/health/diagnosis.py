@@ -76,7 +76,7 @@ def _of_run(found: AnalysedRun) -> LoopHealth:
     free = without_control(run)
     signals = {"z": signal_health(run.z, start), "u": signal_health(run.u, start)}
     if not np.array_equal(run.u, run.u_applied, equal_nan=True):
-        signals["applied u"] = signal_health(run.u_applied, start)
+        signals["u_applied"] = signal_health(run.u_applied, start)
     health = LoopHealth(
         outcome=run.outcome,
         steps=run.steps,

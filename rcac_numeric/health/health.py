@@ -29,7 +29,7 @@ class LoopHealth(Value):
         How the run ended; empty for a log.
     steps, k_w : int
         Number of steps, and the first one with control.
-    signals : mapping from "z", "u" and, behind a saturation, "applied u" to SignalHealth
+    signals : mapping from "z", "u" and, behind a saturation, "u_applied" to SignalHealth
     free : SignalSize or None
         z of the same run with u = 0, where that is bounded.
     margins : mapping from components of u to Margins

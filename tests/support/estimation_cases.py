@@ -1,9 +1,18 @@
 """Models and records for the tests of the estimators."""
 
 import numpy as np
+import pytest
 import sympy
 
-from rcac_numeric.estimation import LinearModel, NonlinearModel, SymbolicModel
+from rcac_numeric.estimation import EKF, UKF, LinearModel, NonlinearModel, SymbolicModel
+
+FILTERS = {
+    "extended": EKF,
+    "joseph": lambda *a, **k: EKF(*a, form="joseph", **k),
+    "unscented": UKF,
+    "negative weight": lambda *a, **k: UKF(*a, alpha=1.7, **k),
+}
+every_filter = pytest.mark.parametrize("make", FILTERS.values(), ids=FILTERS)
 
 
 def linear_case(seed, n=3, l_u=2, l_y=2, steps=40):

@@ -19,18 +19,11 @@ from rcac_numeric.estimation import (
     observability,
     smooth,
 )
-from tests.support.estimation_cases import linear_case, relative_error
+from tests.support.estimation_cases import every_filter, linear_case, relative_error
 
 seeds = st.integers(0, 10_000)
 # A drawn record may say nothing of a direction: that is not what is tested.
 pytestmark = pytest.mark.filterwarnings("ignore::rcac_numeric.estimation.UnobservableWarning")
-FILTERS = {
-    "extended": EKF,
-    "joseph": lambda *a, **k: EKF(*a, form="joseph", **k),
-    "unscented": UKF,
-    "negative weight": lambda *a, **k: UKF(*a, alpha=1.7, **k),
-}
-every_filter = pytest.mark.parametrize("make", FILTERS.values(), ids=FILTERS)
 
 
 def with_gaps(seed):
@@ -86,6 +79,7 @@ def test_steps_are_those_of_the_record(make):
         measured = list(y[k]) if k % 2 else y[k]
         assert np.array_equal(estimator.step(measured, u[k]), found.x[k])
         assert np.array_equal(estimator.innovation, found.innovation[k], equal_nan=True)
+        assert np.array_equal(estimator.nis, found.nis[k], equal_nan=True)
         other = Estimator(settings)
         other.restore(estimator.state)
         assert np.array_equal(other.P, estimator.P)

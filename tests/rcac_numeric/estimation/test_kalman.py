@@ -10,6 +10,7 @@ from rcac_numeric.estimation import EKF, UKF, Estimator, LinearModel, NonlinearM
 from tests.support.estimation_cases import (
     PENDULUM,
     PYTHON_PENDULUM,
+    every_filter,
     linear_case,
     pendulum_record,
     relative_error,
@@ -17,13 +18,6 @@ from tests.support.estimation_cases import (
 from tests.support.textbook_kalman import extended, kalman, unscented
 
 seeds = st.integers(0, 10_000)
-FILTERS = {
-    "extended": EKF,
-    "joseph": lambda *a, **k: EKF(*a, form="joseph", **k),
-    "unscented": UKF,
-    "negative weight": lambda *a, **k: UKF(*a, alpha=1.7, **k),
-}
-every_filter = pytest.mark.parametrize("make", FILTERS.values(), ids=FILTERS)
 
 
 def textbook_linear(model, Q, R, x, P, y, u):

@@ -165,8 +165,8 @@ def test_saturation_rounding_and_a_short_record_are_said():
     held = adapted(plant, fir_target(plant), w, 1e-3, saturation=Saturation(low=-0.005, high=0.005))
     health = loop_health(held)
     assert "saturated" in codes(health)
-    assert health.signals["u"].after.peak > 0.005 == health.signals["applied u"].after.peak
-    assert "applied u" not in loop_health(adapted(plant, fir_target(plant), w, 1e-3)).signals
+    assert health.signals["u"].after.peak > 0.005 == health.signals["u_applied"].after.peak
+    assert "u_applied" not in loop_health(adapted(plant, fir_target(plant), w, 1e-3)).signals
     idle = FixedController(Compensator(np.zeros((0, 1, 1)), np.zeros((1, 1, 1))))
     assert codes(loop_health(simulate(plant, idle, w[:50]))) == ["slow"]
     guarded = replace(held, guard_count=3, guard_first_step=7)
