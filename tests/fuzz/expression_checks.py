@@ -5,6 +5,7 @@ once, and what is accepted is echoed in a canonical form that reads back to the 
 """
 
 import sys
+from contextlib import suppress
 
 import sympy
 
@@ -51,7 +52,7 @@ sys.addaudithook(_hook)
 
 
 def warm():
-    """Import everything that reading may need, so that no import is seen later."""
+    """Import everything that reading may need, so that no import is seen later; not counted."""
     for text in (
         "1/(s + sqrt(2))",
         "CRootOf(x**3 + x + 1, 0)",
@@ -59,11 +60,15 @@ def warm():
         "cos(1)",
         "2**(1/3)",
     ):
-        read(exact.canonical, text)
-        read(exact.polynomial, text, "s")
+        with suppress(exact.CompensatorError):
+            exact.canonical(text)
+        with suppress(exact.CompensatorError):
+            exact.polynomial(text, "s")
     for roots in ("-1, -2", "sqrt(2)*j, -sqrt(2)*j", "1 + sqrt(3), sqrt(2+sqrt(2))", "a, b"):
-        read(place, roots)
-    read(exact.exact_number, "1/0")
+        with suppress(exact.CompensatorError):
+            place(roots)
+    with suppress(exact.CompensatorError):
+        exact.exact_number("1/0")
 
 
 def read(door, *arguments):

@@ -27,7 +27,7 @@ from rcac_numeric.experiments.format.values import Choice, Exact, Flag, Integer,
 from tests.support.work import at_most, at_most_bytes
 
 ROOT = Path(__file__).parents[2]
-COUNT = {"thorough": 50_000, "ci": 150}.get(os.environ.get("HYPOTHESIS_PROFILE", ""), 150)
+COUNT = {"thorough": 50_000, "ci": 60}.get(os.environ.get("HYPOTHESIS_PROFILE", ""), 60)
 MANY = settings(max_examples=COUNT, deadline=None, suppress_health_check=list(HealthCheck))
 CALLS, BYTES = 20_000_000, 200_000_000
 

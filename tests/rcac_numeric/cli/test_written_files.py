@@ -82,11 +82,9 @@ def test_what_cannot_be_written_is_named(tmp_path):
             new.write_text("new")
 
 
-def test_a_full_disk_leaves_the_old_picture(tmp_path):
+def test_a_full_disk_leaves_the_old_picture(tmp_path, in_full):
     """A limit of the size of files stands for the disk: the same error from the same call."""
-    picture = tmp_path / "old.png"
-    picture.write_bytes(OLD)
-    for suffix in ("png", "pdf", "svg"):
+    for suffix in ("png", "pdf", "svg") if in_full else ("svg",):
         picture = tmp_path / f"old.{suffix}"
         picture.write_bytes(OLD)
         ended = subprocess.run(

@@ -362,7 +362,7 @@ def test_a_study_that_is_killed_goes_on(tmp_path, in_full):
     run_study(load_study(file), undisturbed, workers=0)
     rng = random.Random(1)
     kills = 0
-    while kills < (25 if in_full else 3):
+    while kills < (25 if in_full else 2):
         if store.exists() and _done(store) == 360:
             store.unlink()
         before = _done(store)
