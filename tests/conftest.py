@@ -2,11 +2,12 @@
 
 Choose with HYPOTHESIS_PROFILE=ci. All but `ci` draw anew in every run; `--hypothesis-seed` and
 `--randomly-seed` repeat the draws and the order of another. `--long` runs the marked long
-statistics in full, and what is marked slow; `--perturb SEED` moves the last digits of all data,
-but in tests marked `exact_data`.
+statistics in full, and all that is marked slow, `--slow N` runs N of these; `--perturb SEED` moves
+the last digits of all data, but in tests marked `exact_data`.
 """
 
 import os
+import random
 import signal
 
 import hypothesis
@@ -23,6 +24,7 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 
 def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="run the long statistics in full")
+    parser.addoption("--slow", type=int, default=0, metavar="N", help="run N of the slow tests")
     parser.addoption("--perturb", type=int, metavar="SEED", help="move the last digits of all data")
 
 
@@ -48,9 +50,11 @@ def pytest_runtest_setup(item):
 def pytest_collection_modifyitems(config, items):
     """What is slow is for --long; what a supervisor says of a drawn controller is no failure."""
     if not config.getoption("--long"):
-        slow = [item for item in items if item.get_closest_marker("slow")]
-        items[:] = [item for item in items if not item.get_closest_marker("slow")]
-        config.hook.pytest_deselected(items=slow)
+        slow = sorted(i.nodeid for i in items if i.get_closest_marker("slow"))
+        draw = random.Random(config.getoption("randomly_seed", None))
+        left = set(slow) - set(draw.sample(slow, min(config.getoption("--slow"), len(slow))))
+        config.hook.pytest_deselected(items=[i for i in items if i.nodeid in left])
+        items[:] = [i for i in items if i.nodeid not in left]
     warning = "ignore::rcac_numeric.controllers.supervision.SupervisionWarning"
     for item in items:
         if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
