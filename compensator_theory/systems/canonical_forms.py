@@ -16,12 +16,7 @@ from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import controllable_canonical_form
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
-RealisationLike: TypeAlias = (
-    Realisation
-    | tuple[MatrixLike, MatrixLike, MatrixLike]
-    | tuple[MatrixLike, MatrixLike, MatrixLike, MatrixLike]
-    | TransferFunctionLike
-)
+RealisationLike: TypeAlias = Realisation | TransferFunctionLike
 """What :func:`realisation` reads."""
 
 

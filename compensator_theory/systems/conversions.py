@@ -1,13 +1,14 @@
 """Everything that describes a SISO transfer function, to an exact one."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeAlias
+from typing import Any, TypeAlias, cast
 
 from sympy import Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import roots_in_sympy
+from compensator_theory.matrices.exact_matrices import MatrixLike
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.from_roots import polynomial_from_roots
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -29,7 +30,11 @@ from compensator_theory.systems.foreign import (
     contents_of,
     is_foreign,
 )
-from compensator_theory.systems.realisations import Realisation
+from compensator_theory.systems.realisations import (
+    Realisation,
+    are_bare_matrices,
+    of_bare_matrices,
+)
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
 
@@ -39,6 +44,8 @@ TransferFunctionLike: TypeAlias = (
     | Realisation
     | PolynomialLike
     | tuple[PolynomialLike, PolynomialLike]
+    | tuple[MatrixLike, MatrixLike, MatrixLike]
+    | tuple[MatrixLike, MatrixLike, MatrixLike, MatrixLike]
     | Mapping[str, object]
     | ForeignSystem
 )
@@ -60,8 +67,9 @@ def transfer_function(
 
     Parameters
     ----------
-    obj : TransferFunction, Realisation, str, Expr, pair, mapping, or foreign system
-        A pair is (numerator, denominator), each of which :func:`polynomial` reads. A mapping has
+    obj : TransferFunction, Realisation, str, Expr, pair, matrices, mapping, or foreign system
+        A pair is (numerator, denominator), each of which :func:`polynomial` reads; matrices are
+        (A, B, C) or (A, B, C, D), and need the variable. A mapping has
         the keys ``zeros``, ``poles``, ``gain``. Foreign systems are the transfer functions, state
         spaces and connections of python-control, SciPy and SymPy. Floats are read by their shortest
         decimal.
@@ -93,6 +101,8 @@ def transfer_function(
     (s + 2)/(s**2 + a)
     >>> print(transfer_function(zeros=[-1], poles=["-2+1j", "-2-1j"], gain=3, variable="s"))
     (3*s + 3)/(s**2 + 4*s + 5)
+    >>> print(transfer_function(([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), "s"))
+    (1)/(s**2 + 3*s + 2)
     """
     if isinstance(obj, Mapping):
         unknown = sorted(map(str, set(obj) - {"zeros", "poles", "gain"}))
@@ -103,6 +113,8 @@ def transfer_function(
         return _from_roots(zeros, poles, gain, variable)
     if not (zeros is None and poles is None and gain is None):
         raise InputError("give either a transfer function or zeros, poles and gain, not both")
+    if are_bare_matrices(obj):
+        obj = of_bare_matrices(cast("Sequence[Any]", obj), variable)
     if isinstance(obj, Realisation):
         obj = obj.transfer_function() if obj.is_siso else obj.transfer_matrix()
     if isinstance(obj, TransferMatrix):

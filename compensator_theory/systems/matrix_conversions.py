@@ -19,7 +19,11 @@ from compensator_theory.polynomials.variables import (
 )
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign, joined_of
-from compensator_theory.systems.realisations import Realisation
+from compensator_theory.systems.realisations import (
+    Realisation,
+    are_bare_matrices,
+    of_bare_matrices,
+)
 from compensator_theory.transfer_functions.sample_times import shared_sample_time
 from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 from compensator_theory.transfer_functions.transfer_matrices import TransferMatrix
@@ -42,7 +46,8 @@ def transfer_matrix(
     rows : nested sequences, sympy.Matrix, TransferMatrix, Realisation, or foreign system
         Each entry is anything :func:`transfer_function` reads; p rows of m entries. A transfer
         function alone makes a 1 x 1 matrix. Transfer functions and state spaces with several
-        signals are read from python-control and SymPy.
+        signals are read from python-control and SymPy, and a tuple (A, B, C) or (A, B, C, D) of
+        matrices, which needs the variable.
     variable : str or Symbol, optional
         Default: the only one of ``s``, ``z``, ``q`` in all entries together, else the only symbol.
 
@@ -67,6 +72,8 @@ def transfer_matrix(
         if variable is not None and as_symbol(variable) != rows.variable:
             raise InputError(f"the transfer matrix is in {rows.variable}, not in {variable}")
         return rows
+    if isinstance(rows, tuple) and are_bare_matrices(rows):
+        rows = of_bare_matrices(rows, variable)
     if isinstance(rows, Realisation):
         return rows.transfer_matrix()
     entries = _entries(rows, variable)

@@ -1,11 +1,13 @@
 """State-space realisations with exact data, their hidden modes and their transfer functions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sympy import ImmutableMatrix, Poly, Rational, Symbol
+import sympy
+from sympy import ImmutableMatrix, MatrixBase, Poly, Rational, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, table
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
@@ -27,11 +29,6 @@ from compensator_theory.transfer_functions.transfer_matrices import TransferMatr
 
 if TYPE_CHECKING:
     import control
-from typing import TypeAlias
-
-import sympy
-
-from compensator_theory.errors import ImproperError, NoSolutionError
 
 # What systems in state space make together: in parallel, in series, in a loop, all states kept.
 
@@ -356,3 +353,45 @@ class Realisation(ExactValue):
 
     def _repr_latex_(self) -> str:
         return displayed(table([[self.A, self.B], [self.C, self.D]]))
+
+
+def are_bare_matrices(obj: object) -> bool:
+    """Whether this is (A, B, C) or (A, B, C, D): matrices, and nothing that shows the time domain.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems.realisations import are_bare_matrices
+    >>> are_bare_matrices(([[0]], [[1]], [["a"]])), are_bare_matrices(([1, 2], [1, 0]))
+    (True, False)
+    """
+    if not (isinstance(obj, tuple | list) and len(obj) in (3, 4)):
+        return False
+    *always, last = obj
+    return all(map(_is_matrix, always)) and (_is_matrix(last) or (len(obj) == 4 and last is None))
+
+
+def _is_matrix(obj: object) -> bool:
+    if isinstance(obj, list | tuple):
+        rows = [row for row in obj if isinstance(row, list | tuple)]
+        return bool(obj) and len(rows) == len(obj) and not any(
+            isinstance(entry, list | tuple) for row in rows for entry in row
+        )  # fmt: skip
+    return isinstance(obj, MatrixBase) or getattr(obj, "ndim", 0) == 2
+
+
+def of_bare_matrices(matrices: Sequence[Any], variable: str | Symbol | None) -> Realisation:
+    """Make the realisation of (A, B, C) or (A, B, C, D), whose time domain has to be given.
+
+    Examples
+    --------
+    >>> from compensator_theory.systems.realisations import of_bare_matrices
+    >>> print(of_bare_matrices(([[0]], [[1]], [[1]]), "z").transfer_function())
+    (1)/(z)
+    """
+    if variable is None:
+        raise InputError(
+            "matrices (A, B, C) do not show the time domain; give Realisation(A, B, C, D, 's') for "
+            "continuous time, 'z' or 'q' for discrete time"
+        )
+    A, B, C, *rest = matrices
+    return Realisation(A, B, C, rest[0] if rest else None, variable)

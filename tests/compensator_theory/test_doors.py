@@ -393,3 +393,29 @@ def test_a_refusal_is_ours_and_short(door, value):
     with pytest.raises(InputError) as caught:
         door(value)
     assert len(str(caught.value)) < 500
+
+
+# ---- matrices, at every door that takes a transfer function
+MATRICES = ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [exact.mcmillan_degree, exact.h_infinity_norm, exact.coprime_fractions,
+     exact.smith_mcmillan_form, exact.transfer_matrix, exact.transfer_function,
+     partial(exact.place_poles, target="-1, -2, -3, -4", feedback=-1),
+     partial(exact.stabilising_gains, feedback=-1)],
+)  # fmt: skip
+def test_matrices_are_their_transfer_function(answer):
+    G = exact.transfer_function("1/(s**2 + 3*s + 2)")
+    arrays = tuple(map(np.array, MATRICES))
+    for matrices in (MATRICES, (*MATRICES, [[0]]), (*MATRICES, None), arrays):
+        assert answer(matrices, variable="s") == answer(G)
+        with pytest.raises(InputError, match="do not show the time domain"):
+            answer(matrices)
+
+
+def test_rows_of_a_transfer_matrix_are_no_matrices():
+    pairs = [[[1, 2], [3, 4]], [[5, 6], [7, 8]], [[1, 2], [1, 3]]]
+    assert exact.transfer_matrix(pairs, "s").shape == (3, 2)
+    assert exact.transfer_matrix([["1/s"], ["2/s"], ["3/s"]]).shape == (3, 1)
