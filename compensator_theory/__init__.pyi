@@ -84,6 +84,8 @@ from .matrix_equations.sylvester_equations import solve_sylvester as solve_sylve
 from .observers.counting import count_observer_forms as count_observer_forms
 from .observers.design import observer_based_compensator as observer_based_compensator
 from .observers.enumeration import observer_forms as observer_forms
+from .observers.functional import functional_observer as functional_observer
+from .observers.functional import reduced_order_observer as reduced_order_observer
 from .observers.gains import observer_gain as observer_gain
 from .observers.gains import regulator_gain as regulator_gain
 from .observers.optimality import is_lqg_suboptimal as is_lqg_suboptimal

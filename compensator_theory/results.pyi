@@ -53,6 +53,7 @@ from .observers.decisions import ObserverDecision as ObserverDecision
 from .observers.design import ObserverBasedCompensator as ObserverBasedCompensator
 from .observers.form import ObserverForm as ObserverForm
 from .observers.form_lists import ObserverForms as ObserverForms
+from .observers.functional import FunctionalObserver as FunctionalObserver
 from .observers.youla import YoulaForm as YoulaForm
 from .placement.matrix_placement import MatrixPlacement as MatrixPlacement
 from .placement.propositions import PropositionCheck as PropositionCheck

@@ -216,6 +216,9 @@ SAMPLES = {
     results.ObserverGainFamily: spectra(2).map(
         lambda p: exact.observer_gain_family([[0, 1], [0, 0]], [[1, 0]], p)
     ),
+    results.FunctionalObserver: spectra(1).map(
+        lambda p: exact.reduced_order_observer("1/(s**2 + s)", p)
+    ),
     results.Eigenstructure: st.just(
         exact.assign_eigenstructure([[0, 1], [0, 0]], [[0], [1]], ["b", -1], [(1, "b"), (1, -1)])
     ),

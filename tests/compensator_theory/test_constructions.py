@@ -1,4 +1,4 @@
-"""The page of the sixty constructions is true: functions, oracles and examples are there."""
+"""The page of named constructions is true: functions, oracles and examples are there."""
 
 import ast
 import re
@@ -16,11 +16,11 @@ EXAMPLES, _, LEFT_OUT = REST.partition("## Left out")
 ROWS = re.findall(r"^\| (\d+) \|(.*)\|$", TABLE, re.M)
 
 
-def test_there_are_sixty():
+def test_no_number_is_missing():
     numbers = [int(n) for n, _ in ROWS] + [
         int(n) for n in re.findall(r"^\| (\d+) ", LEFT_OUT, re.M)
     ]
-    assert sorted(numbers) == list(range(1, 61))
+    assert sorted(numbers) == list(range(1, len(numbers) + 1))
 
 
 @pytest.mark.parametrize(("number", "row"), ROWS, ids=[n for n, _ in ROWS])

@@ -131,6 +131,8 @@ GOOD = {
     "reachable_eigenvectors": ([_A, _B, -4], {}),
     "state_feedback_family": ([_A, _B, [-4, -5]], {}),
     "observer_gain_family": ([_A, _C, [-4, -5]], {}),
+    "functional_observer": ([_R, [[1, 0]], [-4], "s"], {}),
+    "reduced_order_observer": ([_R, [-4], "s"], {}),
     **{
         name: ([_MATRIX], {})
         for name in (
