@@ -30,8 +30,8 @@ def main() -> int:
     for number in options.examples or example_ids():
         example = load_example(number)
         runs = [*example.runs.values(), *example.studies.values()]
-        if max((run.seeds for run in runs), default=1) == 1:
-            continue  # nothing of it is drawn, or one draw is all that is asked
+        if not options.examples and max((run.seeds for run in runs), default=1) == 1:
+            continue  # nothing of it is drawn, or each draw is a run that can be asked for by name
         claims = [replace(c, control="") for c in example.claims if c.whose != OURS]
         for group in range(options.first, options.first + options.groups):
             with np.errstate(all="ignore"):
