@@ -22,7 +22,7 @@ from rcac_numeric.experiments.estimation.studies import EstimationStudy
 from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.judging.claim import Claim, OpenItem
 from rcac_numeric.experiments.judging.interval import Check
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.measures.measures import MEASURES, OF_PLANT
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
@@ -98,7 +98,7 @@ class RunSpecification(Value):
             runs = [simulate_reference(plant, settings, np.asarray(c.w)) for c in self.cases()]
         else:
             runs = simulate_many(self.cases())
-        return RunResult(self, tuple(AnalysedRun(run, self.target) for run in runs))
+        return RunResult(self, tuple(LoopAnalysis(run, self.target) for run in runs))
 
     def cases(self) -> list[SimulationCase]:
         """What is simulated: one case for each seed, or for each repetition."""
@@ -132,10 +132,10 @@ class RunResult(Value):
     """What a run specification produced."""
 
     specification: RunSpecification
-    repetitions: tuple[AnalysedRun, ...]
+    repetitions: tuple[LoopAnalysis, ...]
 
     @property
-    def first(self) -> AnalysedRun:
+    def first(self) -> LoopAnalysis:
         """The unperturbed run."""
         return self.repetitions[0]
 
@@ -188,7 +188,7 @@ def _moves(run: Run) -> bool:
 
 
 def _value(
-    repetition: AnalysedRun, measure: str, arguments: Mapping[str, Any], until: int | None
+    repetition: LoopAnalysis, measure: str, arguments: Mapping[str, Any], until: int | None
 ) -> float:
     try:
         measured = repetition if until is None else repetition.until(until)
