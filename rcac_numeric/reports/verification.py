@@ -218,7 +218,7 @@ def _runs(verification: Verification) -> Section:
     record = [
         {
             "name": name,
-            "arithmetic": r.specification.arithmetic,
+            "arithmetic": r.specification.algorithm,
             "outcome": r.first.run.outcome,
             "expected": r.specification.expected,
             "steps": r.first.run.steps,
@@ -244,7 +244,7 @@ def _run(name: str, result: RunResult) -> Any:
         distance = f"{values[len(values) // 2]:.3g}"
         if len(values) > 1:
             distance += f"  ({values[0]:.2g} to {values[-1]:.2g} of {len(values)})"
-    arithmetic = result.specification.arithmetic
+    arithmetic = result.specification.algorithm
     digits = getattr(first, "digits", None)
     if digits is not None:
         arithmetic += f", {digits:.0f} digits certified"

@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
@@ -18,7 +17,7 @@ from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
-from rcac_numeric.arrays.validation import integer, signal_array
+from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -199,21 +198,16 @@ class LoopAnalysis(Value):
         return self.split_of(u=run.u_applied, y=run.y, z=run.z, w=run.w)
 
     def split_of(
-        self, *, u: ArrayLike, y: ArrayLike, z: ArrayLike, w: ArrayLike, r: ArrayLike | None = None
+        self, *, u: Array, y: Array, z: Array, w: Array, r: Array | None = None
     ) -> ResidualSplit:
         """The retrospective residual of recorded signals, which begin at rest, split for it.
 
         Where the controller reads the command, r is its record; by default the one that w holds.
         """
         target, plant = self._target, self.loop.plant
-        inputs, driven = signal_array(y, "y", self.plant.l_y), signal_array(w, "w", plant.l_w)
         if self.reads_command:
-            own = self.plant.l_y
-            read = driven @ plant.D_2[own:].T if r is None else np.asarray(r, dtype=np.float64)
-            inputs = np.hstack([inputs, read])
-        return split_residual(
-            plant, self.compensator, target, u=_signal(u), y=inputs, z=_signal(z), w=driven
-        )
+            y = np.hstack([y, w @ plant.D_2[self.plant.l_y :].T if r is None else r])
+        return split_residual(plant, self.compensator, target, u=u, y=y, z=z, w=w)
 
     def plot(self, title: str = "") -> figures.Figure:
         """One sheet: response, coefficients, poles and zeros, and the intercalated match."""
@@ -226,8 +220,3 @@ def attempted(analysis: Callable[[], Result]) -> tuple[Result | None, str]:
         return analysis(), ""
     except CompensatorError as error:
         return None, str(error).rstrip(".")
-
-
-def _signal(values: ArrayLike) -> Array:
-    array = np.asarray(values, dtype=np.float64)
-    return array.reshape(-1, 1) if array.ndim == 1 else array
