@@ -15,7 +15,6 @@ import argparse
 import re
 import subprocess
 import tempfile
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
@@ -23,6 +22,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric import UD, ControllerSettings, Supervision, TargetModel, iir
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.export.building import compiled
 from rcac_numeric.export.folder import core_texts
@@ -150,7 +150,7 @@ def float32(most: int) -> None:
         try:
             chosen = load_example(number).main_run
             steps = min(chosen.steps, most)
-            run = replace(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
+            run = replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
             tables = scaled(core_tables(run.settings, saturation=run.saturation))
             with tempfile.TemporaryDirectory() as name:
                 place = Path(name)

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from rcac_numeric.dissertation import load_example
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 
 FOLDER = Path(__file__).resolve().parent / "_static"
 INKS = {
@@ -21,7 +21,7 @@ INKS = {
 
 
 def first_picture(
-    found: AnalysedRun, *, ink: str, reached: str, predicted: str, faint: str
+    found: LoopAnalysis, *, ink: str, reached: str, predicted: str, faint: str
 ) -> Figure:
     """The performance over the step, and the poles in the plane."""
     figure = Figure(figsize=(9, 3.5), layout="constrained")

@@ -8,11 +8,11 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.analysis.loop_analysis import attempted
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.checks.regressor import require_fit
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.experiments.measures.loop_analysis import attempted
 from rcac_numeric.margins.classical import Margins, stability_margins
 from rcac_numeric.plants.linear import Plant
 

@@ -12,7 +12,6 @@ from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
-from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays import figures
@@ -31,6 +30,7 @@ from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.compatibility import command_position, controllers_of
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.margins.classical import Margins
@@ -293,7 +293,7 @@ def _with_log(
 def _with_loop(check: ControllerCheck, plant: Plant) -> ControllerCheck:
     """The loop with that plant: poles and zeros, and what it is beside the target model."""
     require_widths(check.log, plant)
-    analysis = LoopAnalysis(plant, check.compensator, check.target)
+    analysis = LoopAnalysis((plant, check.compensator), check.target)
     check = replace(check, loop=analysis.loop)
     if check.target is None:
         nothing = dict.fromkeys(NEED_THE_TARGET, "the target model is not known")
@@ -328,7 +328,7 @@ def _split(log: ControllerLog, analysis: LoopAnalysis) -> tuple[ResidualSplit | 
     if log.z is None:
         return None, "the performance z was not logged"
     u, y, z, w, r = log.u, log.y, log.z, log.w, log.r
-    return attempted(lambda: analysis.split(u=u, y=y, z=z, w=w, r=r))
+    return attempted(lambda: analysis.split_of(u=u, y=y, z=z, w=w, r=r))
 
 
 def _with_costs_and_margins(

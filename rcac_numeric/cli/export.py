@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import click
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.cli.cases import (
     complete_case,
     complete_key,
@@ -102,7 +102,7 @@ def _run(case: str, values: tuple[str, ...], budget: Budget, name: str | None, w
     if chosen.reference:
         raise InputError("this run is made in ball arithmetic; choose another with --run.")
     steps = chosen.steps if whole else min(chosen.steps, STEPS)
-    return replace(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
+    return replaced(chosen, steps=steps, seeds=1, repetitions=1).execute().first.run
 
 
 def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:

@@ -18,7 +18,7 @@ import compensator_theory as exact
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.files import replacing, require_readable
 from rcac_numeric.arrays.untrusted import parsed_json
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.dissertation.pages import gallery_page
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.verdicts import verify
@@ -126,7 +126,7 @@ def reduced(experiment: Experiment) -> Experiment:
     """The same experiment for a quick look: fewer seeds, and fewer repetitions."""
     few = experiment.reduced()
     runs = {
-        name: replace(run, repetitions=min(run.repetitions, FEW)) for name, run in few.runs.items()
+        name: replaced(run, repetitions=min(run.repetitions, FEW)) for name, run in few.runs.items()
     }
     fewer = {name for name, run in few.runs.items() if run.repetitions > FEW}
     return replace(few, runs=runs, reduced_runs=few.reduced_runs | fewer)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any, Literal
 
+import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Value, replaced
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController, controllers_of
@@ -20,9 +21,10 @@ from rcac_numeric.engine.reference.run import require_supported, simulate_refere
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.estimation.studies import EstimationStudy
 from rcac_numeric.experiments.figure_requests import FigureRequest
+from rcac_numeric.experiments.format.values import Integer
 from rcac_numeric.experiments.judging.claim import Claim, OpenItem
 from rcac_numeric.experiments.judging.interval import Check
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.measures.measures import MEASURES, OF_PLANT
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
@@ -35,8 +37,49 @@ JUDGING = 1_000_000  # the first seed that no setting and no bound was chosen by
 GROUP = 1_000  # seeds of one group
 
 
-@dataclass(frozen=True, eq=False)
-class RunSpecification(Value):
+@attrs.frozen(eq=False)
+class Course:
+    """How a run is run."""
+
+    steps: Annotated[int, Integer(1), "Length of the run."]
+    seed: Annotated[int, "Of the noise."] = 0
+    stride: Annotated[int, Integer(1), "theta is kept at every stride-th step."] = 1
+    arithmetic: Annotated[
+        Literal["ud", "covariance", "reference"] | None,
+        'Of the recursive update: "ud", "covariance" or "reference", which is certified with 250 '
+        "digits, see [arithmetic](arithmetic.md). As `update` says where it is left out.",
+    ] = None
+    repetitions: Annotated[
+        int,
+        Integer(1),
+        "How often it is run; for other than the first time w is changed by `perturbation`.",
+    ] = 1
+    perturbation: Annotated[
+        float,
+        "The relative change of w, to see whether the outcome hangs on the last bits.",
+    ] = 0.0
+    expected: Annotated[
+        Literal["completed", "diverged", "mixed"],
+        '"diverged" for a run that is there to show a divergence; "mixed" where only some of its '
+        "seeds or repetitions diverge.",
+    ] = "completed"
+    seeds: Annotated[
+        int,
+        Integer(1),
+        "With how many seeds it is run, `seed` and those after it; in place of repetitions.",
+    ] = 1
+    x_0: Annotated[
+        Array | None,
+        "The initial state, zero where it is left out; `perturbation` changes it too.",
+    ] = attrs.field(default=None, converter=attrs.converters.optional(np.atleast_1d))
+    x_0_deviation: Annotated[
+        float,
+        "The standard deviation of what each seed adds to the initial state.",
+    ] = 0.0
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class RunSpecification(Course, Value):
     """One run of an experiment; with its seed it determines every number of the run.
 
     Attributes
@@ -45,21 +88,6 @@ class RunSpecification(Value):
     target : TargetModel, optional
         What the loop is compared with; by default the target model that the controller has at
         the last step. A controller that adapts nothing has none of its own.
-    reference : bool
-        Whether the run is made in certified ball arithmetic with 250 digits.
-    repetitions, perturbation : int, float
-        The run is repeated with w and x_0 multiplied by 1 + perturbation * (standard normal), to
-        see whether its outcome hangs on the last bits. The first repetition is unperturbed.
-    seeds : int
-        In place of repetitions: with how many seeds it is run, from `seed` on.
-    saturation : Saturation, optional
-    expected : {"completed", "diverged"}
-        How the run is known to end; a run that shows a divergence says so. With seeds or
-        repetitions it is "mixed" where some end in one way and some in the other.
-    x_0 : array, shape (n,), optional
-        Initial state; zero by default.
-    x_0_deviation : float
-        Standard deviation of what is added to each entry of x_0, drawn anew for each seed.
     correction : str
         What this run reads differently from the source, or adds to it.
     """
@@ -68,22 +96,17 @@ class RunSpecification(Value):
     plant: Plant | PlantSchedule
     settings: AnyController
     signals: tuple[Signal, ...]
-    steps: int
-    seed: int = 0
-    stride: int = 1
-    reference: bool = False
-    repetitions: int = 1
-    perturbation: float = 0.0
     saturation: Saturation | None = None
-    expected: str = "completed"
     target: TargetModel | None = None
-    seeds: int = 1
-    x_0: Array | None = None
-    x_0_deviation: float = 0.0
     correction: str = ""
 
     @property
-    def arithmetic(self) -> str:
+    def reference(self) -> bool:
+        """Whether the run is made in certified ball arithmetic with 250 digits."""
+        return self.arithmetic == "reference"
+
+    @property
+    def algorithm(self) -> str:
         """How theta is computed, in a word: the update's name, "reference" or "fixed"."""
         if self.reference:
             return "reference"
@@ -98,7 +121,7 @@ class RunSpecification(Value):
             runs = [simulate_reference(plant, settings, np.asarray(c.w)) for c in self.cases()]
         else:
             runs = simulate_many(self.cases())
-        return RunResult(self, tuple(AnalysedRun(run, self.target) for run in runs))
+        return RunResult(self, tuple(LoopAnalysis(run, self.target) for run in runs))
 
     def cases(self) -> list[SimulationCase]:
         """What is simulated: one case for each seed, or for each repetition."""
@@ -132,10 +155,10 @@ class RunResult(Value):
     """What a run specification produced."""
 
     specification: RunSpecification
-    repetitions: tuple[AnalysedRun, ...]
+    repetitions: tuple[LoopAnalysis, ...]
 
     @property
-    def first(self) -> AnalysedRun:
+    def first(self) -> LoopAnalysis:
         """The unperturbed run."""
         return self.repetitions[0]
 
@@ -188,7 +211,7 @@ def _moves(run: Run) -> bool:
 
 
 def _value(
-    repetition: AnalysedRun, measure: str, arguments: Mapping[str, Any], until: int | None
+    repetition: LoopAnalysis, measure: str, arguments: Mapping[str, Any], until: int | None
 ) -> float:
     try:
         measured = repetition if until is None else repetition.until(until)
@@ -269,7 +292,7 @@ class Experiment(Value):
         for claim in self.claims:  # and so on each run that it is judged over
             if any(isinstance(check, Check) and check.share < 1 for check in claim.checks):
                 whole |= {*claim.over, claim.control}
-        whole |= {name for name, run in self.runs.items() if run.arithmetic == "covariance"}
+        whole |= {name for name, run in self.runs.items() if run.algorithm == "covariance"}
         whole = whole if keep_shares else set()
         pairs = [{check.run, check.relative_to} for check in checks if check.relative_to]
         while more := [pair for pair in pairs if pair & whole and pair - whole]:
@@ -279,7 +302,7 @@ class Experiment(Value):
         fewer = {name for name, run in self.runs.items() if run.seeds != runs[name].seeds}
         fewer |= {name for name, one in self.studies.items() if one.seeds != studies[name].seeds}
         reduced = self.reduced_runs | fewer
-        return replace(self, runs=runs, studies=studies, reduced_runs=reduced)
+        return replaced(self, runs=runs, studies=studies, reduced_runs=reduced)
 
     def held_out(self, group: int = 0) -> Experiment:
         """The same experiment on seeds by which no setting and no bound was chosen.
@@ -299,9 +322,9 @@ class Experiment(Value):
         shift = JUDGING + GROUP * integer(group, "group", at_least=0)
 
         def moved(these: Mapping[str, Any]) -> dict[str, Any]:
-            return {name: replace(one, seed=one.seed + shift) for name, one in these.items()}
+            return {name: replaced(one, seed=one.seed + shift) for name, one in these.items()}
 
-        return replace(
+        return replaced(
             self,
             runs=moved(self.runs),
             studies=moved(self.studies),
@@ -318,15 +341,15 @@ class Experiment(Value):
             needed |= {r for c in kept if c.control for k in c.moved(c.control) for r in k.runs}
         runs = {name: run for name, run in self.runs.items() if name in needed}
         studies = {name: study for name, study in self.studies.items() if name in needed}
-        return replace(self, claims=kept, runs=runs, studies=studies)
+        return replaced(self, claims=kept, runs=runs, studies=studies)
 
     def completed(self, names: Iterable[str] | None = None) -> Experiment:
         """The same experiment with its completions, or those of these names, among its runs."""
         chosen = self.completions if names is None else {n: self.completions[n] for n in names}
         runs = {n: one for n, one in chosen.items() if isinstance(one, RunSpecification)}
         studies = {n: one for n, one in chosen.items() if isinstance(one, EstimationStudy)}
-        return replace(self, runs={**self.runs, **runs}, studies={**self.studies, **studies})
+        return replaced(self, runs={**self.runs, **runs}, studies={**self.studies, **studies})
 
 
 def _fewer(one: Any, name: str, whole: set[str], seeds: int) -> Any:
-    return one if name in whole else replace(one, seeds=min(one.seeds, seeds))
+    return one if name in whole else replaced(one, seeds=min(one.seeds, seeds))

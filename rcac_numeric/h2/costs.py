@@ -236,7 +236,10 @@ def loop_rounding(
     P = {name: np.abs(getattr(plant, name)) for name in ("A", "B", "C", "D_0", "E_1", "E_2")}
     D_1, D_2 = np.abs(inputs.D_1), np.abs(inputs.D_2)
     n, n_c = plant.n, len(A_c)
-    gain = np.abs(np.linalg.inv(np.eye(plant.l_u) - compensator[3] @ plant.D_0))
+    direct = np.eye(plant.l_u) - compensator[3] @ plant.D_0
+    gain = np.abs(np.linalg.inv(direct))
+    # Where D_c D_0 is near I the rounding of their difference counts by its inverse once more.
+    gain = gain @ (np.abs(direct) + D_c @ P["D_0"]) @ gain
     K_x, K_w = gain @ np.hstack([D_c @ P["C"], C_c]), gain @ D_c @ D_2
     y_x = np.hstack([P["C"], np.zeros((plant.l_y, n_c))]) + P["D_0"] @ K_x
     y_w = D_2 + P["D_0"] @ K_w

@@ -16,7 +16,7 @@ from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.controller import Controller
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.excitation import excitation_of
 from rcac_numeric.health.health import LoopHealth
@@ -26,7 +26,7 @@ from rcac_numeric.health.trials import cost_over_lqg, missed_poles, next_disturb
 
 
 def loop_health(
-    of: Run | AnalysedRun | Verification | ControllerCheck | Controller,
+    of: Run | LoopAnalysis | Verification | ControllerCheck | Controller,
 ) -> LoopHealth:
     """The health of a loop: stability, sizes of signals, margins, arithmetic, excitation.
 
@@ -55,10 +55,10 @@ def loop_health(
             return _of_check(of)
         case Verification():
             return _of_run(of.main.first)
-        case AnalysedRun():
+        case LoopAnalysis():
             return _of_run(of)
         case Run():
-            return _of_run(AnalysedRun(of))
+            return _of_run(LoopAnalysis(of))
         case Controller():
             return _of_controller(of)
     raise InputError(
@@ -67,7 +67,7 @@ def loop_health(
     )
 
 
-def _of_run(found: AnalysedRun) -> LoopHealth:
+def _of_run(found: LoopAnalysis) -> LoopHealth:
     run = found.run
     k_w = 0
     if not isinstance(run.settings, StepwiseController):

@@ -15,7 +15,7 @@ from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import SupervisionRecord
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.health.margin_words import small_margins
 from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors, zeros_of
@@ -49,7 +49,7 @@ OUTCOMES = {
 }
 
 
-def warnings_of_run(health: LoopHealth, found: AnalysedRun) -> tuple[HealthWarning, ...]:
+def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarning, ...]:
     """Every warning of a run, the grave ones first."""
     run = found.run
     errors = _target_errors(found)
@@ -147,7 +147,7 @@ def _largest(health: LoopHealth) -> float:
 
 
 def _control(
-    health: LoopHealth, run: Run, found: AnalysedRun, mends: list[str]
+    health: LoopHealth, run: Run, found: LoopAnalysis, mends: list[str]
 ) -> Iterator[HealthWarning]:
     u = health.signals["u"].after
     first = _first_gain(found)
@@ -209,7 +209,7 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
         )
 
 
-def _missed(health: LoopHealth, found: AnalysedRun) -> Iterator[HealthWarning]:
+def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[HealthWarning]:
     missed = health.missed_by
     if missed is None or missed <= MISSED or health.outcome != "completed":
         return
@@ -348,21 +348,21 @@ def _slow(health: LoopHealth) -> Iterator[HealthWarning]:
             )
 
 
-def _target_errors(found: AnalysedRun) -> tuple[TargetError, ...]:
+def _target_errors(found: LoopAnalysis) -> tuple[TargetError, ...]:
     try:
         return target_errors(found.plant, found.compared_with)
     except CompensatorError:
         return ()
 
 
-def _sampling_zeros(found: AnalysedRun) -> tuple[str, ...]:
+def _sampling_zeros(found: LoopAnalysis) -> tuple[str, ...]:
     try:
         return sampling_zero_mends(found.plant, found.compared_with)
     except CompensatorError:
         return ()
 
 
-def _direction_errors(found: AnalysedRun) -> tuple[TargetError, ...]:
+def _direction_errors(found: LoopAnalysis) -> tuple[TargetError, ...]:
     try:
         return direction_errors(found.plant, found.compared_with)
     except CompensatorError:
@@ -373,7 +373,7 @@ def _of_target(error: TargetError) -> HealthWarning:
     return HealthWarning(error.code, _capital(error.sentence), error.next_step)
 
 
-def _first_gain(found: AnalysedRun) -> float:
+def _first_gain(found: LoopAnalysis) -> float:
     """The largest entry of the first Markov parameter of G_zu that is not zero; 0 if unknown."""
     plant = found.run.plant
     if type(plant) is not Plant or plant.n > MOST_STATES:

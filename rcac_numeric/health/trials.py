@@ -20,7 +20,7 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.h2.loop_costs import loop_costs
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
@@ -105,21 +105,21 @@ def next_disturbance(run: Run) -> NextDisturbance | None:
     return NextDisturbance(added, frozen) if np.isfinite(frozen) else None
 
 
-def missed_poles(found: AnalysedRun) -> float | None:
+def missed_poles(found: LoopAnalysis) -> float | None:
     """The largest distance of a pole of G_f from the closed-loop pole assigned to it.
 
     None where nothing was asked for: an FIR target places what it does at 0, in its own time.
     """
     try:
         target = found.compared_with
-        if not target.denominator[1:].any() or not found.is_scalar:
+        if not target.denominator[1:].any() or found.obstacle:
             return None
         return float(found.comparison.worst_distance)
     except (CompensatorError, np.linalg.LinAlgError):
         return None
 
 
-def what_places_them(found: AnalysedRun) -> str | None:
+def what_places_them(found: LoopAnalysis) -> str | None:
     """The change of the settings that places the poles, tried out; None where none of them does."""
     run, settings = found.run, found.run.settings
     if (
@@ -153,7 +153,7 @@ def what_places_them(found: AnalysedRun) -> str | None:
                 )  # fmt: skip
             if other.outcome != "completed":
                 continue
-            distance = missed_poles(AnalysedRun(other, found.target))
+            distance = missed_poles(LoopAnalysis(other, found.target))
         except CompensatorError:
             continue
         if distance is not None and distance <= MISSED:
@@ -161,7 +161,7 @@ def what_places_them(found: AnalysedRun) -> str | None:
     return None
 
 
-def cost_over_lqg(found: AnalysedRun) -> float | None:
+def cost_over_lqg(found: LoopAnalysis) -> float | None:
     """The H2 cost of the final controller over LQG's, for the noise that the run had.
 
     A channel of w is noise where the second half of the run has neither the same value twice in a

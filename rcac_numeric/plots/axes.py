@@ -9,7 +9,7 @@ import numpy as np
 
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.pole_maps import Kind, draw_plane, largest_counts
@@ -62,11 +62,11 @@ def legend_below(figure: Figure, *, always: bool = False) -> None:
     )  # fmt: skip
 
 
-def draw_pole_zero(axis: Axes, repetition: AnalysedRun, *, legend: bool = True) -> None:
+def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True) -> None:
     """Closed-loop poles and zeros of the final controller, and the poles that G_f asks for."""
     nothing = np.zeros(0, dtype=np.complex128)
     wanted, zeros = nothing, nothing
-    if repetition.is_scalar:
+    if not repetition.obstacle:
         comparison = repetition.comparison
         poles, wanted = comparison.poles, comparison.asked_poles
         zeros = largest_counts(comparison.zeros.values())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.plots.axes import draw_control, draw_pole_zero
 from rcac_numeric.plots.coefficients import draw_theta
 from rcac_numeric.plots.library import Figure
@@ -19,7 +19,7 @@ from rcac_numeric.plots.style import (
 )
 
 
-def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
+def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
     """One sheet on one run.
 
     Left, over the step k: performance z, control u and controller coefficients theta. Right:
@@ -29,7 +29,7 @@ def plot_sheet(repetition: AnalysedRun, title: str = "") -> Figure:
 
     Parameters
     ----------
-    repetition : AnalysedRun
+    repetition : LoopAnalysis
         ``verify(experiment).main.first``, for example.
     title : str
 

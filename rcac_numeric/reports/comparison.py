@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rcac_numeric.analysis.exact_comparison import ExactComparison
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.reports.loop import zeros_facts
 from rcac_numeric.reports.sheets.numbers import complex_list, complex_text, exact_text, rounded
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Table, Text, cells
@@ -81,7 +81,7 @@ def _polynomial(c: ExactComparison) -> Table:
     return Table(("power of q", "asked for, exact", "reached", "difference"), tuple(rows))
 
 
-def poles_section(found: AnalysedRun) -> Section:
+def poles_section(found: LoopAnalysis) -> Section:
     """What float64 can say where the exact comparison does not apply."""
     poles = found.loop.poles()
     blocks: list[Block] = [

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from rcac_numeric.analysis.loop_analysis import attempted
 from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.judging.claim import (
@@ -20,7 +19,7 @@ from rcac_numeric.experiments.judging.claim import (
     Verdict,
     outcome_of,
 )
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
@@ -66,7 +65,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
                 "bad",
             )
         )
-    elif main.first.is_scalar:
+    elif not main.first.obstacle:
         said += missed_poles(main.first.comparison)
     first, *rest = health_lines(health)
     said.append(first)
@@ -219,7 +218,7 @@ def _runs(verification: Verification) -> Section:
     record = [
         {
             "name": name,
-            "arithmetic": r.specification.arithmetic,
+            "arithmetic": r.specification.algorithm,
             "outcome": r.first.run.outcome,
             "expected": r.specification.expected,
             "steps": r.first.run.steps,
@@ -238,14 +237,14 @@ def _runs(verification: Verification) -> Section:
 def _run(name: str, result: RunResult) -> Any:
     first = result.first.run
     distance = ""
-    if result.first.is_scalar:
+    if not result.first.obstacle:
         # Of seeds the first: what all of them do is what the claims measure.
         compared = result.repetitions[: 1 if result.specification.seeds > 1 else None]
         values = sorted(r.comparison.worst_distance for r in compared)
         distance = f"{values[len(values) // 2]:.3g}"
         if len(values) > 1:
             distance += f"  ({values[0]:.2g} to {values[-1]:.2g} of {len(values)})"
-    arithmetic = result.specification.arithmetic
+    arithmetic = result.specification.algorithm
     digits = getattr(first, "digits", None)
     if digits is not None:
         arithmetic += f", {digits:.0f} digits certified"
@@ -266,7 +265,7 @@ def _controller(main: RunResult) -> Section:
     if found.run.saturation is not None:
         words = "What follows is the linear loop, without the saturation."
         parts.append(Section(blocks=(Text(words, "warning"),)))
-    if found.is_scalar:
+    if not found.obstacle:
         parts.append(comparison_section(found.comparison))
     else:
         parts.append(poles_section(found))
@@ -278,7 +277,7 @@ def _controller(main: RunResult) -> Section:
     return joined("The controller", *parts, remark=f" of run {main.specification.name!r}")
 
 
-def _guard(found: AnalysedRun) -> Section:
+def _guard(found: LoopAnalysis) -> Section:
     run = found.run
     if not run.guard_count:
         return Section()

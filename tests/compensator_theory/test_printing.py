@@ -74,6 +74,12 @@ def test_expressions_are_written_as_sympy_does(expression):
     assert formula(matrix) == sympy.latex(matrix)
 
 
+def test_matrices_of_long_integers_and_empty_ones():
+    assert text(sympy.Matrix([[LONG, 1]])) == f"Matrix([[{decimal(LONG)}, 1]])"
+    for empty in (sympy.zeros(0, 2), sympy.zeros(2, 0)):
+        assert text(empty) == str(empty)
+
+
 @pytest.mark.parametrize("cls", RESULTS, ids=lambda cls: cls.__name__)
 def test_no_result_prints_with_a_limit(cls, monkeypatch):
     """As if every number were too long for Python: SymPy's own printers refuse them all."""

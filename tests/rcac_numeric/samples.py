@@ -12,7 +12,7 @@ import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results, sweeps
 from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.signals.signal import Scaled, Sum
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
@@ -402,7 +402,7 @@ SAMPLES = {
         sweeps.summarise(sweep_table(seed), "rms"),
     ),
     results.ReplayedRun: lambda seed: results.ReplayedRun(
-        seed, 1, {"gain": 1}, AnalysedRun(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
+        seed, 1, {"gain": 1}, LoopAnalysis(run(seed)), {"rms": 1.0}, {"rms": np.nan}, "", "", {}
     ),
     sweeps.StoreCheck: lambda seed: sweeps.StoreCheck(
         "store", seed, SEEDS, 1, ((8, 15),), ("why",)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import attrs
-import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Value, field_names
 from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.structure import Structure
@@ -18,7 +16,7 @@ from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.engine.compatibility import controllers_of, require_fit
 from rcac_numeric.engine.reference.run import require_supported
 from rcac_numeric.experiments.budgets import Budget
-from rcac_numeric.experiments.experiment import RunSpecification
+from rcac_numeric.experiments.experiment import Course, RunSpecification
 from rcac_numeric.experiments.files.controllers import (
     CONTROLLER,
     ONE_OF_SEVERAL,
@@ -34,52 +32,9 @@ from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import Deferred, Raw, Table
-from rcac_numeric.experiments.format.values import Integer
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
-
-
-@attrs.frozen(eq=False)
-class Course:
-    """How a run is run."""
-
-    steps: Annotated[int, Integer(1), "Length of the run."]
-    seed: Annotated[int, "Of the noise."] = 0
-    stride: Annotated[int, Integer(1), "theta is kept at every stride-th step."] = 1
-    arithmetic: Annotated[
-        Literal["ud", "covariance", "reference"] | None,
-        'Of the recursive update: "ud", "covariance" or "reference", which is certified with 250 '
-        "digits, see [arithmetic](arithmetic.md). As `update` says where it is left out.",
-    ] = None
-    repetitions: Annotated[
-        int,
-        Integer(1),
-        "How often it is run; for other than the first time w is changed by `perturbation`.",
-    ] = 1
-    perturbation: Annotated[
-        float,
-        "The relative change of w, to see whether the outcome hangs on the last bits.",
-    ] = 0.0
-    expected: Annotated[
-        Literal["completed", "diverged", "mixed"],
-        '"diverged" for a run that is there to show a divergence; "mixed" where only some of its '
-        "seeds or repetitions diverge.",
-    ] = "completed"
-    seeds: Annotated[
-        int,
-        Integer(1),
-        "With how many seeds it is run, `seed` and those after it; in place of repetitions.",
-    ] = 1
-    x_0: Annotated[
-        Array | None,
-        "The initial state, zero where it is left out; `perturbation` changes it too.",
-    ] = None
-    x_0_deviation: Annotated[
-        float,
-        "The standard deviation of what each seed adds to the initial state.",
-    ] = 0.0
-
 
 COURSE = Deferred(Table(Course))
 SATURATION = Deferred(Table(Saturation))
@@ -159,25 +114,16 @@ class RunTables(Value):
 
     def build(self, plant: Plant | PlantSchedule) -> RunSpecification:
         """The run, its plant being made already."""
-        course = self.course
+        course = {name: getattr(self.course, name) for name in field_names(Course)}
         controller, target = self.controller.build(plant)
         made = RunSpecification(
+            **course,
             name=self.name,
             plant=plant,
             settings=controller,
             signals=self.signals.of(plant),
-            steps=course.steps,
-            seed=course.seed,
-            stride=course.stride,
-            reference=course.arithmetic == "reference",
-            repetitions=course.repetitions,
-            perturbation=course.perturbation,
             saturation=self.saturation,
-            expected=course.expected,
             target=target,
-            seeds=course.seeds,
-            x_0=None if course.x_0 is None else np.atleast_1d(course.x_0),
-            x_0_deviation=course.x_0_deviation,
             correction=self.correction,
         )
         require_sense(made)

@@ -10,7 +10,7 @@ from compensator_theory.errors import UnitCircleError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.h2 import costs as h2_costs
 from rcac_numeric.h2.lqg import LQG, lqg
 from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
@@ -19,7 +19,7 @@ from rcac_numeric.plants.linear import MATRICES, Plant
 Key = tuple[tuple[str, tuple[int, ...], tuple[float, ...]], ...] | None
 
 
-def h2_cost(r: AnalysedRun, noise: NoiseIntensities | None = None, direct: bool = True) -> float:
+def h2_cost(r: LoopAnalysis, noise: NoiseIntensities | None = None, direct: bool = True) -> float:
     """Mean square of z with the final controller, for white noise w of these intensities.
 
     Parameters
@@ -34,20 +34,20 @@ def h2_cost(r: AnalysedRun, noise: NoiseIntensities | None = None, direct: bool 
 
 
 def high_authority_cost(
-    r: AnalysedRun, noise: NoiseIntensities | None = None, direct: bool = True
+    r: LoopAnalysis, noise: NoiseIntensities | None = None, direct: bool = True
 ) -> float:
     """The same with LQG, the least of a strictly proper controller; high authority if R_2 = 0."""
     return _best(_counted(r.plant, direct), noise).cost.value
 
 
 def cost_over_high_authority(
-    r: AnalysedRun, noise: NoiseIntensities | None = None, direct: bool = True
+    r: LoopAnalysis, noise: NoiseIntensities | None = None, direct: bool = True
 ) -> float:
     """The H2 cost of the final controller over that of LQG; at least 1 if strictly proper."""
     return h2_cost(r, noise, direct) / high_authority_cost(r, noise, direct)
 
 
-def high_authority_exists(r: AnalysedRun, noise: NoiseIntensities | None = None) -> float:
+def high_authority_exists(r: LoopAnalysis, noise: NoiseIntensities | None = None) -> float:
     """1 where there is an LQG controller, 0 where one of its Riccati equations has no solution."""
     try:
         _best(r.plant, noise)
@@ -57,7 +57,7 @@ def high_authority_exists(r: AnalysedRun, noise: NoiseIntensities | None = None)
 
 
 def high_authority_pole_distance(
-    r: AnalysedRun, value: float, noise: NoiseIntensities | None = None
+    r: LoopAnalysis, value: float, noise: NoiseIntensities | None = None
 ) -> float:
     """Distance from a real number to the nearest pole of the LQG controller.
 
@@ -71,7 +71,7 @@ def high_authority_pole_distance(
 
 
 def high_authority_response_distance(
-    r: AnalysedRun, noise: NoiseIntensities | None = None, response_from: str = ""
+    r: LoopAnalysis, noise: NoiseIntensities | None = None, response_from: str = ""
 ) -> float:
     """Median over frequency of the relative distance of abs(G_zw) to that of LQG.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.validation import integer, one_of
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.margins.boundaries import (
     StabilityBoundary,
     delay_boundary,
@@ -23,7 +23,7 @@ MarginKind = Literal["gain up", "gain down", "phase lag", "phase lead", "delay"]
 MARGINS: tuple[str, ...] = get_args(MarginKind)
 
 
-def margin(r: AnalysedRun, kind: MarginKind = "gain up") -> float:
+def margin(r: LoopAnalysis, kind: MarginKind = "gain up") -> float:
     """A stability margin of the loop with the final controller; not a number if it is unstable.
 
     Parameters
@@ -34,12 +34,12 @@ def margin(r: AnalysedRun, kind: MarginKind = "gain up") -> float:
     return _boundary(r, kind).value
 
 
-def margin_frequency(r: AnalysedRun, kind: MarginKind = "gain up") -> float:
+def margin_frequency(r: LoopAnalysis, kind: MarginKind = "gain up") -> float:
     """Frequency in rad/sample at which the loop loses stability at that margin."""
     return _boundary(r, kind).omega
 
 
-def frozen_spectral_radius(r: AnalysedRun, at: int) -> float:
+def frozen_spectral_radius(r: LoopAnalysis, at: int) -> float:
     """Largest modulus of a pole of the plant of a step in a loop with the theta of that step.
 
     Where the plant changes at that step, it is the new plant with what was adapted to the old one.
@@ -53,7 +53,7 @@ def frozen_spectral_radius(r: AnalysedRun, at: int) -> float:
     return frozen_loop(run.plant, run.compensator_at(at), at).spectral_radius
 
 
-def stable_from(r: AnalysedRun, start: int = 0) -> float:
+def stable_from(r: LoopAnalysis, start: int = 0) -> float:
     """First kept step from which the loop, frozen at theta(k), is stable to the end of the run.
 
     Infinity where it is unstable at the last one; steps before `start` do not count.
@@ -71,7 +71,7 @@ def stable_from(r: AnalysedRun, start: int = 0) -> float:
     return found
 
 
-def _boundary(r: AnalysedRun, kind: str) -> StabilityBoundary:
+def _boundary(r: LoopAnalysis, kind: str) -> StabilityBoundary:
     one_of(kind, "kind", MARGINS)
     opened = broken_loop(r.loop, at="u", channel=0, feedback=None)
     if not opened.is_stable:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 
 
-def worst_match(r: AnalysedRun) -> float:
+def worst_match(r: LoopAnalysis) -> float:
     """Largest relative distance of the intercalated transfer function to G_f over frequency."""
     return r.match.worst
 
 
-def median_match(r: AnalysedRun) -> float:
+def median_match(r: LoopAnalysis) -> float:
     """Median relative distance of the intercalated transfer function to G_f over frequency."""
     return r.match.median
 
 
-def match_change(r: AnalysedRun, since: int) -> float:
+def match_change(r: LoopAnalysis, since: int) -> float:
     """The median match over the one of theta(since); below 1 where it has come nearer.
 
     Parameters
@@ -28,7 +28,7 @@ def match_change(r: AnalysedRun, since: int) -> float:
     return r.match.median / r.until(since).match.median
 
 
-def matching_error_share(r: AnalysedRun, start: int = 0) -> float:
+def matching_error_share(r: LoopAnalysis, start: int = 0) -> float:
     """Mean square of (G~zu~ - G_f) u~ over that of the rest of the residual (4.14), G~zw w.
 
     From an initial state the rest holds the response to it too.

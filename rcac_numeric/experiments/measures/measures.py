@@ -16,7 +16,7 @@ from rcac_numeric.experiments.measures import (
     plant_measures,
     signal_measures,
 )
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 
 Measure = Callable[..., float]
 MEASURES: dict[str, Measure] = {}
@@ -51,19 +51,19 @@ OF_PLANT = frozenset(
 
 
 @measure
-def worst_pole_distance(r: AnalysedRun) -> float:
+def worst_pole_distance(r: LoopAnalysis) -> float:
     """Largest distance between a pole of G_f and the closed-loop pole assigned to it."""
     return r.comparison.worst_distance
 
 
 @measure
-def worst_spectrum_distance(r: AnalysedRun) -> float:
+def worst_spectrum_distance(r: LoopAnalysis) -> float:
     """The same over all poles, those too that G_f leaves to the zeros of G_zu and to zero."""
     return r.comparison.spectrum_distance
 
 
 @measure
-def polynomial_distance(r: AnalysedRun) -> float:
+def polynomial_distance(r: LoopAnalysis) -> float:
     """Largest difference between a closed-loop coefficient, reached and asked for, both exact."""
     c = r.comparison
     if c.asked is None:
@@ -72,19 +72,19 @@ def polynomial_distance(r: AnalysedRun) -> float:
 
 
 @measure
-def spectral_radius(r: AnalysedRun) -> float:
+def spectral_radius(r: LoopAnalysis) -> float:
     """Largest modulus of a closed-loop pole with the final controller."""
     return r.loop.spectral_radius
 
 
 @measure
-def controller_spectral_radius(r: AnalysedRun) -> float:
+def controller_spectral_radius(r: LoopAnalysis) -> float:
     """Largest modulus of a pole of the final controller."""
     return float(np.abs(r.run.compensator.poles()).max())
 
 
 @measure
-def controller_pole_distance(r: AnalysedRun, omega: float = 0.0, k: int | None = None) -> float:
+def controller_pole_distance(r: LoopAnalysis, omega: float = 0.0, k: int | None = None) -> float:
     """Distance from exp(j omega) to the nearest controller pole, at step k or at the end.
 
     Parameters
@@ -99,19 +99,19 @@ def controller_pole_distance(r: AnalysedRun, omega: float = 0.0, k: int | None =
 
 
 @measure
-def completed(r: AnalysedRun) -> float:
+def completed(r: LoopAnalysis) -> float:
     """1 where the run reached its last step, 0 where it diverged or failed before."""
     return float(r.run.outcome == "completed")
 
 
 @measure
-def steps(r: AnalysedRun) -> float:
+def steps(r: LoopAnalysis) -> float:
     """Number of completed steps."""
     return float(r.run.steps)
 
 
 @measure
-def coefficient(r: AnalysedRun, index: int, k: int | None = None) -> float:
+def coefficient(r: LoopAnalysis, index: int, k: int | None = None) -> float:
     """One entry of theta, from 0 on: of theta(k), or of the last theta.
 
     For structure = "pid" the entries are the gains in the order of the terms.
@@ -136,38 +136,38 @@ def coefficient(r: AnalysedRun, index: int, k: int | None = None) -> float:
 
 
 @measure
-def updates_at_bounds(r: AnalysedRun) -> float:
+def updates_at_bounds(r: LoopAnalysis) -> float:
     """Updates after which theta was moved to its bounds."""
     return float(r.run.bounded)
 
 
 @measure
-def reflections(r: AnalysedRun) -> float:
+def reflections(r: LoopAnalysis) -> float:
     """Number of updates after which controller poles were reflected (6.2.2)."""
     return float(r.run.reflections)
 
 
 @measure
-def resets(r: AnalysedRun) -> float:
+def resets(r: LoopAnalysis) -> float:
     """Number of covariance resets."""
     return float(r.run.resets)
 
 
 @measure
-def unstable_fraction(r: AnalysedRun, stop: int | None = None) -> float:
+def unstable_fraction(r: LoopAnalysis, stop: int | None = None) -> float:
     """Fraction of the steps below `stop` at which the loop, frozen at theta(k), is unstable."""
     return float(np.mean(_unstable(r, stop)))
 
 
 @measure
-def last_unstable_step(r: AnalysedRun) -> float:
+def last_unstable_step(r: LoopAnalysis) -> float:
     """Last step at which the loop, frozen at theta(k), is unstable; -1 if there is none."""
     steps = np.flatnonzero(_unstable(r, None))
     return float(steps[-1] * r.run.stride) if steps.size else -1.0
 
 
 @measure
-def first_unstable_controller(r: AnalysedRun) -> float:
+def first_unstable_controller(r: LoopAnalysis) -> float:
     """First step at which theta(k) describes an unstable controller; -1 if there is none."""
     run = r.run
     for row, theta in enumerate(run.theta):
@@ -177,14 +177,14 @@ def first_unstable_controller(r: AnalysedRun) -> float:
 
 
 @measure
-def theta_drift(r: AnalysedRun, start: int) -> float:
+def theta_drift(r: LoopAnalysis, start: int) -> float:
     """Largest change of a controller coefficient after step `start`, relative to the largest."""
     late = r.run.theta[-(-start // r.run.stride) :]
     return float(np.abs(late - r.run.theta_final).max() / np.abs(r.run.theta_final).max())
 
 
 @measure
-def closed_loop_zero_distance(r: AnalysedRun, channel: str, omega: float = 0.0) -> float:
+def closed_loop_zero_distance(r: LoopAnalysis, channel: str, omega: float = 0.0) -> float:
     """Distance from exp(j omega) to the nearest closed-loop zero from a channel of w to z."""
     zeros = r.zeros
     if channel not in zeros:
@@ -193,12 +193,12 @@ def closed_loop_zero_distance(r: AnalysedRun, channel: str, omega: float = 0.0) 
 
 
 @measure
-def guard_count(r: AnalysedRun) -> float:
+def guard_count(r: LoopAnalysis) -> float:
     """Number of updates that rounding decided."""
     return float(r.run.guard_count)
 
 
-def _unstable(r: AnalysedRun, stop: int | None) -> np.ndarray:
+def _unstable(r: LoopAnalysis, stop: int | None) -> np.ndarray:
     run = r.run
     rows = run.theta if stop is None else run.theta[: -(-stop // run.stride)]
     return np.array(

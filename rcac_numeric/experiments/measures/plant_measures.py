@@ -10,7 +10,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.engine.learning.target_learner import acting_input
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.identification.windows import IdentifiedWindow, identify_windows
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.gallery.zeros import plant_zeros
@@ -19,7 +19,7 @@ from rcac_numeric.plants.problems import standard_plant
 WINDOW = 70  # samples, section 3.6
 
 
-def largest_plant_zero(r: AnalysedRun, at: int = 0) -> float:
+def largest_plant_zero(r: LoopAnalysis, at: int = 0) -> float:
     """Largest modulus of a zero from u to z of the plant of a step.
 
     Parameters
@@ -30,7 +30,9 @@ def largest_plant_zero(r: AnalysedRun, at: int = 0) -> float:
     return float(np.abs(plant_zeros(plant_at(r.run.plant, at))).max(initial=0.0))
 
 
-def plant_zero_distance(r: AnalysedRun, value: float, imaginary: float = 0.0, at: int = 0) -> float:
+def plant_zero_distance(
+    r: LoopAnalysis, value: float, imaginary: float = 0.0, at: int = 0
+) -> float:
     """Distance from a number to the nearest zero from u to z of the plant of a step.
 
     Parameters
@@ -44,7 +46,7 @@ def plant_zero_distance(r: AnalysedRun, value: float, imaginary: float = 0.0, at
     return float(np.abs(zeros - complex(value, imaginary)).min(initial=np.inf))
 
 
-def plant_spectral_radius(r: AnalysedRun, at: int = 0) -> float:
+def plant_spectral_radius(r: LoopAnalysis, at: int = 0) -> float:
     """Largest modulus of a pole of the plant of a step.
 
     Parameters
@@ -55,7 +57,7 @@ def plant_spectral_radius(r: AnalysedRun, at: int = 0) -> float:
     return float(np.abs(np.linalg.eigvals(plant_at(r.run.plant, at).A)).max(initial=0.0))
 
 
-def growth_rate(r: AnalysedRun, period: float, at: int = 0) -> float:
+def growth_rate(r: LoopAnalysis, period: float, at: int = 0) -> float:
     """Largest real part, in rad/s, of a pole of the continuous plant that a hold has sampled.
 
     Parameters
@@ -68,7 +70,7 @@ def growth_rate(r: AnalysedRun, period: float, at: int = 0) -> float:
     return float(np.log(plant_spectral_radius(r, at)) / number(period, "period"))
 
 
-def delay_bound(r: AnalysedRun, period: float, at: int = 0) -> float:
+def delay_bound(r: LoopAnalysis, period: float, at: int = 0) -> float:
     """The delay, in seconds, that no controller's delay margin reaches: 2 over the growth rate.
 
     Parameters
@@ -81,7 +83,7 @@ def delay_bound(r: AnalysedRun, period: float, at: int = 0) -> float:
     return 2 / growth_rate(r, period, at)
 
 
-def continuous_zero_distance(r: AnalysedRun, value: float, period: float, at: int = 0) -> float:
+def continuous_zero_distance(r: LoopAnalysis, value: float, period: float, at: int = 0) -> float:
     """Distance, in rad/s, from a number to a zero of the plant that Euler's rule has sampled.
 
     Parameters
@@ -99,7 +101,7 @@ def continuous_zero_distance(r: AnalysedRun, value: float, period: float, at: in
     )
 
 
-def printed_plant_distance(r: AnalysedRun, printed: str) -> float:
+def printed_plant_distance(r: LoopAnalysis, printed: str) -> float:
     r"""How far the first plant, up to its sign, is from a transfer function as it is printed.
 
     The largest difference of the two frequency responses at eleven frequencies, relative to the
@@ -133,7 +135,7 @@ def _from_latex(printed: str) -> str:
     return f"({top})/({bottom})"
 
 
-def identified_zero_error(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
+def identified_zero_error(r: LoopAnalysis, start: int = 0, stop: int | None = None) -> float:
     """Largest distance of a zero that windows of 70 samples show from that of the plant.
 
     Parameters

@@ -8,13 +8,13 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer, one_of
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 
 SignalName = Literal["z", "y", "u", "u_applied", "w"]
 SIGNALS: tuple[str, ...] = get_args(SignalName)
 
 
-def settling_step(r: AnalysedRun, band: float = 0.02) -> float:
+def settling_step(r: LoopAnalysis, band: float = 0.02) -> float:
     """First step from which the size of z stays within the band to the end of the run.
 
     Parameters
@@ -29,7 +29,7 @@ def settling_step(r: AnalysedRun, band: float = 0.02) -> float:
 
 
 def peak(
-    r: AnalysedRun,
+    r: LoopAnalysis,
     start: int = 0,
     stop: int | None = None,
     signal: SignalName = "z",
@@ -51,7 +51,7 @@ def peak(
 
 
 def rms(
-    r: AnalysedRun,
+    r: LoopAnalysis,
     start: int = 0,
     stop: int | None = None,
     signal: SignalName = "z",
@@ -62,7 +62,7 @@ def rms(
 
 
 def mean(
-    r: AnalysedRun,
+    r: LoopAnalysis,
     start: int = 0,
     stop: int | None = None,
     signal: SignalName = "z",
@@ -72,14 +72,14 @@ def mean(
     return float(np.mean(_window(r, start, stop, signal, channel)))
 
 
-def saturated_fraction(r: AnalysedRun, start: int = 0, stop: int | None = None) -> float:
+def saturated_fraction(r: LoopAnalysis, start: int = 0, stop: int | None = None) -> float:
     """Fraction of the steps start <= k < stop at which the actuator did not apply u as it was."""
     u, applied = (_window(r, start, stop, name, None) for name in ("u", "u_applied"))
     return float(np.mean((u != applied).any(axis=1)))
 
 
 def _window(
-    r: AnalysedRun, start: int, stop: int | None, signal: str, channel: int | None
+    r: LoopAnalysis, start: int, stop: int | None, signal: str, channel: int | None
 ) -> np.ndarray:
     values: np.ndarray = getattr(r.run, one_of(signal, "signal", SIGNALS))
     window = values[start:stop]

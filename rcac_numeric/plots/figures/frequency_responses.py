@@ -16,7 +16,7 @@ from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs
 from rcac_numeric.plants.linear import Plant
@@ -107,7 +107,7 @@ def draw_matches(figure: Figure, results: Results, request: FigureRequest) -> No
     legend_below(figure)
 
 
-def _kept(result: RunResult) -> Sequence[AnalysedRun]:
+def _kept(result: RunResult) -> Sequence[LoopAnalysis]:
     """All seeds of a run; of repetitions, which differ by rounding, the first."""
     return result.repetitions if result.specification.seeds > 1 else result.repetitions[:1]
 

@@ -12,7 +12,7 @@ from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.experiments.experiment import RunResult
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.pole_maps import Kind, draw_plane, largest_counts
 from rcac_numeric.plots.style import REACHED, SECOND, WANTED
@@ -44,10 +44,10 @@ def draw_pole_maps(
         figure.legend(handles, labels, fontsize=8, loc="outside lower center", ncols=3)
 
 
-def _draw(axis: Axes, analysed: AnalysedRun) -> None:
+def _draw(axis: Axes, analysed: LoopAnalysis) -> None:
     kinds: dict[str, ComplexArray] = {}
     try:
-        if analysed.is_scalar:
+        if not analysed.obstacle:
             comparison = analysed.comparison
             kinds["asked for"] = comparison.asked_poles
             kinds["zeros"] = largest_counts(comparison.zeros.values())

@@ -173,7 +173,7 @@ def _settings(verification: Verification) -> str:
     studies = verification.experiment.studies
     return "; ".join(
         [
-            f"{name}: {run.arithmetic}, seed {run.seed}, {run.steps} steps"
+            f"{name}: {run.algorithm}, seed {run.seed}, {run.steps} steps"
             for name, run in verification.experiment.runs.items()
         ]
         + [

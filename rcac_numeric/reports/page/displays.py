@@ -29,7 +29,7 @@ PICTURES = {
     ),
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.plots.check:plot_check",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.plots.figures.runs:plot_run",
-    "rcac_numeric.experiments.measures.analysed_run:AnalysedRun": (
+    "rcac_numeric.experiments.measures.loop_analysis:LoopAnalysis": (
         "rcac_numeric.plots.run:plot_sheet"
     ),
     "rcac_numeric.experiments.verdicts:Verification": (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.plots.axes import draw_control, draw_pole_zero, legend_below
 from rcac_numeric.plots.coefficients import draw_theta
@@ -14,7 +14,7 @@ from rcac_numeric.plots.style import draw_history, draw_magnitude, draw_phase
 WIDTH = 4.6  # inches; at 9 points the words are still words on a screen of 360 pixels
 
 
-def single_figures(repetition: AnalysedRun) -> dict[str, Figure]:
+def single_figures(repetition: LoopAnalysis) -> dict[str, Figure]:
     """The response, the coefficients, the poles and zeros, and the intercalated match.
 
     Examples
@@ -47,7 +47,7 @@ def page_figures(verification: Verification) -> dict[str, Figure]:
     return {r.caption: plot_verification(verification, r, width=WIDTH) for r in requests}
 
 
-def _response(repetition: AnalysedRun) -> Figure:
+def _response(repetition: LoopAnalysis) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
     first, second = figure.subplots(2, 1, sharex=True)
     draw_history(first, repetition.run.z, "performance $z$", "z")
@@ -60,7 +60,7 @@ def _response(repetition: AnalysedRun) -> Figure:
     return _with_grid(figure)
 
 
-def _coefficients(repetition: AnalysedRun) -> Figure:
+def _coefficients(repetition: LoopAnalysis) -> Figure:
     figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
     axis = figure.subplots()
     draw_theta(axis, repetition.run, legend=False)
@@ -69,7 +69,7 @@ def _coefficients(repetition: AnalysedRun) -> Figure:
     return _with_grid(figure)
 
 
-def _pole_zero(repetition: AnalysedRun) -> Figure:
+def _pole_zero(repetition: LoopAnalysis) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
     axis = figure.subplots()
     draw_pole_zero(axis, repetition, legend=False)  # beside the map there is no room for it
@@ -77,7 +77,7 @@ def _pole_zero(repetition: AnalysedRun) -> Figure:
     return _with_grid(figure)
 
 
-def _match(repetition: AnalysedRun) -> Figure:
+def _match(repetition: LoopAnalysis) -> Figure:
     figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
     first, second = figure.subplots(2, 1, sharex=True)
     draw_magnitude(first, repetition.match)

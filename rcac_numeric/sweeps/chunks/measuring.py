@@ -10,8 +10,8 @@ from types import FrameType
 from typing import Any
 
 from compensator_theory.errors import CompensatorError
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
 from rcac_numeric.experiments.measures.cost_measures import h2_cost, high_authority_cost
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.sweeps.chunks.failures import TimeLimitReached
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cell
@@ -65,7 +65,7 @@ def is_of_a_key(error: BaseException) -> bool:
     return handler.pressed if isinstance(handler, KeyWatch) else True
 
 
-def measured(cell: Cell, run: AnalysedRun) -> tuple[list[float], str]:
+def measured(cell: Cell, run: LoopAnalysis) -> tuple[list[float], str]:
     """One number for each measure of the study, NaN where the run has none, and why.
 
     That a run has none is a property of it: a measure says so by a `CompensatorError`, which after
@@ -88,7 +88,7 @@ def measured(cell: Cell, run: AnalysedRun) -> tuple[list[float], str]:
     return values, "; ".join(notes)
 
 
-def _value(cell: Cell, kept: Kept, run: AnalysedRun) -> float:
+def _value(cell: Cell, kept: Kept, run: LoopAnalysis) -> float:
     quick = isinstance(kept.measure, str) and ONCE_FOR_A_CELL.get(kept.measure)
     value = quick(cell, run, **kept.arguments) if quick else kept.function(run, **kept.arguments)
     try:
@@ -97,7 +97,7 @@ def _value(cell: Cell, kept: Kept, run: AnalysedRun) -> float:
         raise TypeError(f"it returned a {type(value).__name__}, which is no number") from None
 
 
-def _least_cost(cell: Cell, run: AnalysedRun, **arguments: Any) -> float:
+def _least_cost(cell: Cell, run: LoopAnalysis, **arguments: Any) -> float:
     """That of LQG: the same for all runs that ended with the same plant."""
     key = ("high_authority_cost", run.last_step, canonical_json(arguments))
     if key not in cell.remembered:
@@ -105,7 +105,7 @@ def _least_cost(cell: Cell, run: AnalysedRun, **arguments: Any) -> float:
     return float(cell.remembered[key])
 
 
-def _cost_ratio(cell: Cell, run: AnalysedRun, **arguments: Any) -> float:
+def _cost_ratio(cell: Cell, run: LoopAnalysis, **arguments: Any) -> float:
     return h2_cost(run, **arguments) / _least_cost(cell, run, **arguments)
 
 

@@ -17,7 +17,7 @@ from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_
 from rcac_numeric.engine.reference.run import require_supported, simulate_reference
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.streams import simulate_stream
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask, RunRecord, failure
 from rcac_numeric.sweeps.chunks.failures import (
     FAILED,
@@ -56,16 +56,16 @@ def run_chunk(task: ChunkTask, progress: Callable[[], None] = _silence) -> Chunk
     return ChunkResult(sorted(records, key=lambda record: record.run), time.perf_counter() - start)
 
 
-def run_in_full(cells: Cells, coordinates: Coordinates, repetition: int) -> AnalysedRun:
+def run_in_full(cells: Cells, coordinates: Coordinates, repetition: int) -> LoopAnalysis:
     """One run of a study by itself, with all that belongs to it."""
     cell = cells.cell(coordinates)
     if cell.is_reference:
-        return AnalysedRun(_reference(cell, repetition), cell.target)
+        return LoopAnalysis(_reference(cell, repetition), cell.target)
     case = cell.case(repetition)
     (result,) = simulate_stream([case], lanes=cells.study.lanes)
     if result.value is None:
         raise InputError(result.failure)
-    return AnalysedRun(result.value, cell.target)
+    return LoopAnalysis(result.value, cell.target)
 
 
 def _cells(task: ChunkTask) -> Cells:
@@ -158,7 +158,7 @@ def _record(run: int, cell: Cell, found: Run, words: str) -> RunRecord:
             raise TimeLimitReached(words)
         return failure(run, found.outcome, words)
     try:
-        values, note = measured(cell, AnalysedRun(found, cell.target))
+        values, note = measured(cell, LoopAnalysis(found, cell.target))
     except MeasureFailed as failed:
         text = f"measure {failed.name}: {error_text(failed.cause)}"
         record = failure(run, MEASURE_FAILED, failed.cause)

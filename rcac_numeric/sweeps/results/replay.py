@@ -17,7 +17,7 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.sweeps.chunks.failures import error_text
 from rcac_numeric.sweeps.chunks.measuring import MeasureFailed, measured
 from rcac_numeric.sweeps.chunks.worker import run_in_full
@@ -39,7 +39,7 @@ class ReplayedRun(Value):
     ----------
     number, repetition : int
     coordinates : dict from axes to values
-    analysed : AnalysedRun
+    analysed : LoopAnalysis
         The run with its analyses.
     stored, found : dict from measures to floats
         What is in the store, and what came out now; NaN where there is none.
@@ -50,7 +50,7 @@ class ReplayedRun(Value):
     number: int
     repetition: int
     coordinates: dict[str, Any]
-    analysed: AnalysedRun
+    analysed: LoopAnalysis
     stored: dict[str, float]
     found: dict[str, float]
     stored_outcome: str

@@ -14,7 +14,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.pairing import pairing
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.experiments.measures.analysed_run import AnalysedRun
+from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins, stability_margins
@@ -24,28 +24,28 @@ from rcac_numeric.sweeps.study.canonical import plain
 # The measures of how far the final loop is from instability; no number where it is unstable.
 
 
-def gain_margin(r: AnalysedRun) -> float:
+def gain_margin(r: LoopAnalysis) -> float:
     """Least factor above 1 of the loop gain at which the final loop is no longer stable."""
     return _value(_margins(r).gain_up)
 
 
-def phase_margin(r: AnalysedRun) -> float:
+def phase_margin(r: LoopAnalysis) -> float:
     """Least turn of the loop's phase, in degrees, at which the final loop is no longer stable."""
     return _value(_margins(r).phase)
 
 
-def delay_margin(r: AnalysedRun) -> float:
+def delay_margin(r: LoopAnalysis) -> float:
     """Least additional delay, in steps, at which the final loop is no longer stable."""
     return _value(_margins(r).delay)
 
 
-def disk_margin(r: AnalysedRun) -> float:
+def disk_margin(r: LoopAnalysis) -> float:
     """The disk margin alpha of the final loop: gain and phase varied together."""
     disk = _margins(r).disk
     return math.nan if disk is None else disk.alpha
 
 
-def _margins(r: AnalysedRun) -> Margins:
+def _margins(r: LoopAnalysis) -> Margins:
     return stability_margins(r.loop)
 
 
@@ -69,7 +69,7 @@ OF_THETA_OVER_TIME = (
 )
 
 
-def worst_pole_distance(r: AnalysedRun, exact: bool = False) -> float:
+def worst_pole_distance(r: LoopAnalysis, exact: bool = False) -> float:
     """Largest distance between a pole of G_f and the closed-loop pole assigned to it.
 
     Parameters
@@ -103,7 +103,7 @@ class Kept(Value):
     Parameters
     ----------
     measure : str or function
-        The name of a measure, or a function at the top of a module that takes an `AnalysedRun` and
+        The name of a measure, or a function at the top of a module that takes an `LoopAnalysis` and
         returns a number.
     name : str, optional
         Of its column; that of the measure where it is left out.

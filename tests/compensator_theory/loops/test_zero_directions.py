@@ -100,6 +100,16 @@ def test_bad_input(arguments, said):
         zero_direction_target(*arguments)
 
 
+@pytest.mark.parametrize("zero", [1, -1, sympy.I, "3/5 + 4/5*I", 1 - sympy.Rational(1, 10**12)])
+def test_a_zero_on_the_circle_or_rounded_from_there_is_one_of_the_target(zero):
+    """It is no stable zero: to cancel it would put a pole of the controller on the circle."""
+    target = zero_direction_target([[1, 0], [0, 1]], [(zero, [1, 2])])
+    assert target.certificate.holds
+    assert direction_residual(target.transfer_matrix, zero, [1, 2]).is_zero_matrix
+    with pytest.raises(InputError, match="inside the unit circle"):
+        zero_direction_target([[1, 0], [0, 1]], [(1 - sympy.Rational(2, 10**12), [1, 2])])
+
+
 def test_dependent_directions_and_too_few_taps():
     identity = [[1, 0], [0, 1]]
     with pytest.raises(NoSolutionError, match="dependent"):

@@ -73,6 +73,15 @@ def test_published_formulas():
     assert "> 0" in str(double) and double._repr_latex_().startswith("$")
 
 
+@pytest.mark.parametrize("time", ["continuous", "discrete"])
+def test_what_is_refused_with_numbers_is_exceptional_with_symbols(time):
+    """An eigenvalue -1 of A has no bilinear image; in continuous time it is like any other."""
+    at_minus_one = {factor.subs("a", -1) for factor in SCALAR[time].exceptional}
+    assert (0 in at_minus_one) == (time == "discrete")
+    if time == "continuous":
+        riccati_formula([[-1]], [["b"]], Q=[[1]], R=[[1]], time=time)
+
+
 def test_what_is_refused():
     unit = sympy.eye(3)
     with pytest.raises(InputError, match="orders 1 and 2"):

@@ -49,12 +49,13 @@ def test_a_small_change_is_proved_small(parts, leading, digits):
     assert stay_close(before, before + before.one.mul_ground(leading).quo_ground(10**digits))
 
 
-@given(polynomials("s", min_degree=1, max_degree=6))
-def test_a_large_change_is_proved_large(before):
+@given(polynomials("s", min_degree=1, max_degree=6), st.integers(0, 5))
+def test_a_large_change_of_any_coefficient_is_proved_large(before, index):
+    k = 1 + index % before.degree()
     reach = 2 + sum(abs(c / before.LC()) for c in before.all_coeffs())
-    far = 10 * before.degree() * reach * before.LC()
-    assert are_far(before, before + far * before.one.mul_ground(1) * before.gen ** (
-        before.degree() - 1))  # fmt: skip
+    far = (10 * before.degree() * reach) ** k * before.LC()
+    after = before + far * before.one.mul_ground(1) * before.gen ** (before.degree() - k)
+    assert are_far(before, after)
 
 
 @given(polynomials("s", min_degree=1, max_degree=6), polynomials("z", min_degree=1, max_degree=6))

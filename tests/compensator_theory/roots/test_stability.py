@@ -147,6 +147,10 @@ def test_symbols():
     assert decide_stability(s**2 - a * s + b, time="continuous").is_stable is False
     assert decide_stability("z**2 + a*z + 2", time="discrete").is_stable is False
     assert decide_stability("z**2 + a*z + 1/2", time="discrete").is_stable is None
+    real, z = sympy.Symbol("a", real=True), sympy.Symbol("z")
+    # The sign of a determinant depends on a; at a = 0 the degree drops, and there is no root.
+    for open_question in (z**2 + real * z + sympy.Rational(1, 2), real**2 * z + real**2 + 1):
+        assert decide_stability(open_question, time="discrete").is_stable is None
     for decision in (
         decide_stability("s + a", time="continuous"),
         decide_stability("(z - 1/2)", time="discrete"),

@@ -137,6 +137,9 @@ def test_refusals():
         numeric_observer_forms("1/(s + a)", "1/(s + 1)")
     with pytest.raises(InputError, match="limit"):
         numeric_observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)", limit=1)
+    for singular in (0, 1, -1e-6):
+        with pytest.raises(InputError, match="must lie between 0 and 1"):
+            numeric_observer_forms("1/s**2", "-(4*s + 2)/(s**2 + 4*s + 5)", singular=singular)
     with pytest.raises(InputError, match="states"):
         numeric_observer_forms(
             "1/s", realisation((sympy.zeros(0, 0), sympy.zeros(0, 1), sympy.zeros(1, 0)))

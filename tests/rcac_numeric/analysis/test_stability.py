@@ -33,6 +33,14 @@ def test_matrices_with_known_eigenvalues(seed, n, coupling, one_outside):
     assert counted_stable(rational(A)) is not one_outside
 
 
+@given(st.floats(0.5, 0.999), st.floats(1e-6, 0.1), st.integers(1, 4))
+def test_an_uncertainty_that_reaches_the_circle_is_not_stable(diagonal, beyond, n):
+    """Of all the matrices that are meant one, A + uncertainty, has a row sum above 1."""
+    uncertainty = np.full((n, n), (1 + beyond - diagonal) / n)
+    with pytest.raises(IllConditionedError, match="decided by rounding"):
+        decide_stability(diagonal * np.eye(n), uncertainty)
+
+
 def test_computed_eigenvalues_would_be_wrong():
     """A Jordan block of 7/8 in another basis: eigenvalues outside, and stable all the same."""
     rng = np.random.default_rng(0)

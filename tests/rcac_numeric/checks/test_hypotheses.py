@@ -50,15 +50,20 @@ def checked(path, *options):
     return CliRunner().invoke(main, arguments)
 
 
-@given(seed=st.integers(0, 2**32 - 1), sign=st.sampled_from([1, -1]), delay=st.integers(0, 3))
-def test_an_excited_log_tells_its_sign_and_delay(seed, sign, delay):
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    sign=st.sampled_from([1, -1]),
+    delay=st.integers(0, 3),
+    unit=st.sampled_from([1.0, 2.0**-40, 2.0**40]),
+)
+def test_an_excited_log_tells_its_sign_and_delay_in_any_unit(seed, sign, delay, unit):
     rng = np.random.default_rng(seed)
     u, y = rng.standard_normal(300), np.zeros(300)
     late = np.concatenate([np.zeros(delay), u])[:300]
     for k in range(2, 300):
         y[k] = 1.6 * y[k - 1] - 0.63 * y[k - 2] + sign * 0.1 * (late[k - 1] - 0.4 * late[k - 2])
         y[k] += 0.02 * rng.standard_normal()
-    found = decide_problem(ControllerLog(u, y), PLANTS).decided
+    found = decide_problem(ControllerLog(unit * u, unit * y), PLANTS).decided
     assert (found.problem, found.delay) == ("standard" if sign > 0 else "servo", delay)
 
 

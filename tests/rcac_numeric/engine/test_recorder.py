@@ -16,6 +16,7 @@ from rcac_numeric import (
     ControllerSettings,
     ControlLimits,
     Recorder,
+    TargetModel,
     check_controller,
     fir_target,
     iir,
@@ -129,6 +130,20 @@ def test_u_keeps_to_its_limits_and_the_regressor_knows(seed, low, high, rise, fa
         other.append(applied)
         x = 0.9 * x + applied + rng.standard_normal()
     assert us == pytest.approx(np.array(other), rel=1e-9, abs=1e-9)
+
+
+def test_every_column_of_a_wide_log_has_its_name(tmp_path):
+    path, rng = tmp_path / "log.csv", np.random.default_rng(0)
+    structure = iir(1, 2, 3)
+    target = TargetModel([np.zeros((1, 2)), [[1.0, 0.5]]])
+    settings = ControllerSettings(structure=structure, target=target, update=UD(1.0))
+    with Recorder(Controller(settings), path) as recorder:
+        applied = [recorder.step(rng.standard_normal(3), [1.0]) for _ in range(5)]
+    names = path.read_text().splitlines()[0].split(",")
+    assert len(set(names)) == len(names) == 2 + 3 + 1 + structure.l_theta + 1
+    assert {"u[0]", "u[1]", "y[2]", "z", "missed"} <= set(names)
+    log = read_log(path)
+    assert np.array_equal(log.u, applied) and log.y.shape == (5, 3)
 
 
 def test_limits_are_saved_and_checked():

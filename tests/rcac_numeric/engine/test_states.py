@@ -289,3 +289,14 @@ def test_a_restored_controller_forgets_that_a_weight_failed():
     controller.restore(state)
     controller.step(1.0, 1.0)
     assert controller.k == 3
+
+
+def test_a_file_from_before_states_had_a_scale_is_read(tmp_path):
+    """It has no such entry, and its checksum counts none: the state of a loop at rest."""
+    plant = Plant(A=[[0.5]], B=[[1.0]], D_1=[[1.0]], C=[[1.0]], E_1=[[1.0]])
+    settings = ControllerSettings(structure=iir(1), target=TargetModel([0, 1.0]), update=UD(1.0))
+    state = simulate(plant, settings, np.zeros((5, 1))).state
+    state.save(tmp_path / "new.npz")
+    with np.load(tmp_path / "new.npz") as entries:
+        np.savez(tmp_path / "old.npz", **{k: v for k, v in entries.items() if k != "scale"})
+    assert SavedState.load(tmp_path / "old.npz") == state and state.scale == 0.0

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rcac_numeric import verify
+from rcac_numeric.arrays.values import replaced
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.experiments.judging.claim import (
@@ -178,8 +179,7 @@ def test_a_radius_below_1_is_not_printed_as_1(verifications):
 @pytest.mark.long
 def test_2_3_fir_never_settles(in_full):
     """The FIR controller of Example 2.3 keeps an error of order one however long it runs."""
-    from dataclasses import replace
 
     fir_run = load_example("2.3").runs["FIR"]
-    result = replace(fir_run, steps=200_000 if in_full else 10_000, stride=100).execute()
+    result = replaced(fir_run, steps=200_000 if in_full else 10_000, stride=100).execute()
     assert np.sqrt(np.mean(result.first.run.z[-2000:] ** 2)) > 0.3

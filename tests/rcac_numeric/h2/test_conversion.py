@@ -101,6 +101,20 @@ def test_the_certificate_sees_a_wrong_difference_equation(monkeypatch):
         converted(parts)
 
 
+def test_an_error_is_seen_where_the_response_is_small(monkeypatch):
+    """Near a zero on the circle, where an error of 3e-10 is much of what is left."""
+    middle = -2 * np.cos(np.pi / 4 + 1e-3)  # 1 + middle q^-1 + q^-2, twice
+    parts = np.eye(2, k=-1), np.eye(2)[:, :1], np.array([[middle, 1.0]] * 2), np.ones((2, 1))
+    assert converted(parts)[1].worst < 1e-9
+
+    def wrong(A, B, C, D):
+        yield (np.zeros((2, 2, 2)), np.stack([D + 3e-10, middle * D, D])), np.eye(2)
+
+    monkeypatch.setattr("rcac_numeric.h2.conversion.difference_equations", wrong)
+    with pytest.raises(IllConditionedError, match="reproduces this compensator of order 2"):
+        converted(parts)
+
+
 def test_an_integrator_is_checked_beside_its_pole():
     found = compensator_from_state_space(np.eye(2), np.eye(2), np.eye(2))
     assert np.allclose(found.past_u[0], np.eye(2)) and np.allclose(found.past_y[1], np.eye(2))

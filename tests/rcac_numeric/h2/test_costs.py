@@ -11,6 +11,7 @@ from compensator_theory import InputError
 from compensator_theory.errors import IllConditionedError
 from rcac_numeric import ClosedLoop, Compensator, Plant, h2_cost, lqg, standard_plant
 from rcac_numeric.h2.conversion import compensator_from_state_space
+from rcac_numeric.h2.costs import enclosed_cost
 from rcac_numeric.h2.noise import noise_inputs
 from rcac_numeric.h2.state_space import state_space_of
 from tests.support.dissertation_plants import PLANT_4_1, PLANT_4_4
@@ -223,6 +224,23 @@ def test_where_rounding_decides_the_cost_is_undecided_by_name():
             assert "decided by rounding" in str(error)
     near = standard_plant("1/(q - 0.99999999)")
     assert float(h2_cost(near, none)) == pytest.approx(1 / (1 - 0.99999999**2), rel=1e-7)
+
+
+@given(seeds, st.floats(1, 8))
+def test_the_bound_holds_where_the_feedthrough_of_the_loop_is_nearly_one(seed, digits):
+    """D_c D_0 = 1 - 10^-digits: u is what is left of a difference, divided by as little."""
+    rng, near = np.random.default_rng(seed), 10.0**-digits
+    D_0 = rng.uniform(0.5, 2.0)
+    plant = Plant(
+        A=[[0.5]], B=[[near]], C=[[rng.uniform(-1, 1)]], D_0=[[D_0]], D_1=[[1.0, 0.0]],
+        D_2=[[0.0, 0.1]], E_1=[[1.0]], E_2=[[near]],
+    )  # fmt: skip
+    compensator = [[0.2]], [[0.1 * near]], [[rng.uniform(-1, 1)]], [[(1 - near) / D_0]]
+    cost = h2_cost(plant, compensator)
+    assume(np.isfinite(cost.value))
+    parts = tuple(map(np.array, compensator))
+    exact = sum(enclosed_cost(plant, parts, noise_inputs(plant, None))[0])
+    assert abs(cost.value - exact) <= cost.error_bound * exact
 
 
 def test_a_cost_of_nothing_is_not_negative():

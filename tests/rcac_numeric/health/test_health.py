@@ -27,6 +27,7 @@ from rcac_numeric import (
     standard_plant,
     verify,
 )
+from rcac_numeric.analysis.internal_models import drift_of
 from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.health.excitation import excitation_of
 from rcac_numeric.health.margin_words import small_margins
@@ -171,6 +172,35 @@ def test_saturation_rounding_and_a_short_record_are_said():
     assert codes(loop_health(simulate(plant, idle, w[:50]))) == ["slow"]
     guarded = replace(held, guard_count=3, guard_first_step=7)
     assert "rounding" in codes(loop_health(guarded))
+
+
+@pytest.mark.parametrize(("steps", "is_saturated"), [(4, False), (5, True), (40, True)])
+def test_saturated_is_an_actuator_that_misses_more_than_a_tenth_of_the_last_tenth(
+    steps, is_saturated
+):
+    """Of 400 steps the last 40 count; before them the actuator may do what it likes."""
+    plant = servo_plant("1/(q - 0.99)")
+    run = adapted(plant, fir_target(plant), np.ones((400, 3)) * [0.001, 0, 0],
+                  saturation=Saturation(low=-5, high=5))  # fmt: skip
+    applied = run.u.copy()
+    applied[:360] += 1.0
+    applied[len(applied) - steps :] += 1.0
+    health = loop_health(replace(run, u_applied=applied))
+    assert ("saturated" in codes(health)) == is_saturated
+
+
+@pytest.mark.parametrize(("moved", "is_unsettled"), [(0.09, False), (0.12, True), (0.8, True)])
+def test_unsettled_is_theta_that_moves_by_more_than_a_tenth_of_its_size(moved, is_unsettled):
+    """Of a run and of its log: what theta was when the last tenth began, beside what it became."""
+    plant = standard_plant("1/(q - 0.9)")
+    run = adapted(plant, fir_target(plant), exogenous([WhiteNoise()], 400))
+    theta = np.repeat(run.theta_final[None], 400, axis=0)
+    theta[:380] *= 1 - moved
+    assert drift_of(theta).relative == pytest.approx(moved)
+    shown = [loop_health(replace(run, theta=theta))]
+    shown.append(loop_health(check_controller(run.u, run.y, theta=theta, structure=iir(2))))
+    for health in shown:
+        assert ("unsettled" in codes(health)) == is_unsettled
 
 
 def test_a_check_begins_with_health_too():

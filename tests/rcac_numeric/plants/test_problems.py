@@ -1,5 +1,7 @@
 """The servo problem of a row of transfer functions, against the entries themselves."""
 
+import control
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -52,6 +54,15 @@ def _monic(poles):
     for pole in poles:
         product *= Poly(q - pole, q)
     return product
+
+
+def test_a_scalar_system_of_another_library_is_its_transfer_function():
+    """In the coordinates of the transfer function, whatever it was given in."""
+    written = servo_plant("(q - 1/4)/(q**2 - 5/4*q + 3/8)")
+    read = servo_plant(control.tf([1, -0.25], [1, -1.25, 0.375], 1.0))
+    assert read.blocks == written.blocks and read.sample_time == 1.0
+    for name in ("A", "B", "C", "D_1"):
+        assert np.array_equal(getattr(read, name), getattr(written, name))
 
 
 def test_one_entry_is_the_transfer_function():
