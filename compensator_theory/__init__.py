@@ -6,6 +6,8 @@ Integers, rationals and symbols; never a float, never a tolerance. Loops of chap
 ``0+not.installed`` in a checkout that is not.
 """
 
+from __future__ import annotations
+
 import lazy_loader
 
 _public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,5 +1,7 @@
 """The one tree of errors of both packages: what was wrong with the input, and what to do next."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterable
 from typing import Self

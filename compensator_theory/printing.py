@@ -1,5 +1,7 @@
 """Numbers of any length as text and back; Python's own limit of digits stays as the user set it."""
 
+from __future__ import annotations
+
 from fractions import Fraction
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Words of others in what we say: shown as they are, never a command to a terminal."""
 
+from __future__ import annotations
+
 import re
 
 # Control characters but the newline and the tab, half characters, and what changes the direction

@@ -1,5 +1,7 @@
 """The Bezout matrix of two polynomials: its rank, its determinant and its signature."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import sympy

@@ -1,5 +1,7 @@
 """Greatest common divisors, with the identity that certifies them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import flint

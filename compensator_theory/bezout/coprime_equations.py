@@ -1,5 +1,7 @@
 """The equation a x + b y = c of coprime polynomials, without its Sylvester matrix."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from itertools import chain
 from math import isqrt

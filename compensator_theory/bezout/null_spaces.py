@@ -1,5 +1,7 @@
 """Greatest common divisor and cofactors from the null space of a Sylvester matrix."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

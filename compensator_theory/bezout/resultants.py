@@ -1,5 +1,7 @@
 """Common roots of two polynomials: how many, and whether there are any."""
 
+from __future__ import annotations
+
 import flint
 import sympy
 from sympy import Expr, Poly, Symbol

@@ -1,5 +1,7 @@
 """Subresultants: the whole chain between a resultant and a greatest common divisor."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """Sylvester matrices with formal degrees."""
 
+from __future__ import annotations
+
 from collections.abc import Sized
 
 import sympy

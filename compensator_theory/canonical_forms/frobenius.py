@@ -1,5 +1,7 @@
 """The Frobenius form of a matrix, with the basis that leads to it."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,5 +1,7 @@
 """The Jordan form of a matrix, over the rationals, the reals or the complex numbers."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

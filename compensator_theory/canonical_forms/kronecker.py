@@ -1,5 +1,7 @@
 """Kronecker's canonical form of a pencil: minimal indices, finite and infinite structure."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import lcm

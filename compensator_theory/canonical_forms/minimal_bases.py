@@ -1,5 +1,7 @@
 """Minimal polynomial bases of the null spaces of polynomial matrices (Forney)."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import lcm

@@ -1,5 +1,7 @@
 """The Popov form of a polynomial matrix: one of least degrees in each class of row operations."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Expr, Symbol

@@ -1,5 +1,7 @@
 """What row operations make of a polynomial matrix: the Hermite form and row-reduced forms."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
 from sympy import Expr, ImmutableMatrix, Symbol

@@ -1,5 +1,7 @@
 """The Smith form of a polynomial matrix, with the unimodular matrices that lead to it."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 

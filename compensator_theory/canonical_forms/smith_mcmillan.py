@@ -1,5 +1,7 @@
 """The Smith-McMillan form of a transfer matrix: its poles and zeros with multiplicity."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

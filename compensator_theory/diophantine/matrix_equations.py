@@ -1,5 +1,7 @@
 """Diophantine equations between polynomial matrices: the least solution and all others."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol

@@ -1,5 +1,7 @@
 """The Diophantine equation between polynomials: its least solution and all others."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

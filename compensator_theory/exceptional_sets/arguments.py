@@ -1,5 +1,7 @@
 """Values for symbols, put into whatever a construction takes as an argument."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Mapping
 from dataclasses import fields, replace

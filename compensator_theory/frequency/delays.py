@@ -1,5 +1,7 @@
 """All windows of a delay in which a loop is stable, exact."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

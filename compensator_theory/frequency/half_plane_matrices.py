@@ -1,5 +1,7 @@
 """A transfer matrix as a polynomial matrix over a polynomial in s, whatever its time is."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Poly, Symbol

@@ -1,5 +1,7 @@
 """Gain and phase crossovers of a loop, exact, with all margins that follow from them."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import flint

@@ -1,5 +1,7 @@
 """The H-infinity norm, exact: an algebraic number with a certified ball."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """Positive real and bounded real, decided exactly: passive systems and contractions."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Literal
 

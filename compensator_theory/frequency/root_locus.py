@@ -1,5 +1,7 @@
 """The root locus of a loop, exact: breaks, crossings, angles and asymptotes with their gains."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import flint
@@ -14,7 +16,7 @@ from compensator_theory.frequency.margins import (
     real_root_quotient,
     squared,
 )
-from compensator_theory.latex import displayed, latex
+from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import LoopPart, read_loop
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.polynomials.ball_precision import ball_precision
@@ -192,8 +194,12 @@ class RootLocus(ExactValue):
         return "\n".join(lines)
 
     def _repr_latex_(self) -> str:
-        rows = [f"{latex(self.denominator)} + k \\left({latex(self.numerator)}\\right)"]
-        return displayed(*rows, *(latex(part) for part in (*self.breaks, *self.crossings)))
+        gain = "k" if self.numerator.is_one else f"k \\left({latex(self.numerator)}\\right)"
+        return displayed(
+            f"{latex(self.denominator)} + {gain}",
+            *(f"{words('break: ')} {latex(part)}" for part in self.breaks),
+            *(f"{words('crossing: ')} {latex(part)}" for part in self.crossings),
+        )
 
 
 def root_locus(

@@ -1,5 +1,7 @@
 """Decoupling by state feedback: each new input moves one output alone."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

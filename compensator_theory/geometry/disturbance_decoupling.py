@@ -1,5 +1,7 @@
 """Disturbance decoupling: whether state feedback can hide a disturbance from an output."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import ImmutableMatrix, Symbol

@@ -1,5 +1,7 @@
 """Modes that no decentralised feedback moves, however the channels' gains are chosen."""
 
+from __future__ import annotations
+
 import itertools
 import math
 from collections.abc import Sequence

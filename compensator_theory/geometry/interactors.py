@@ -1,5 +1,7 @@
 """The interactor of a transfer matrix: its delays as a unique triangular polynomial matrix."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """Controlled invariant subspaces: the largest in the kernel of the output, with its friends."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

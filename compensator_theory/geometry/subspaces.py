@@ -1,5 +1,7 @@
 """Subspaces as columns of exact matrices: sums, intersections, preimages, divisors."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import sympy

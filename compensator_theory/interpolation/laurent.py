@@ -1,5 +1,7 @@
 """Laurent expansions of transfer matrices about a point: principal parts, residues, moments."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import Any

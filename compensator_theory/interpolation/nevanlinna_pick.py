@@ -1,5 +1,7 @@
 """Nevanlinna-Pick interpolation: how large a stable function with given values must be."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce

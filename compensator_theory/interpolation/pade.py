@@ -1,5 +1,7 @@
 """Pade approximants: rational functions that agree with a series as far as they can."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Partial realisation: a transfer function of least order with given Markov parameters."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

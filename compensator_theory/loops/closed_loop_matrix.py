@@ -1,5 +1,7 @@
 """The closed loop of two realisations as one matrix."""
 
+from __future__ import annotations
+
 import sympy
 from sympy import ImmutableMatrix
 

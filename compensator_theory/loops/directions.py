@@ -1,5 +1,7 @@
 """Directions at a zero: numbers with rational real and imaginary parts, and eta' G(z0)."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import sympy

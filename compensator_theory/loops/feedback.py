@@ -1,5 +1,7 @@
 """The transfer function of a loop, from where a signal is added to the plant's input."""
 
+from __future__ import annotations
+
 from typing import TypeAlias, overload
 
 import sympy

@@ -1,5 +1,7 @@
 """The transfer function from the virtual control perturbation to the performance variable."""
 
+from __future__ import annotations
+
 import sympy
 
 from compensator_theory.loops.loop import PolynomialMatrixLike, close_loop

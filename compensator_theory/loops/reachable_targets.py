@@ -1,5 +1,7 @@
 """Which target models the intercalated transfer function can equal, and with which poles."""
 
+from __future__ import annotations
+
 import sympy
 from sympy import Poly
 

@@ -1,5 +1,7 @@
 """The sensitivity function of a loop, and the compensator that it determines."""
 
+from __future__ import annotations
+
 from sympy import Poly
 
 from compensator_theory.errors import ImproperError, InputError

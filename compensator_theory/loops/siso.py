@@ -1,5 +1,7 @@
 """The loop of a SISO plant and compensator: its sign, and the one home of D D_c - f N N_c."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any, TypeAlias, TypeVar
 

@@ -1,5 +1,7 @@
 """Target models that keep transmission zeros with their directions, exactly."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import chain

@@ -1,5 +1,7 @@
 """The LQG controller: exact gains, Riccati solutions, closed-loop poles, compensator and cost."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias

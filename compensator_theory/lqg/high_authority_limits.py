@@ -1,5 +1,7 @@
 """High-authority LQG in continuous time: which poles have limits, and how the others leave."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from itertools import pairwise
 

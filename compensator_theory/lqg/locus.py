@@ -1,5 +1,7 @@
 """The poles of a regulator as the weight of its input goes from nothing to infinity."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """LQG closed-loop poles of plants with any number of signals, by an exact determinant."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Poly

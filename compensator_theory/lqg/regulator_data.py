@@ -1,5 +1,7 @@
 """The matrices of a regulator problem, read once, and their balls."""
 
+from __future__ import annotations
+
 import flint
 import sympy
 from sympy import ImmutableMatrix, Matrix

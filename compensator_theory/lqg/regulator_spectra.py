@@ -1,5 +1,7 @@
 """The polynomial whose stable roots are a regulator's poles: one determinant of a pencil."""
 
+from __future__ import annotations
+
 import flint
 import sympy
 from sympy import Matrix, Poly, Symbol

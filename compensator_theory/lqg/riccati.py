@@ -1,5 +1,7 @@
 """Riccati equations in both time domains, solved in a number field, or in certified balls."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

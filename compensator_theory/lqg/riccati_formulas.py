@@ -1,5 +1,7 @@
 """Riccati equations with symbols: closed forms in square roots for one input and orders 1 and 2."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """The target model that asks RCAC for the closed loop of high-authority LQG."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Expr, Poly

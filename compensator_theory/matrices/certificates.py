@@ -1,5 +1,7 @@
 """What a conversion leaves behind to be checked: an identity, and what is left of it."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from dataclasses import dataclass
 

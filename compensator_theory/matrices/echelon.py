@@ -1,5 +1,7 @@
 """Ranks, kernels and bases, with the polynomials in the symbols that they were divided by."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

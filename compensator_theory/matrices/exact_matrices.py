@@ -1,5 +1,7 @@
 """Matrices of any kind to exact SymPy matrices."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import Any, Protocol, TypeAlias

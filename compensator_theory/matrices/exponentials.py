@@ -1,5 +1,7 @@
 """Exponentials of matrices, exact: exponentials of the eigenvalues stay symbols."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import gcd, lcm

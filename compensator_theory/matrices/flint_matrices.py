@@ -1,5 +1,7 @@
 """Rational matrices of SymPy as those of python-flint, and back."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import flint

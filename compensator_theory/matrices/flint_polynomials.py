@@ -1,5 +1,7 @@
 """Rational polynomials of SymPy as those of python-flint, and back."""
 
+from __future__ import annotations
+
 import flint
 from sympy import QQ, Poly, Symbol
 from sympy.polys.polyclasses import DMP, DUP_Flint

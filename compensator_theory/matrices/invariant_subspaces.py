@@ -1,5 +1,7 @@
 """Invariant subspaces of an exact matrix, one primary component at a time."""
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Exact linear algebra: python-flint for rational matrices, polynomial rings for symbolic ones."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol

@@ -1,5 +1,7 @@
 """Whether a matrix of rational numbers or surds is nonsingular: exactly, or by certified balls."""
 
+from __future__ import annotations
+
 from functools import reduce
 from operator import add, mul
 

@@ -1,5 +1,7 @@
 """Matrices modulo large primes, and whole numbers from their residues."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from math import isqrt
 

@@ -1,5 +1,7 @@
 """Gramians of a stable realisation, its H2 norm and its Hankel singular values."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

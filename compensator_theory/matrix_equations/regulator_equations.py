@@ -1,5 +1,7 @@
 """The regulator equations of Francis: steady states without error."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

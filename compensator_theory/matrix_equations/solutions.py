@@ -1,5 +1,7 @@
 """What solves a linear equation for a matrix: one solution, all of them, and where that holds."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Sylvester, Lyapunov and Stein equations, exact: unique solutions, families, or none."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Sequence
 from functools import reduce

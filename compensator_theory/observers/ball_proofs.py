@@ -1,5 +1,7 @@
 """Proofs in certified balls that irrational invariant subspaces give observer-based forms."""
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

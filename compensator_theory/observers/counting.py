@@ -1,5 +1,7 @@
 """How many observer-based forms there are, counted without listing them."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 
 from sympy import Poly

@@ -1,5 +1,7 @@
 """The answer to "is it observer-based?", with its reason."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Literal
 

@@ -1,5 +1,7 @@
 """A regulator and an observer joined to an observer-based compensator."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

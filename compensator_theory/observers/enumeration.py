@@ -1,5 +1,7 @@
 """Every observer-based form of a realisation, through its invariant subspaces."""
 
+from __future__ import annotations
+
 import itertools
 from collections.abc import Iterator, Sequence
 

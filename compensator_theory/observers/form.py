@@ -1,5 +1,7 @@
 """One observer-based form of a realisation, with everything needed to check it."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -97,7 +99,7 @@ class ObserverForm(ExactValue):
         gram = self.T.T * self.T if self.T.rows >= self.T.cols else self.T * self.T.T
         return sympy.cancel(gram.trace() * solve(gram, sympy.eye(gram.rows)).trace())
 
-    def at(self, values: Sequence[NumberLike]) -> "ObserverForm":
+    def at(self, values: Sequence[NumberLike]) -> ObserverForm:
         """Return the form for given values of the parameters.
 
         Parameters

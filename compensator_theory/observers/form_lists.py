@@ -1,5 +1,7 @@
 """All observer-based forms of a realisation together, and the choice of one of them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 

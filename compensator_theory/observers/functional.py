@@ -1,5 +1,7 @@
 """Observers of a part of the state: of reduced order, of functionals, against unknown inputs."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

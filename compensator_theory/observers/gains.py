@@ -1,5 +1,7 @@
 """Regulator and observer gains that place the eigenvalues of A + BK and A - FC exactly."""
 
+from __future__ import annotations
+
 import flint
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol

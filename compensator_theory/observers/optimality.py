@@ -1,5 +1,7 @@
 """What the observer-based structure says about optimality, and what it does not."""
 
+from __future__ import annotations
+
 import sympy
 from sympy import Poly
 

@@ -1,5 +1,7 @@
 """Whether a polynomial pair or a transfer function is observer-based: Theorem 1 as it is true."""
 
+from __future__ import annotations
+
 from sympy import Poly
 
 from compensator_theory.loops.siso import LoopPart, closed_loop_of_pair, siso_loop

@@ -1,5 +1,7 @@
 """Whether a realisation, in its given basis and with its hidden modes, is observer-based."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 from sympy import Poly

@@ -1,5 +1,7 @@
 """Compensators with more states than the plant: an observer with a Youla parameter."""
 
+from __future__ import annotations
+
 import itertools
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """The compensator of least order that places poles from a list."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 
 from sympy import Symbol

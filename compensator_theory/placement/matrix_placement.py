@@ -1,5 +1,7 @@
 """Every compensator of given order that places the poles of a plant with several signals."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

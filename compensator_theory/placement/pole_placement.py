@@ -1,5 +1,7 @@
 """Every compensator of given order that places the closed-loop poles at given points."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import cast

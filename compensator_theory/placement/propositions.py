@@ -1,5 +1,7 @@
 """Propositions 3 and 4 on the matrix of the pole placement equation, as checks."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import ImmutableMatrix, Poly, Symbol

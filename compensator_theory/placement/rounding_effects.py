@@ -1,5 +1,7 @@
 """What rounding the coefficients of a compensator to float64 does to the closed-loop poles."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb

@@ -1,5 +1,7 @@
 """The answer to a pole placement problem, with its evidence."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -158,7 +160,7 @@ class PolePlacement(ExactValue):
         r"""The sensitivity function :math:`S = D D_c/\tilde D` of (7.22)."""
         return sensitivity_function(self.plant, self.compensator, feedback=self.feedback)
 
-    def to_control(self, dt: float | bool | None = None) -> "control.TransferFunction":
+    def to_control(self, dt: float | bool | None = None) -> control.TransferFunction:
         """Return the compensator as a python-control object, rounded once to float64.
 
         Parameters

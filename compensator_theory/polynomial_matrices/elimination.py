@@ -1,5 +1,7 @@
 """Elementary operations on polynomial matrices, with the unimodular matrices that they make up."""
 
+from __future__ import annotations
+
 from compensator_theory.polynomial_matrices.rings import (
     Element,
     Grid,

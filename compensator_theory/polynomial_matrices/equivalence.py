@@ -1,5 +1,7 @@
 """What row and column operations made of a polynomial matrix, with proof."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 

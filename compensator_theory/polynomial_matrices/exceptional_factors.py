@@ -1,5 +1,7 @@
 """Where a symbolic answer does not hold: the factors of what was divided by on the way to it."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 
 import sympy

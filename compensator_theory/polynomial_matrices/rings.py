@@ -1,5 +1,7 @@
 """Polynomials in one variable over the field of their coefficients: python-flint, or SymPy's."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from functools import reduce
 from typing import Any, TypeAlias

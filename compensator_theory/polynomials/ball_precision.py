@@ -1,5 +1,7 @@
 """The precision of python-flint's balls: one for the whole process, so one thread at a time."""
 
+from __future__ import annotations
+
 import os
 import threading
 from collections.abc import Iterator

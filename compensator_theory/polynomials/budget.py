@@ -1,5 +1,7 @@
 """How large a request may be: one budget, asked before the work begins."""
 
+from __future__ import annotations
+
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sized

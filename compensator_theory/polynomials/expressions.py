@@ -1,5 +1,7 @@
 """Text to exact SymPy expressions, without ever evaluating the text as Python code."""
 
+from __future__ import annotations
+
 import keyword
 import re
 from dataclasses import dataclass, field

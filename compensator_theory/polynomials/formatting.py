@@ -1,5 +1,7 @@
 """The canonical form of a polynomial: the least domain that holds it, and text that reads back."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any

@@ -1,5 +1,7 @@
 """Real polynomials from their exact roots, rational or not."""
 
+from __future__ import annotations
+
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence

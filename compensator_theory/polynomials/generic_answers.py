@@ -1,5 +1,7 @@
 """Answers that are plain values: where those for generic values of the symbols fail to hold."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 from typing import Any, TypeAlias
 

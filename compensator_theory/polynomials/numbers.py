@@ -1,5 +1,7 @@
 """Numbers of any kind to exact SymPy numbers."""
 
+from __future__ import annotations
+
 import math
 import numbers
 import re

@@ -1,5 +1,7 @@
 """Exact polynomials in one variable, in the canonical form in which equal ones compare equal."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import sympy

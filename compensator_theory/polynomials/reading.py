@@ -1,5 +1,7 @@
 """Reading polynomials: one, or several in one variable, from text, expressions and lists."""
 
+from __future__ import annotations
+
 from collections.abc import Container, Iterable, Mapping, Sequence, Set
 from numbers import Number
 from typing import TypeAlias

@@ -1,5 +1,7 @@
 """SymPy expressions taken apart, and roots put together, under an allow-list and a budget."""
 
+from __future__ import annotations
+
 import math
 from collections import Counter
 

@@ -1,5 +1,7 @@
 """What every public data class of the exact half does alike: pickles, and words of any length."""
 
+from __future__ import annotations
+
 from dataclasses import fields
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Which symbol is the variable: one rule for every function, and what the letters s, z, q mean."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence, Set
 from typing import Literal, TypeAlias, cast
 

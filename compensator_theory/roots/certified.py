@@ -1,5 +1,7 @@
 """Roots with a certificate: balls that provably contain them, with exact multiplicities."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """How many roots are real and how many stable: Sturm and Routh, exactly."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from itertools import pairwise
 

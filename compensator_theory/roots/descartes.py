@@ -1,5 +1,7 @@
 """Real roots of integer polynomials by Descartes' rule of signs and bisection."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import flint

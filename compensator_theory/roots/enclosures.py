@@ -1,5 +1,7 @@
 """Real numbers and polynomials known to lie in balls with rational centres and radii."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction

@@ -1,5 +1,7 @@
 """The number field of stable spectral factors: one generator for all of their coefficients."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import reduce

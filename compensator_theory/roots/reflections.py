@@ -1,5 +1,7 @@
 """Polynomials with reflected roots, and the spectra that they make with the given ones."""
 
+from __future__ import annotations
+
 from sympy import QQ, Expr, Poly, Symbol
 
 from compensator_theory.errors import InputError

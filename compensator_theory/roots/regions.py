@@ -1,5 +1,7 @@
 """Where certified roots lie: in the stable region of the plane, on its boundary, or outside."""
 
+from __future__ import annotations
+
 import flint
 from sympy import QQ, Poly, Symbol
 

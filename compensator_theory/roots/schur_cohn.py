@@ -1,5 +1,7 @@
 """Whether all roots are inside the unit circle, by arithmetic on the coefficients."""
 
+from __future__ import annotations
+
 import flint
 from sympy import QQ, Expr, Poly, Symbol
 

@@ -1,5 +1,7 @@
 """Spectral factorisation on the boundary of stability: rational where it is, certified if not."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import flint

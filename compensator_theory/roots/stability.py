@@ -1,5 +1,7 @@
 """Is every root stable: decided twice, from the coefficients and from certified roots."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """Inside, on or outside the unit circle: decided exactly."""
 
+from __future__ import annotations
+
 import flint
 from sympy import QQ, Poly, Symbol
 

@@ -1,5 +1,7 @@
 """The split at the unit circle where it is not rational: certified balls for the coefficients."""
 
+from __future__ import annotations
+
 import operator
 from collections.abc import Iterable
 from functools import reduce

@@ -1,5 +1,7 @@
 """Stability of a polynomial with symbols as a short list of inequalities."""
 
+from __future__ import annotations
+
 import sympy
 from sympy import Expr, Poly, Symbol
 

@@ -1,5 +1,7 @@
 """The real values of a parameter at which a root may lie on the boundary of stability."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from itertools import pairwise
 

@@ -1,5 +1,7 @@
 """The unit disk as a half plane: a polynomial in z as one in w with z = (1 + w)/(1 - w)."""
 
+from __future__ import annotations
+
 from sympy import Poly
 
 from compensator_theory.polynomials.poly import canonical

@@ -1,5 +1,7 @@
 """Kharitonov's theorem: a whole box of polynomials is stable if four of them are."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

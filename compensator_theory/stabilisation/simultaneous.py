@@ -1,5 +1,7 @@
 """One compensator for two plants: strong stabilisability of an auxiliary plant decides."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import QQ, Poly

@@ -1,5 +1,7 @@
 """All gains with which a loop is stable, exact."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 from sympy import Symbol

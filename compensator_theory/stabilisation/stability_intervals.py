@@ -1,5 +1,7 @@
 """For which values of one symbol a polynomial is stable: intervals with exact end points."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """For which values of two symbols a polynomial is stable: an exact decomposition of the plane."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from itertools import combinations
 

@@ -1,5 +1,7 @@
 """A stable compensator for a plant that has one, searched by its order."""
 
+from __future__ import annotations
+
 import cmath
 import math
 import random

@@ -1,5 +1,7 @@
 """Whether a stable compensator can stabilise a plant, and where the poles lie if none can."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import reduce
 from itertools import pairwise

@@ -1,5 +1,7 @@
 """Controllability indices, and the chains of integrators that feedback makes of a pair (A, B)."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

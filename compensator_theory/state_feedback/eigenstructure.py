@@ -1,5 +1,7 @@
 """Eigenstructure assignment: state feedback from eigenvalues and eigenvectors, chains included."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

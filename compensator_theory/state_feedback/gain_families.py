@@ -1,5 +1,7 @@
 """Every state feedback that places given poles, by the parameters that it leaves."""
 
+from __future__ import annotations
+
 import random
 from collections.abc import Iterator
 from dataclasses import dataclass

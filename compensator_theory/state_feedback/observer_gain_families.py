@@ -1,5 +1,7 @@
 """Every observer gain that places given poles: the transposes of state feedbacks."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import ImmutableMatrix, Symbol

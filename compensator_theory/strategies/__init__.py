@@ -7,6 +7,8 @@ parts of a draw elsewhere in it. It varies each draw a few times, so that the sh
 scatter by about 0.1 around those that are stated, more than independent ones would.
 """
 
+from __future__ import annotations
+
 from compensator_theory.libraries import require_library
 
 try:

@@ -1,5 +1,7 @@
 """Realisations of compensators for Hypothesis, minimal or with hidden modes."""
 
+from __future__ import annotations
+
 from typing import Literal
 
 from hypothesis import strategies as st

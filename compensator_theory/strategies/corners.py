@@ -1,5 +1,7 @@
 """The hard corners of exact compensator theory for Hypothesis, by construction."""
 
+from __future__ import annotations
+
 from math import prod
 
 from hypothesis import strategies as st

@@ -1,5 +1,7 @@
 """Plants, matrices and standard problems for Hypothesis."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from math import prod
 

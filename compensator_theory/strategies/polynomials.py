@@ -1,5 +1,7 @@
 """Numbers and polynomials for Hypothesis."""
 
+from __future__ import annotations
+
 from hypothesis import strategies as st
 from sympy import QQ, Poly, Rational, Symbol
 

@@ -1,5 +1,7 @@
 """Multisets of exact numbers, symmetric under conjugation, for Hypothesis."""
 
+from __future__ import annotations
+
 import sympy
 from hypothesis import strategies as st
 from sympy import Expr, Rational

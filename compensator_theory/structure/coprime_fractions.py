@@ -1,5 +1,7 @@
 """Left and right coprime fractions of a transfer matrix, and the Bezout identity of both."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Expr, Poly, Symbol

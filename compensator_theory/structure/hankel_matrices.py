@@ -1,5 +1,7 @@
 """Block Hankel matrices of Markov parameters, whose rank is the McMillan degree."""
 
+from __future__ import annotations
+
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 

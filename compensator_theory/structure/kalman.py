@@ -1,5 +1,7 @@
 """Kalman's decomposition of the state space into what the input reaches and the output shows."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """Realisations of the least order, by Ho and Kalman or out of a larger one."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from sympy import Expr, ImmutableMatrix, Symbol

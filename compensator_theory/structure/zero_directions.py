@@ -1,5 +1,7 @@
 """Zeros with the directions in which they block, read off Smith forms."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

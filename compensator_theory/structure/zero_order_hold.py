@@ -1,5 +1,7 @@
 """Exact sampling with holds and by Tustin's rule; exponentials of the poles stay symbols."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """The kinds of zeros: invariant, transmission, input- and output-decoupling."""
 
+from __future__ import annotations
+
 import sympy
 from sympy import ImmutableMatrix, Symbol
 

@@ -1,5 +1,7 @@
 """Continua of invariant subspaces, where a matrix has several Jordan blocks for one root."""
 
+from __future__ import annotations
+
 import random
 from collections.abc import Iterator
 

@@ -1,5 +1,7 @@
 """Grassmannians of invariant subspaces, by the open cell, and subspaces with a cyclic quotient."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from itertools import islice
 

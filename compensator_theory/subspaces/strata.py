@@ -1,5 +1,7 @@
 """How large a continuum of invariant subspaces is: strata, dimensions, components."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache

@@ -1,5 +1,7 @@
 """Everything that describes a plant or a compensator, to an exact realisation."""
 
+from __future__ import annotations
+
 from typing import Literal, TypeAlias
 
 from sympy import ImmutableMatrix, Symbol

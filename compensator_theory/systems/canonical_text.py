@@ -1,5 +1,7 @@
 """What was read, echoed: text that reads back to the same number, polynomial or system."""
 
+from __future__ import annotations
+
 import flint
 import sympy
 from sympy import Expr, Poly, Symbol

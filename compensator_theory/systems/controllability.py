@@ -1,5 +1,7 @@
 """Kalman's controllability and observability, exact, and the modes that they miss."""
 
+from __future__ import annotations
+
 from functools import reduce
 from itertools import combinations, islice
 from typing import Any, Literal

@@ -1,5 +1,7 @@
 """Everything that describes a SISO transfer function, to an exact one."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeAlias, cast

@@ -1,5 +1,7 @@
 """Compensators from the coefficient matrices of their difference equation."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import sympy

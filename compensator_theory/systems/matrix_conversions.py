@@ -1,5 +1,7 @@
 """Everything that describes a system with several signals, to an exact transfer matrix."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from functools import reduce
 from typing import Any, TypeAlias

@@ -1,5 +1,7 @@
 """The usual standard problems, built from a transfer function or from a realisation."""
 
+from __future__ import annotations
+
 from typing import Literal
 
 import sympy

@@ -1,5 +1,7 @@
 """State-space realisations with exact data, their hidden modes and their transfer functions."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -255,7 +257,7 @@ class Realisation(ExactValue):
         scalar = self.transfer_matrix().scalar()
         return replace(scalar, feedback=self.feedback)
 
-    def in_basis(self, T: MatrixLike) -> "Realisation":
+    def in_basis(self, T: MatrixLike) -> Realisation:
         """Return the realisation for the state T^-1 x, that is (T^-1 A T, T^-1 B, C T, D)."""
         basis = exact_matrix(T, "T")
         if basis.shape != (self.n, self.n):
@@ -267,11 +269,11 @@ class Realisation(ExactValue):
         A, B, C = both[:, : self.n], both[:, self.n :], self.C * basis
         return replace(self._like(A, B, C, self.D), feedback=self.feedback)
 
-    def dual(self) -> "Realisation":
+    def dual(self) -> Realisation:
         """Return (A', C', B', D'), whose transfer matrix is the transpose."""
         return self._like(self.A.T, self.C.T, self.B.T, self.D.T)
 
-    def feedback_with(self, other: "Realisation", *, feedback: int) -> "Realisation":
+    def feedback_with(self, other: Realisation, *, feedback: int) -> Realisation:
         r"""Return the loop from v to y of u = v + f K y, :math:`(I - f G K)^{-1} G`, no state lost.
 
         Raises
@@ -287,20 +289,20 @@ class Realisation(ExactValue):
         joined = in_feedback(self.matrices, other.matrices, feedback)
         return self._like(*joined, other)
 
-    def __add__(self, other: "Realisation") -> "Realisation":
+    def __add__(self, other: Realisation) -> Realisation:
         """Return both in parallel, y = y_1 + y_2, all states kept."""
         if not isinstance(other, Realisation):
             return NotImplemented
         self._require(other, other.D.shape == self.D.shape, "in parallel with it")
         return self._like(*in_parallel(self.matrices, other.matrices), other)
 
-    def __neg__(self) -> "Realisation":
+    def __neg__(self) -> Realisation:
         return self._like(self.A, self.B, -self.C, -self.D)
 
-    def __sub__(self, other: "Realisation") -> "Realisation":
+    def __sub__(self, other: Realisation) -> Realisation:
         return self + -other if isinstance(other, Realisation) else NotImplemented
 
-    def __matmul__(self, other: "Realisation") -> "Realisation":
+    def __matmul__(self, other: Realisation) -> Realisation:
         """Return both in series, u to the other and its output to this one, all states kept."""
         if not isinstance(other, Realisation):
             return NotImplemented
@@ -309,13 +311,13 @@ class Realisation(ExactValue):
 
     def _like(
         self, A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike,
-        other: "Realisation | None" = None,
-    ) -> "Realisation":  # fmt: skip
+        other: Realisation | None = None,
+    ) -> Realisation:  # fmt: skip
         """Other matrices in the same variable, with the sample time of what was joined."""
         period = shared_sample_time(self, other)
         return Realisation(A, B, C, D, self.variable, sample_time=period)
 
-    def _require(self, other: "Realisation", fits: bool, place: str) -> None:
+    def _require(self, other: Realisation, fits: bool, place: str) -> None:
         if other.variable != self.variable:
             raise InputError(
                 f"one realisation is in {self.variable} and the other in {other.variable}; both "
@@ -327,11 +329,11 @@ class Realisation(ExactValue):
                 f"{self.D.shape} (outputs, inputs)"
             )
 
-    def with_sign(self, feedback: int) -> "Realisation":
+    def with_sign(self, feedback: int) -> Realisation:
         """Return the compensator of u = G_c y for one of u = f G_c y: (A, B, f C, f D)."""
         return self._like(self.A, self.B, feedback * self.C, feedback * self.D)
 
-    def to_control(self, dt: float | bool | None = None) -> "control.StateSpace":
+    def to_control(self, dt: float | bool | None = None) -> control.StateSpace:
         """Return the python-control object; every entry is rounded once to float64.
 
         Parameters

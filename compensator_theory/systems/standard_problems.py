@@ -1,5 +1,7 @@
 """The standard problem (2.1)-(2.3) with exact data, and its open-loop maps."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING
 
@@ -215,7 +217,7 @@ class StandardProblem(ExactValue):
         """Return one entry of N_zw, N_zu, N_yw or N_yu of (2.10), over :attr:`denominator`."""
         return self.transfer_function(channel, row, column).numerator
 
-    def to_control(self, dt: float | bool | None = None) -> "control.StateSpace":
+    def to_control(self, dt: float | bool | None = None) -> control.StateSpace:
         """Return the python-control plant from [w; u] to [z; y], rounded once to float64.
 
         Parameters

@@ -1,5 +1,7 @@
 """Exact realisations and the transfer matrices they realise."""
 
+from __future__ import annotations
+
 import flint
 import sympy
 from sympy import ImmutableMatrix, Matrix, Rational, Symbol

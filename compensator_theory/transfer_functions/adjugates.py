@@ -1,5 +1,7 @@
 """The adjugate and the determinant of a matrix over a ring, without divisions."""
 
+from __future__ import annotations
+
 from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 

@@ -1,5 +1,7 @@
 """Doubly coprime fractions over the stable proper rational functions, from state feedback."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy

@@ -1,5 +1,7 @@
 """Every compensator that stabilises a plant, by a stable parameter, and the loops they make."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import sympy
