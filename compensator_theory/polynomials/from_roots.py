@@ -11,7 +11,7 @@ from typing import TypeAlias, cast
 import sympy
 from sympy import QQ, Expr, Poly, Symbol
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import CompensatorError, InputError
 from compensator_theory.polynomials.algebraic import Algebraic, algebraic, rational_number
 from compensator_theory.polynomials.budget import ask, listed, quoted, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
@@ -200,8 +200,8 @@ def _product(factors: list[Poly]) -> Poly:
 def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
     """Read what is to be placed: a polynomial, or its roots in any collection.
 
-    A list, tuple, array, set or generator holds *roots*, and so does a text with commas, which is
-    no polynomial; coefficients are written as a polynomial.
+    A list, tuple, array, set or generator holds *roots*, and so does a text with commas, or with
+    one number, which are no polynomials to be placed; coefficients are written as a polynomial.
 
     Examples
     --------
@@ -217,12 +217,21 @@ def polynomial_or_roots(value: SpectrumLike, variable: str | Symbol) -> Poly:
 
 
 def lists_roots(value: object) -> bool:
-    """Tell whether roots are listed: in a collection, or in a text with commas or semicolons.
+    """Tell whether roots are listed: in a collection, or in a text with commas, or of one number.
 
     Examples
     --------
     >>> from compensator_theory.polynomials.from_roots import lists_roots
-    >>> lists_roots([-1, -2]), lists_roots("-1, -2"), lists_roots("s + 1")
-    (True, True, False)
+    >>> lists_roots([-1, -2]), lists_roots("-1, -2"), lists_roots("-3"), lists_roots("s + 1")
+    (True, True, True, False)
     """
-    return is_list(value) or (isinstance(value, str) and bool(SEPARATOR.search(value)))
+    if not isinstance(value, str):
+        return is_list(value)
+    return bool(SEPARATOR.search(value)) or _is_number(value)
+
+
+def _is_number(value: str) -> bool:
+    try:
+        return bool(exact_number(value).is_number)
+    except CompensatorError:
+        return False
