@@ -69,6 +69,21 @@ def test_angles_orders_and_asymptotes():
     assert len(conditional.stable.intervals) == 2
 
 
+@pytest.mark.parametrize(
+    ("loop", "frequency", "gain"),
+    [("1/(z - 1/2)", pi, Rational(3, 2)), ("(s + 1)/(s + 2)", None, -1)],
+)
+def test_the_last_crossing_is_at_minus_one_or_at_infinity(loop, frequency, gain):
+    """z - 1/2 + k = 0 at z = -1; s + 2 + k (s + 1) loses its degree."""
+    last = root_locus(loop, feedback=-1).crossings[-1]
+    assert (last.square, last.gain) == (sympy.oo, gain)
+    assert (last.gain_enclosure.centre, last.gain_enclosure.radius) == (gain, 0)
+    if frequency is None:
+        assert last.frequency is None
+    else:
+        assert abs(last.frequency.centre - frequency.evalf(50)) <= last.frequency.radius + 1e-40
+
+
 def test_large_gains_are_enclosed_as_tightly_as_small_ones():
     """Irrational ones at the three crossings of a conditionally stable loop, times 10^60."""
     loop = "(s**2 + 2*s + 4)/({}*s*(s + 4)*(s + 6)*(s**2 + 1.4*s + 1))"
