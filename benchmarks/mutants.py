@@ -120,7 +120,7 @@ def pytest_configure() -> None:
             return unchanged(loader, name)
         return compile(mutated(Path(path).read_text(), int(number))[0], path, "exec")
 
-    SourceFileLoader.get_code = get_code  # type: ignore[method-assign]
+    SourceFileLoader.get_code = get_code  # type: ignore[assignment, method-assign]
 
 
 def survives(module: Path, number: int) -> bool:

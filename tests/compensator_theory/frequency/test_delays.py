@@ -36,6 +36,14 @@ def test_published_windows(coefficients, expected):
     assert np.allclose(ends(stability_delays(coefficients)), expected, atol=1e-8)
 
 
+def test_a_crossing_on_the_branch_cut_of_the_argument():
+    """s^2 + s + 3 + (s + 1) exp(-tau s) at s = j sqrt(2), where the exponential is -1."""
+    found = stability_delays(["s**2 + s + 3", "s + 1"])
+    (crossing,) = [c for c in found.crossings if c.square == 2]
+    assert float(crossing.frequency) == pytest.approx(2**0.5)
+    assert float(crossing.first) == pytest.approx(PI / 2**0.5)
+
+
 def test_several_multiples_of_the_delay():
     """Olgac and Sipahi (2002): 3 x 3 with exp(-tau s) to the third power, from its determinant."""
     s, z = sympy.symbols("s z")

@@ -56,6 +56,10 @@ def test_angles_orders_and_asymptotes():
     assert root_locus("(s + 1)/(s**2*(s + 9))", feedback=-1).breaks[0].order == 3
     departure = root_locus("(s + 2)/(s**2 + 2*s + 3)", feedback=-1).departures[0].angles[0]
     assert abs(float(sympy.tan(departure.centre)) + 1 / 2**0.5) < 1e-12
+    real = root_locus("1/(s*(s + 1)*(s + 2))", feedback=-1).departures
+    # An odd number of poles to the right: 0 and -1 meet between them, -2 goes to the left.
+    ways = {int(a.at.value.real): [abs(float(angle)) for angle in a.angles] for a in real}
+    assert ways == {0: [pytest.approx(np.pi)], -1: [pytest.approx(0)], -2: [pytest.approx(np.pi)]}
     straight = root_locus("1/(s*(s + 4)*(s**2 + 4*s + 20))", feedback=-1)
     down = next(a for a in straight.departures if a.at.value.imag)
     assert abs(float(down.angles[0]) + np.pi / 2) < 1e-14
@@ -63,6 +67,31 @@ def test_angles_orders_and_asymptotes():
     gains = [float(c.gain_enclosure) for c in conditional.crossings[1:]]
     assert np.allclose(gains, [15.6106, 67.5126, 163.557], rtol=1e-5)
     assert len(conditional.stable.intervals) == 2
+
+
+@pytest.mark.parametrize(
+    ("loop", "frequency", "gain"),
+    [("1/(z - 1/2)", pi, Rational(3, 2)), ("(s + 1)/(s + 2)", None, -1)],
+)
+def test_the_last_crossing_is_at_minus_one_or_at_infinity(loop, frequency, gain):
+    """z - 1/2 + k = 0 at z = -1; s + 2 + k (s + 1) loses its degree."""
+    last = root_locus(loop, feedback=-1).crossings[-1]
+    assert (last.square, last.gain) == (sympy.oo, gain)
+    assert (last.gain_enclosure.centre, last.gain_enclosure.radius) == (gain, 0)
+    if frequency is None:
+        assert last.frequency is None
+    else:
+        assert abs(last.frequency.centre - frequency.evalf(50)) <= last.frequency.radius + 1e-40
+
+
+def test_large_gains_are_enclosed_as_tightly_as_small_ones():
+    """Irrational ones at the three crossings of a conditionally stable loop, times 10^60."""
+    loop = "(s**2 + 2*s + 4)/({}*s*(s + 4)*(s + 6)*(s**2 + 1.4*s + 1))"
+    small, large = (root_locus(loop.format(10**n), feedback=-1).crossings for n in (0, 60))
+    for one, other in zip(small, large, strict=True):
+        assert other.gain_enclosure.radius <= Rational(1, 10**30)
+        error = other.gain_enclosure.centre - 10**60 * one.gain_enclosure.centre
+        assert abs(error) <= 10**60 * one.gain_enclosure.radius + other.gain_enclosure.radius
 
 
 @fewer(2)

@@ -92,6 +92,16 @@ def test_a_repeated_irrational_pair_is_split_by_its_chain(monkeypatch):
         assert prove_forms(loop, Dtilde, 2).proved == proved
 
 
+@pytest.mark.parametrize(("n", "n_c", "splits"), [(1, 1, 2), (1, 2, 6), (1, 3, 12), (2, 3, 30)])
+def test_real_roots_are_split_in_three_where_the_compensator_is_larger(n, n_c, splits):
+    """Regulator, Youla parameter, observer: (n + n_c)!/(n! (n_c - n)! n!) ways."""
+    size = n + n_c
+    turn = sympy.eye(size) + sympy.Matrix(size, size, lambda i, j: int(i == j + 1))
+    loop = sympy.ImmutableMatrix(turn * sympy.diag(*range(1, size + 1)) * turn.inv())
+    proof = prove_forms(loop, characteristic_polynomial(loop, sympy.Symbol("s")), n)
+    assert proof.tried == splits and proof.is_exhaustive
+
+
 def test_the_minimal_loop_of_even_order_without_a_form_stays_no():
     """notes of the theory, (c): its only two real planes give T infinite and T singular."""
     one = sympy.eye(2)
