@@ -64,7 +64,8 @@ protected:
 private:
     struct Mixture {
         std::vector<Belief> beliefs;
-        std::vector<double> log_mu, x, S;
+        Belief whole;
+        std::vector<double> log_mu;
     };
 
     void correct_there(const double* y, const double* u) override {
@@ -182,15 +183,13 @@ private:
     void keep(Mixture& into) const {
         into.beliefs.resize(modes_);
         for (std::size_t j = 0; j < modes_; ++j) filters_[j]->keep(into.beliefs[j]);
+        KalmanFilter::keep(into.whole);
         into.log_mu = log_mu_;
-        into.x = x_;
-        into.S = S_;
     }
     void put_back(const Mixture& from) {
         for (std::size_t j = 0; j < modes_; ++j) filters_[j]->put_back(from.beliefs[j]);
+        KalmanFilter::put_back(from.whole);
         log_mu_ = from.log_mu;
-        x_ = from.x;
-        S_ = from.S;
     }
 
     static constexpr double infinity = std::numeric_limits<double>::infinity();

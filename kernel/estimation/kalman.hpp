@@ -10,10 +10,12 @@
 
 namespace rcac {
 
-// What is believed of x at step k: the mean, and the square root S of the covariance P = S S'.
+// What is believed of x at step k: the mean, and the square root S of the covariance P = S S'; and
+// what the last innovation was.
 struct Belief {
     std::int64_t k = 0;
-    std::vector<double> x, S;
+    std::vector<double> x, S, innovation;
+    double squared = 0.0, log_determinant = 0.0;
 };
 
 // Every step works on copies and commits at its end, so that a step that throws leaves the filter
@@ -100,6 +102,9 @@ public:
         into.k = k_;
         into.x = x_;
         into.S = S_;
+        into.innovation = innovation_;
+        into.squared = squared_;
+        into.log_determinant = log_determinant_;
     }
     void believe(const double* x, const double* S) {
         x_.assign(x, x + n_);
@@ -109,6 +114,9 @@ public:
         k_ = belief.k;
         x_ = belief.x;
         S_ = belief.S;
+        innovation_ = belief.innovation;
+        squared_ = belief.squared;
+        log_determinant_ = belief.log_determinant;
     }
     const std::vector<double>& innovation() const { return innovation_; }
     const std::vector<double>& x() const { return x_; }

@@ -57,7 +57,7 @@ private:
     double forward(const Belief& start, const double* y, const double* u, std::size_t steps,
                    const std::vector<double>& Q, const std::vector<double>& R) {
         ExtendedKalmanFilter filter(model_, start.x, start.S, Q, R);
-        filter.put_back(start);
+        filter.put_back(start);  // with its k
         filtered_x_.resize(steps * n_);
         filtered_S_.resize(steps * n_ * n_);
         predicted_.resize(steps * n_);

@@ -193,8 +193,9 @@ nb::tuple learn_noises(nb::handle model, const Array& x_0, const Array& S_0, con
     refuse_unless(steps > 0, "there is no step");
     length_of({steps, n + 2, n}, "the filtered covariances");
     NoiseLearning learning(shared, LearnedNoises{learns_Q, learns_R, diagonal});
+    const Belief start{0, given.x, given.S, std::vector<double>(p), 0.0, 0.0};
     const double likelihood =
-        learning.iterate(Belief{0, given.x, given.S}, y.data(), u.data(), steps, given.Q, given.R);
+        learning.iterate(start, y.data(), u.data(), steps, given.Q, given.R);
     return nb::make_tuple(to_numpy(std::move(given.Q), {n, n}), to_numpy(std::move(given.R), {p, p}),
                           likelihood);
 }
