@@ -21,11 +21,11 @@ from .estimation.estimates import AdaptedEstimates as AdaptedEstimates
 from .estimation.estimates import ModeEstimates as ModeEstimates
 from .estimation.estimates import StateEstimates as StateEstimates
 from .estimation.local_observability import Observability as Observability
+from .estimation.noise_information import NoiseInformation as NoiseInformation
+from .estimation.noises import FittedNoises as FittedNoises
 from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.record import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
-from .estimation.noise_information import NoiseInformation as NoiseInformation
-from .estimation.noises import FittedNoises as FittedNoises
 from .estimation.smoothing import SmoothedStates as SmoothedStates
 from .experiments.verdicts import Verification as Verification
 from .export.folder import Export as Export

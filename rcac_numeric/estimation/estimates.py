@@ -156,7 +156,7 @@ class ModeEstimates(Value):
     @property
     def most_probable(self) -> NDArray[np.intp]:
         """The mode of the largest probability in each step, shape (steps,)."""
-        return np.argmax(self.probabilities, axis=1)
+        return np.asarray(self.probabilities.argmax(axis=1))
 
     def plot(self) -> figures.Figure:
         """The estimate with two deviations on either side, and the probabilities of the modes."""
@@ -299,17 +299,17 @@ def estimated_record(
     learned: list[tuple[Array, Array]] = []
 
     def result(kept: int) -> StateEstimates | ModeEstimates:
-        parts = [part[:kept] for part in (x, deviation, P, innovation, nis)]
+        first = (x[:kept], deviation[:kept], P[:kept], innovation[:kept], nis[:kept])
         total = float(likelihood[:kept].sum())
         if isinstance(settings, IMM):
-            return ModeEstimates(settings, *parts, total, probabilities[:kept])
-        first = settings.filter if isinstance(settings, AdaptiveNoises) else settings
+            return ModeEstimates(settings, *first, total, probabilities[:kept])
+        known = settings.filter if isinstance(settings, AdaptiveNoises) else settings
         seen = observability_along(
-            model, compiled, x[:kept], inputs[:kept], first.P_0, first.R, there[:kept]
+            model, compiled, x[:kept], inputs[:kept], known.P_0, known.R, there[:kept]
         )
         if isinstance(settings, AdaptiveNoises):
-            return AdaptedEstimates(settings, *parts, total, seen, *_learned(settings, learned))
-        return StateEstimates(settings, *parts, total, seen)
+            return AdaptedEstimates(settings, *first, total, seen, *_learned(settings, learned))
+        return StateEstimates(settings, *first, total, seen)
 
     record = (inputs, outputs, x, deviation, P, innovation, nis, likelihood, probabilities)
     noises = None if Q is None and R is None else _roots(settings, Q, R, steps)
@@ -337,7 +337,7 @@ def estimated_record(
 def record_of(
     model: AnyModel, y: ArrayLike, u: ArrayLike | None, measured: ArrayLike | None = None
 ) -> tuple[Array, Array]:
-    """y with NaN where an entry is missing, and u, one row for each step."""
+    """Y with NaN where an entry is missing, and u, one row for each step."""
     outputs = _with_gaps(y, model.l_y, measured)
     if u is None and model.l_u:
         raise InputError(f"the model has {model.l_u} known inputs; give their record u.")

@@ -35,16 +35,16 @@ from rcac_numeric.estimation.settings import (
 
 def compiled_filter(settings: AnyFilter) -> tuple[Filter, EstimationModel]:
     """The filter at step 0 for the kernel, and its model; of several modes that of the first."""
-    if type(settings) is IMM:
+    if isinstance(settings, IMM):
         each = [_arguments(one) for one in settings.filters]
         made = make_interacting_filters(each, settings.transitions, settings.probabilities)
         return made, each[0][1]
-    if type(settings) is AdaptiveNoises:
+    if isinstance(settings, AdaptiveNoises):
         _, model, x_0, P_0, Q, R, *_ = _arguments(settings.filter)
         learned = ("Q" in settings.learn, "R" in settings.learn, settings.diagonal)
         begins = (model, x_0, P_0, Q, R, settings.window, settings.iterations)
         return make_adaptive_filter(*begins, *learned), model
-    if type(settings) not in (EKF, UKF):
+    if not isinstance(settings, EKF | UKF):
         raise InputError(f"settings = {settings!r}: an EKF or a UKF is needed.")
     arguments = _arguments(settings)
     return make_filter(*arguments), arguments[1]
@@ -274,7 +274,7 @@ def noises_of_steps(
     return noise_roots(settings, Q, R)
 
 
-def noises_in_use(filter: Filter, settings: EKF | UKF | AdaptiveNoises) -> tuple[Array, Array]:  # noqa: A002
+def noises_in_use(filter: Filter, settings: EKF | UKF | AdaptiveNoises) -> tuple[Array, Array]:
     """Q and R."""
     roots = zip(filter.noises, (settings.model.n, settings.model.l_y), strict=True)
     Q, R = (covariance_of(np.asarray(root).reshape(size, size)) for root, size in roots)

@@ -56,9 +56,9 @@ class NoiseInformation(Value):
             for pair in self.unidentified
         ]
         return (
-            f"no record tells a change of {'; nor of '.join(words)} from none: the sum that is "
-            "learned fits the measurements, its parts are what was believed at first. Learn a "
-            "diagonal, know the others, or measure more of x."
+            f"no record tells a change of {'; nor of '.join(words)} from none: how these share "
+            "what is learned follows from what was given at first. Learn a diagonal, know some of "
+            "them, or measure more of x."
         )
 
 
@@ -183,5 +183,6 @@ def _sensitivity(
         moved = G[:, None] @ dQ @ adjoint[:, None] + dR
         white = whitening[:, None] @ moved @ whitening.conj().transpose(0, 2, 1)[:, None]
         rows = white.transpose(0, 2, 3, 1).reshape(-1, count) / np.sqrt(2 * FREQUENCIES)
-        root = np.linalg.qr(np.vstack([root, rows.real, rows.imag]), mode="r")
-    return np.asarray(root)
+        stacked = np.vstack([root, rows.real, rows.imag])
+        root = np.asarray(np.linalg.qr(stacked, mode="r"))
+    return root

@@ -160,16 +160,12 @@ def fit_noises(
         Q=covariance_of(Q) if "Q" in named else settings.Q,
         R=covariance_of(R) if "R" in named else settings.R,
     )
-    told = None
+    told: NoiseInformation | None = None
     if isinstance(settings.model, LinearModel):
         # Where a variance was found to be zero the directions are those of what was given.
-        seen = noise_information(settings, len(outputs), learn=named, diagonal=diagonal)
-        whole = all(getattr(found, name).any() for name in named)
-        told = (
-            noise_information(found, len(outputs), learn=named, diagonal=diagonal)
-            if whole and not seen.unidentified
-            else seen
-        )
+        told = noise_information(settings, len(outputs), learn=named, diagonal=diagonal)
+        if not told.unidentified and found.Q.any() and found.R.any():
+            told = noise_information(found, len(outputs), learn=named, diagonal=diagonal)
         if told.unidentified:
             warnings.warn(str(told), UnidentifiableWarning, stacklevel=2)
     return FittedNoises(found, last, last - first, passes, converged, told)
@@ -201,7 +197,7 @@ def _extrapolated(
         )
         converged = settled or reached - best < GAIN
         best, start, point = reached, point, two
-        if not converged and bend.any():
+        if not converged and passes < most and bend.any():
             length = max(1.0, float(np.linalg.norm(step) / np.linalg.norm(bend)))
             try:
                 further, likelihood = apply(start + 2 * length * step + length**2 * bend)

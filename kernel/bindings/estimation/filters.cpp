@@ -175,7 +175,7 @@ std::unique_ptr<OwnedFilter> adaptive_filter(nb::handle model, const Array& x_0,
     NoisesGiven given(shared, x_0, S_0, Q_root, R_root);
     length_of({window, shared->n + 1, shared->n + shared->l_u + shared->l_y}, "the window");
     refuse_unless(window > 1, "the window is shorter than 2");
-    require_range<std::int64_t>(iterations, 1, 1000000, "iterations");
+    require_range<std::int64_t>(iterations, 1, 10000, "iterations");
     return owned(std::make_unique<AdaptiveKalmanFilter>(
         window, iterations, LearnedNoises{learns_Q, learns_R, diagonal}, shared, std::move(given.x),
         std::move(given.S), std::move(given.Q), std::move(given.R)));

@@ -111,7 +111,7 @@ def test_filterpys_estimator_says_the_same(seed):
     for k in range(len(y)):
         oracle.update(y[k])
         assert oracle.x == pytest.approx(found.x[k], rel=1e-9, abs=1e-10)
-        assert oracle.P == pytest.approx(found.P[k], rel=1e-8, abs=1e-10)
+        assert pytest.approx(found.P[k], rel=1e-8, abs=1e-10) == oracle.P
         assert oracle.mu == pytest.approx(found.probabilities[k], rel=1e-7, abs=1e-12)
         oracle.predict(u[k])
 
@@ -252,6 +252,19 @@ def test_a_mode_that_fails_is_named_and_nothing_has_moved():
     with pytest.raises(IllConditionedError, match="in mode 1, the covariance of the innovation"):
         estimator.step([1, 1])
     assert np.array_equal(estimator.state.values, before.values)
+
+
+def test_its_picture_shows_every_state_and_every_probability():
+    parts, transitions, mu, y, u = jumping(1)
+    found = estimate(settings_of(parts, transitions, mu), y, u)
+    *states, modes = found.plot().axes
+    assert [axis.get_ylabel() for axis in states] == ["x[0]", "x[1]"]
+    for i, axis in enumerate(states):
+        assert np.array_equal(axis.get_lines()[0].get_ydata(), found.x[:, i])
+        band = axis.collections[0].get_paths()[0].vertices[:, 1]
+        assert band.max() == pytest.approx((found.x + 2 * found.deviation)[:, i].max())
+    shown = [line.get_ydata() for line in modes.get_lines()]
+    assert np.array_equal(np.transpose(shown), found.probabilities)
 
 
 ONE, TWO = EKF(LinearModel(A=1, C=1), 1, 1), EKF(LinearModel(A=np.eye(2), C=[[1, 0]]), 1, 1)
