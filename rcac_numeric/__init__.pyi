@@ -103,6 +103,7 @@ from .plots.figures.regions import plot_stability_region as plot_stability_regio
 from .plots.figures.requested import plot_request as plot_request
 from .plots.figures.runs import plot_runs as plot_runs
 from .plots.run import plot_sheet as plot_sheet
+from .signals.commands import FilteredCommand as FilteredCommand
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
 from .signals.recordings import recorded_channels as recorded_channels
