@@ -23,6 +23,7 @@ from .controllers.bounds import coefficient_names as coefficient_names
 from .controllers.compensator import Compensator as Compensator
 from .controllers.decentralized import Decentralized as Decentralized
 from .controllers.fixed import FixedController as FixedController
+from .controllers.gain_schedule import GainSchedule as GainSchedule
 from .controllers.kinds import feedforward as feedforward
 from .controllers.kinds import fir as fir
 from .controllers.kinds import fir_integrator as fir_integrator

@@ -5,6 +5,7 @@ from .analysis.residual_split import ResidualSplit as ResidualSplit
 from .checks.check import ControllerCheck as ControllerCheck
 from .checks.plant_residual import PlantResidual as PlantResidual
 from .checks.replays import ControlReplay as ControlReplay
+from .controllers.gain_schedule import ScheduledSteps as ScheduledSteps
 from .controllers.supervision import SupervisionEvent as SupervisionEvent
 from .controllers.supervision import SupervisionRecord as SupervisionRecord
 from .controllers.supervision import TroubleCount as TroubleCount

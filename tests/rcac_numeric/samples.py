@@ -329,6 +329,7 @@ SAMPLES = {
         [adaptive(seed), adaptive(seed + 1)], shared_u=seed % 2 == 0
     ),
     rcac.Compensator: compensator,
+    rcac.GainSchedule: lambda seed: rcac.GainSchedule([0, 1 + seed], [compensator(seed)] * 2),
     rcac.FixedController: lambda seed: rcac.FixedController(compensator(seed), l_r=1, k_w=3),
     # engine
     rcac.SimulationCase: lambda seed: rcac.SimulationCase(
