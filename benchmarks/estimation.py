@@ -23,8 +23,10 @@ import sympy
 
 from rcac_numeric.estimation import (
     EKF,
+    IMM,
     RCMR,
     UKF,
+    AdaptiveNoises,
     Estimator,
     LinearModel,
     ModelRefinement,
@@ -137,6 +139,24 @@ def filterpy_unscented(dynamics):
     return run
 
 
+def filterpy_interacting():
+    from filterpy.kalman import IMMEstimator, KalmanFilter
+
+    filters = []
+    for _ in range(2):
+        other = KalmanFilter(dim_x=2, dim_z=1, dim_u=1)
+        other.F, other.B, other.H = LINEAR.A, LINEAR.B, LINEAR.C
+        other.x, other.P, other.Q, other.R = np.zeros(2), 0.1 * np.eye(2), 1e-5 * np.eye(2), 1e-3
+        filters.append(other)
+    both = IMMEstimator(filters, [0.5, 0.5], CHAIN)
+    for k in range(STEPS):
+        both.update(Y[k])
+        both.predict(U[k])
+
+
+CHAIN = np.array([[0.9, 0.1], [0.1, 0.9]])
+JUMPS = IMM([EKF(LINEAR, **NOISE)] * 2, CHAIN)
+LEARNS = AdaptiveNoises(EKF(LINEAR, **NOISE), iterations=1, diagonal=True)
 SPRING = RCMR(A=[[1, 0.1], [0, 0.5]], B=[0, -0.1], D_1=[0, 0.1], C=[0, 1], E_1=[1, 0])
 
 
@@ -156,6 +176,10 @@ RUNS = {
     ("Kalman, linear", "filterpy"): filterpy_linear,
     ("Kalman, linear", "step"): by_steps(EKF(LINEAR, **NOISE)),
     ("Kalman, linear", "record"): by_record(EKF(LINEAR, **NOISE)),
+    ("Kalman, linear", "learning, record"): by_record(LEARNS),
+    ("IMM of two, linear", "filterpy"): filterpy_interacting,
+    ("IMM of two, linear", "step"): by_steps(JUMPS),
+    ("IMM of two, linear", "record"): by_record(JUMPS),
     ("EKF, pendulum", "filterpy"): filterpy_extended,
     ("EKF, pendulum", "SymPy, step"): by_steps(EKF(SYMPY, **NOISE)),
     ("EKF, pendulum", "SymPy, record"): by_record(EKF(SYMPY, **NOISE)),

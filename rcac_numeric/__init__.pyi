@@ -23,6 +23,7 @@ from .controllers.bounds import coefficient_names as coefficient_names
 from .controllers.compensator import Compensator as Compensator
 from .controllers.decentralized import Decentralized as Decentralized
 from .controllers.fixed import FixedController as FixedController
+from .controllers.gain_schedule import GainSchedule as GainSchedule
 from .controllers.kinds import feedforward as feedforward
 from .controllers.kinds import fir as fir
 from .controllers.kinds import fir_integrator as fir_integrator
@@ -103,6 +104,7 @@ from .plots.figures.regions import plot_stability_region as plot_stability_regio
 from .plots.figures.requested import plot_request as plot_request
 from .plots.figures.runs import plot_runs as plot_runs
 from .plots.run import plot_sheet as plot_sheet
+from .signals.commands import FilteredCommand as FilteredCommand
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
 from .signals.recordings import recorded_channels as recorded_channels

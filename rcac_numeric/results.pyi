@@ -5,6 +5,7 @@ from .analysis.residual_split import ResidualSplit as ResidualSplit
 from .checks.check import ControllerCheck as ControllerCheck
 from .checks.plant_residual import PlantResidual as PlantResidual
 from .checks.replays import ControlReplay as ControlReplay
+from .controllers.gain_schedule import ScheduledSteps as ScheduledSteps
 from .controllers.supervision import SupervisionEvent as SupervisionEvent
 from .controllers.supervision import SupervisionRecord as SupervisionRecord
 from .controllers.supervision import TroubleCount as TroubleCount
@@ -17,8 +18,12 @@ from .engine.live.changes import AppliedChange as AppliedChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.streams import CaseResult as CaseResult
 from .estimation.consistency import Consistency as Consistency
+from .estimation.estimates import AdaptedEstimates as AdaptedEstimates
+from .estimation.estimates import ModeEstimates as ModeEstimates
 from .estimation.estimates import StateEstimates as StateEstimates
 from .estimation.local_observability import Observability as Observability
+from .estimation.noise_information import NoiseInformation as NoiseInformation
+from .estimation.noises import FittedNoises as FittedNoises
 from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.record import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation

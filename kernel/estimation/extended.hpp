@@ -8,7 +8,7 @@ namespace rcac {
 
 // F is taken at x(k-1|k-1) and H at x(k|k-1): (8.6) uses the Jacobian of the step that leads to
 // P(k), and (8.8) as printed is one step late.
-class ExtendedKalmanFilter final : public KalmanFilter {
+class ExtendedKalmanFilter : public KalmanFilter {
 public:
     template <class... Arguments>
     explicit ExtendedKalmanFilter(Arguments&&... arguments)

@@ -10,8 +10,16 @@
 
 namespace rcac {
 
-// The mean x and the square root S of the covariance P = S S'; every step works on copies and
-// commits at its end, so that a step that throws leaves the filter where it was.
+// What is believed of x at step k: the mean, and the square root S of the covariance P = S S'; and
+// what the last innovation was.
+struct Belief {
+    std::int64_t k = 0;
+    std::vector<double> x, S, innovation;
+    double squared = 0.0, log_determinant = 0.0;
+};
+
+// Every step works on copies and commits at its end, so that a step that throws leaves the filter
+// where it was.
 class KalmanFilter {
 public:
     KalmanFilter(std::shared_ptr<EstimationModel> model, std::vector<double> x_0,
@@ -30,7 +38,7 @@ public:
     virtual ~KalmanFilter() = default;
 
     // x(k|k-1) -> x(k|k) by the entries of y that are numbers; NaN is a sensor that says nothing.
-    void correct(const double* y, const double* u) {
+    virtual void correct(const double* y, const double* u) {
         there_.clear();
         for (std::size_t i = 0; i < p_; ++i)
             if (y[i] == y[i]) there_.push_back(i);
@@ -51,8 +59,7 @@ public:
         try {
             predict(u);
         } catch (...) {
-            x_ = x_before_;
-            S_ = S_before_;
+            go_back();
             throw;
         }
     }
@@ -61,6 +68,8 @@ public:
         if (!Q_root.empty()) Q_root_ = std::move(Q_root);
         if (!R_root.empty()) R_root_ = std::move(R_root);
     }
+    const std::vector<double>& Q_root() const { return Q_root_; }
+    const std::vector<double>& R_root() const { return R_root_; }
     virtual void covariance(double* P) const {
         for (std::size_t i = 0; i < n_; ++i)
             for (std::size_t j = 0; j <= i; ++j) {
@@ -77,10 +86,41 @@ public:
     // e' S_y^-1 e and log det S_y of the last correction.
     double squared_innovation() const { return squared_; }
     double log_determinant() const { return log_determinant_; }
+    // Of what was measured, under the model.
+    virtual double log_likelihood() const {
+        return -0.5 * (squared_ + log_determinant_ +
+                       static_cast<double>(there_.size()) * std::log(2.0 * 3.14159265358979323846));
+    }
     // How many entries of y that correction was of.
     std::size_t measured() const { return there_.size(); }
+    // L with L L' = S_y of those entries.
+    const std::vector<double>& innovation_root() const { return innovation_root_; }
+    // How many modes have a probability, and these; none where there is one model.
+    virtual std::size_t modes() const { return 0; }
+    virtual void probabilities(double*) const {}
+    void keep(Belief& into) const {
+        into.k = k_;
+        into.x = x_;
+        into.S = S_;
+        into.innovation = innovation_;
+        into.squared = squared_;
+        into.log_determinant = log_determinant_;
+    }
+    void believe(const double* x, const double* S) {
+        x_.assign(x, x + n_);
+        S_.assign(S, S + n_ * n_);
+    }
+    void put_back(const Belief& belief) {
+        k_ = belief.k;
+        x_ = belief.x;
+        S_ = belief.S;
+        innovation_ = belief.innovation;
+        squared_ = belief.squared;
+        log_determinant_ = belief.log_determinant;
+    }
     const std::vector<double>& innovation() const { return innovation_; }
     const std::vector<double>& x() const { return x_; }
+    const std::vector<double>& root() const { return S_; }
     const std::vector<double>& corrected() const { return corrected_; }  // the last x(k|k)
     EstimationModel& model() { return *model_; }
     std::int64_t k() const { return k_; }
@@ -130,18 +170,25 @@ protected:
         x_ = next_;
         accept(M, columns);
     }
-    void remember() {
-        x_before_ = x_;
-        S_before_ = S_;
-    }
+    // What a correction begins with, and goes back to where the prediction after it fails.
+    virtual void remember() { keep(before_); }
+    virtual void go_back() { put_back(before_); }
 
     void accept(const double* L_y, std::size_t columns) {
         corrected_ = x_;
         innovation_ = next_innovation_;
+        weigh(L_y, columns);
+    }
+    // The whitened innovation and its L_y in numbers.
+    void weigh(const double* L_y, std::size_t columns) {
+        const std::size_t q = there_.size();
         squared_ = log_determinant_ = 0.0;
-        for (std::size_t i = 0; i < there_.size(); ++i) {
+        innovation_root_.resize(q * q);
+        for (std::size_t i = 0; i < q; ++i) {
             squared_ += whitened_[i] * whitened_[i];
             log_determinant_ += 2.0 * std::log(L_y[i * columns + i]);
+            std::fill_n(innovation_root_.data() + i * q, q, 0.0);
+            std::copy_n(L_y + i * columns, i + 1, innovation_root_.data() + i * q);
         }
     }
 
@@ -154,8 +201,9 @@ protected:
     std::shared_ptr<EstimationModel> model_;
     std::size_t n_, p_;
     std::int64_t k_ = 0;
-    std::vector<double> x_, S_, Q_root_, R_root_, next_, y_hat_, innovation_, given_, x_before_,
-        S_before_, corrected_;
+    std::vector<double> x_, S_, Q_root_, R_root_, next_, y_hat_, innovation_, given_, corrected_,
+        innovation_root_;
+    Belief before_;
     std::vector<std::size_t> there_;  // the entries of y that are numbers
     std::vector<double> next_innovation_ = std::vector<double>(p_), whitened_ = next_innovation_;
     double squared_ = 0.0, log_determinant_ = 0.0;

@@ -194,6 +194,7 @@ class Filter:
         innovation: Array,
         nis: Array,
         log_likelihood: Array,
+        probabilities: Array,
     ) -> None: ...
     def set_noises(self, Q_root: Array, R_root: Array) -> None: ...
     def save(self) -> Array: ...
@@ -202,6 +203,11 @@ class Filter:
     def k(self) -> int: ...
     @property
     def nis(self) -> float: ...
+    @property
+    def probabilities(self) -> Array: ...
+    @property
+    def noises(self) -> tuple[Array, Array]:
+        """The roots of Q and R, in one dimension."""
     @property
     def innovation(self) -> Array: ...
     @property
@@ -264,6 +270,37 @@ def filter(
     alpha: float,
     beta: float,
 ) -> Filter: ...
+def interacting_filters(
+    filters: list[tuple[str, EstimationModel, Array, Array, Array, Array, float, float]],
+    transitions: Array,
+    probabilities: Array,
+) -> Filter: ...
+def adaptive_filter(
+    model: EstimationModel,
+    x_0: Array,
+    S_0: Array,
+    Q_root: Array,
+    R_root: Array,
+    window: int,
+    iterations: int,
+    learns_Q: bool,
+    learns_R: bool,
+    diagonal: bool,
+) -> Filter: ...
+def learn_noises(
+    model: EstimationModel,
+    x_0: Array,
+    S_0: Array,
+    Q_root: Array,
+    R_root: Array,
+    u: Array,
+    y: Array,
+    learns_Q: bool,
+    learns_R: bool,
+    diagonal: bool,
+) -> tuple[Array, Array, float]:
+    """Roots of Q and R after one iteration, and the log-likelihood under those given."""
+
 def sensitivity(
     model: EstimationModel,
     x: Array,

@@ -57,7 +57,7 @@ def simulate(
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
         Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`.
-    settings : ControllerSettings, Decentralized, FixedController or IndirectSettings
+    settings : ControllerSettings, Decentralized, FixedController, GainSchedule or IndirectSettings
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
         command, that is the block "r" of w.
@@ -169,9 +169,7 @@ def frozen_twin(run: Run, k: int) -> Run:
     if run.changes:
         raise InputError("the controller was changed while it ran; its twin would not be.")
     if isinstance(run.settings, StepwiseController):
-        raise InputError(
-            f"a {type(run.settings).__name__} has no freeze: set k_update of its model instead."
-        )
+        raise InputError(f"a {type(run.settings).__name__} has no freeze; RCAC controllers have.")
     from_k = ((integer(k, "k"), None),)
     settings = run.settings
     if isinstance(settings, Decentralized):
@@ -258,8 +256,8 @@ class StepwiseLoop:
         instance_of(settings, "settings", StepwiseController)
         if saturation is not None:
             raise InputError(
-                f"a {type(settings).__name__} is run without saturation: the model that it "
-                "identifies would not know which part of u was applied. Leave saturation out."
+                f"a {type(settings).__name__} is run without saturation: it would not know which "
+                "part of u was applied. Leave saturation out."
             )
         self.plant, self.settings = plant, settings
         self.x_0 = None if x_0 is None else real_array(x_0, "x_0").reshape(-1)

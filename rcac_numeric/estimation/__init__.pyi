@@ -2,12 +2,14 @@ from .consistency import nees_consistency as nees_consistency
 from .consistency import nis_consistency as nis_consistency
 from .estimates import estimate as estimate
 from .estimator import Estimator as Estimator
+from .local_observability import UnidentifiableWarning as UnidentifiableWarning
 from .local_observability import UnobservableWarning as UnobservableWarning
 from .local_observability import observability as observability
 from .models.linear import LinearModel as LinearModel
 from .models.nonlinear import NonlinearModel as NonlinearModel
 from .models.symbolic import SymbolicModel as SymbolicModel
-from .refinement.evidence import UnidentifiableWarning as UnidentifiableWarning
+from .noise_information import noise_information as noise_information
+from .noises import fit_noises as fit_noises
 from .refinement.record import refine as refine
 from .refinement.refinement import ModelRefinement as ModelRefinement
 from .refinement.settings import RCMR as RCMR
@@ -19,5 +21,7 @@ from .riccati.forward import ForwardRegulator as ForwardRegulator
 from .riccati.indirect import IndirectController as IndirectController
 from .riccati.indirect import IndirectSettings as IndirectSettings
 from .settings import EKF as EKF
+from .settings import IMM as IMM
 from .settings import UKF as UKF
+from .settings import AdaptiveNoises as AdaptiveNoises
 from .smoothing import smooth as smooth

@@ -4,23 +4,34 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from typing import Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from compensator_theory.errors import FunctionFailedError, InputError
+from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import float_array, real_array, signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.estimators import estimation_failure
 from rcac_numeric.estimation.consistency import Consistency, nees_consistency, nis_consistency
-from rcac_numeric.estimation.estimator import compiled_filter
+from rcac_numeric.estimation.estimator import (
+    compiled_filter,
+    noises_in_use,
+    noises_of_steps,
+)
 from rcac_numeric.estimation.local_observability import (
     Observability,
+    UnidentifiableWarning,
     UnobservableWarning,
     observability_along,
 )
-from rcac_numeric.estimation.settings import EKF, UKF, noise_roots
+from rcac_numeric.estimation.models.any_model import AnyModel
+from rcac_numeric.estimation.models.linear import LinearModel
+from rcac_numeric.estimation.noise_information import NoiseInformation, noise_information
+from rcac_numeric.estimation.settings import EKF, IMM, UKF, AdaptiveNoises, AnyFilter
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +40,7 @@ class StateEstimates(Value):
 
     Attributes
     ----------
-    settings : EKF or UKF
+    settings : EKF, UKF or AdaptiveNoises
     x : array, shape (steps, n)
         x(k|k), of measurements up to y(k): nothing here is smoothed.
     deviation : array, shape (steps, n)
@@ -46,7 +57,7 @@ class StateEstimates(Value):
         Which directions of x the record could tell apart.
     """
 
-    settings: EKF | UKF
+    settings: EKF | UKF | AdaptiveNoises
     x: Array
     deviation: Array
     P: Array
@@ -90,6 +101,69 @@ class StateEstimates(Value):
         return nees_consistency(error, self.P, confidence)
 
 
+@dataclass(frozen=True, eq=False)
+class AdaptedEstimates(StateEstimates):
+    """What a Kalman filter that learns its noises made of a record.
+
+    Attributes
+    ----------
+    Q : array, shape (windows + 1, n, n)
+        Q of the settings, and after each whole window what was learned from it.
+    R : array, shape (windows + 1, l_y, l_y)
+        The same of R.
+    information : NoiseInformation or None
+        What a window can say of Q and R at their last values; None where the model is not linear.
+    """
+
+    Q: Array
+    R: Array
+    information: NoiseInformation | None
+
+
+@dataclass(frozen=True, eq=False)
+class ModeEstimates(Value):
+    """What an interacting multiple model filter made of a record.
+
+    Attributes
+    ----------
+    settings : IMM
+    x : array, shape (steps, n)
+        The mean of x(k) over the modes, of measurements up to y(k).
+    deviation : array, shape (steps, n)
+        Square roots of the diagonal of P(k|k).
+    P : array, shape (steps, n, n) or (0, n, n)
+        The covariance over the modes, their differences included, where it was asked for.
+    innovation : array, shape (steps, l_y)
+        The mean over the modes of y(k) - h(x(k|k-1)); NaN where an entry is missing.
+    nis : array, shape (steps,)
+        Innovations squared and normalised by the covariance of the mixture; NaN where nothing was
+        measured. Its mean is the number of measurements; it is not chi-square.
+    log_likelihood : float
+        Of the measurements, under the mixture.
+    probabilities : array, shape (steps, M)
+        Of the modes at k, given measurements up to y(k).
+    """
+
+    settings: IMM
+    x: Array
+    deviation: Array
+    P: Array
+    innovation: Array
+    nis: Array
+    log_likelihood: float
+    probabilities: Array
+
+    @property
+    def most_probable(self) -> NDArray[np.intp]:
+        """The mode of the largest probability in each step, shape (steps,)."""
+        return np.asarray(self.probabilities.argmax(axis=1))
+
+    def plot(self) -> figures.Figure:
+        """The estimate with two deviations on either side, and the probabilities of the modes."""
+        return picture_of(self)
+
+
+@overload
 def estimate(
     settings: EKF | UKF,
     y: ArrayLike,
@@ -99,12 +173,46 @@ def estimate(
     Q: ArrayLike | None = None,
     R: ArrayLike | None = None,
     keep_covariances: bool = False,
-) -> StateEstimates:
+) -> StateEstimates: ...
+
+
+@overload
+def estimate(
+    settings: AdaptiveNoises,
+    y: ArrayLike,
+    u: ArrayLike | None = None,
+    measured: ArrayLike | None = None,
+    *,
+    keep_covariances: bool = False,
+) -> AdaptedEstimates: ...
+
+
+@overload
+def estimate(
+    settings: IMM,
+    y: ArrayLike,
+    u: ArrayLike | None = None,
+    measured: ArrayLike | None = None,
+    *,
+    keep_covariances: bool = False,
+) -> ModeEstimates: ...
+
+
+def estimate(
+    settings: AnyFilter,
+    y: ArrayLike,
+    u: ArrayLike | None = None,
+    measured: ArrayLike | None = None,
+    *,
+    Q: ArrayLike | None = None,
+    R: ArrayLike | None = None,
+    keep_covariances: bool = False,
+) -> StateEstimates | ModeEstimates:
     """Run a Kalman filter over a record of measurements.
 
     Parameters
     ----------
-    settings : EKF or UKF
+    settings : EKF, UKF, IMM or AdaptiveNoises
     y : array, shape (steps, l_y)
         A 1-D array is one signal. A NaN is an entry that was not measured; the others of its row
         count.
@@ -114,13 +222,13 @@ def estimate(
         False where y(k), or an entry of it, is missing; what stands there is not looked at.
     Q, R : arrays, shapes (steps, n, n) and (steps, l_y, l_y), or (steps,), optional
         Q(k) and R(k) of each step, where they change; those of the settings by default, which also
-        judge what is observable. A number stands for that multiple of I.
+        judge what is observable. A number stands for that multiple of I. Of an EKF or a UKF.
     keep_covariances : bool
         Keep P(k|k) of every step.
 
     Returns
     -------
-    StateEstimates
+    StateEstimates, AdaptedEstimates where noises are learned, ModeEstimates of an IMM
 
     Raises
     ------
@@ -136,6 +244,8 @@ def estimate(
     UnobservableWarning
         Where the record cannot tell some direction of x from nothing: what is estimated there is
         what was believed at first.
+    UnidentifiableWarning
+        Where noises are learned of which no record can tell some combination.
 
     Examples
     --------
@@ -146,13 +256,27 @@ def estimate(
     array([9.8, 2. ])
     """
     made = estimated_record(settings, y, u, measured, Q=Q, R=R, keep_covariances=keep_covariances)
-    if made.observability.unseen:
+    if isinstance(made, StateEstimates) and made.observability.unseen:
         warnings.warn(str(made.observability), UnobservableWarning, stacklevel=2)
+    if isinstance(made, AdaptedEstimates) and made.information and made.information.unidentified:
+        warnings.warn(str(made.information), UnidentifiableWarning, stacklevel=2)
     return made
 
 
+@overload
 def estimated_record(
-    settings: EKF | UKF,
+    settings: EKF | UKF, y: ArrayLike, u: ArrayLike | None = None, *args: Any, **options: Any
+) -> StateEstimates: ...
+
+
+@overload
+def estimated_record(
+    settings: AnyFilter, y: ArrayLike, u: ArrayLike | None = None, *args: Any, **options: Any
+) -> StateEstimates | ModeEstimates: ...
+
+
+def estimated_record(
+    settings: AnyFilter,
     y: ArrayLike,
     u: ArrayLike | None = None,
     measured: ArrayLike | None = None,
@@ -160,45 +284,48 @@ def estimated_record(
     Q: ArrayLike | None = None,
     R: ArrayLike | None = None,
     keep_covariances: bool = False,
-) -> StateEstimates:
-    """As `estimate`, without the warning: for who reads `observability`."""
+) -> StateEstimates | ModeEstimates:
+    """As `estimate`, without the warnings: for who reads `observability`."""
     kernel, compiled = compiled_filter(settings)
     model = settings.model
-    outputs = _with_gaps(y, model.l_y, measured)
-    steps = len(outputs)
+    outputs, inputs = record_of(model, y, u, measured)
+    steps, n = len(outputs), model.n
     there = ~np.isnan(outputs)
-    inputs = signal_array(np.zeros((steps, model.l_u)) if u is None else u, "u", model.l_u, steps)
-    if u is None and model.l_u:
-        raise InputError(f"the model has {model.l_u} known inputs; give their record u.")
-    n = model.n
     x, deviation = np.zeros((steps, n)), np.zeros((steps, n))
     P = np.zeros((steps if keep_covariances else 0, n, n))
     innovation = np.full((steps, model.l_y), np.nan)
     nis, likelihood = np.full(steps, np.nan), np.zeros(steps)
+    probabilities = np.zeros((steps, len(kernel.probabilities)))
+    learned: list[tuple[Array, Array]] = []
 
-    def result(kept: int) -> StateEstimates:
-        return StateEstimates(
-            settings,
-            x[:kept],
-            deviation[:kept],
-            P[:kept],
-            innovation[:kept],
-            nis[:kept],
-            float(likelihood[:kept].sum()),
-            observability_along(
-                model, compiled, x[:kept], inputs[:kept], settings.P_0, settings.R, there[:kept]
-            ),
+    def result(kept: int) -> StateEstimates | ModeEstimates:
+        first = (x[:kept], deviation[:kept], P[:kept], innovation[:kept], nis[:kept])
+        total = float(likelihood[:kept].sum())
+        if isinstance(settings, IMM):
+            return ModeEstimates(settings, *first, total, probabilities[:kept])
+        known = settings.filter if isinstance(settings, AdaptiveNoises) else settings
+        seen = observability_along(
+            model, compiled, x[:kept], inputs[:kept], known.P_0, known.R, there[:kept]
         )
+        if isinstance(settings, AdaptiveNoises):
+            return AdaptedEstimates(settings, *first, total, seen, *_learned(settings, learned))
+        return StateEstimates(settings, *first, total, seen)
 
-    record = (inputs, outputs, x, deviation, P, innovation, nis, likelihood)
+    record = (inputs, outputs, x, deviation, P, innovation, nis, likelihood, probabilities)
     noises = None if Q is None and R is None else _roots(settings, Q, R, steps)
     try:
-        if noises is None:
-            kernel.run(*record)
-        else:
+        if noises is not None:
             for k, roots in enumerate(noises):
                 kernel.set_noises(*roots)
                 kernel.run(*(part[k : k + 1] for part in record))
+        elif isinstance(settings, AdaptiveNoises):
+            learned.append(noises_in_use(kernel, settings))
+            for k in range(0, steps, settings.window):
+                kernel.run(*(part[k : k + settings.window] for part in record))
+                if k + settings.window <= steps:
+                    learned.append(noises_in_use(kernel, settings))
+        else:
+            kernel.run(*record)
     except Exception as error:
         failure = estimation_failure(error, kernel.k)
         if isinstance(failure, FunctionFailedError):
@@ -207,8 +334,32 @@ def estimated_record(
     return result(steps)
 
 
+def record_of(
+    model: AnyModel, y: ArrayLike, u: ArrayLike | None, measured: ArrayLike | None = None
+) -> tuple[Array, Array]:
+    """Y with NaN where an entry is missing, and u, one row for each step."""
+    outputs = _with_gaps(y, model.l_y, measured)
+    if u is None and model.l_u:
+        raise InputError(f"the model has {model.l_u} known inputs; give their record u.")
+    given = np.zeros((len(outputs), model.l_u)) if u is None else u
+    return outputs, signal_array(given, "u", model.l_u, len(outputs))
+
+
+def _learned(
+    settings: AdaptiveNoises, learned: list[tuple[Array, Array]]
+) -> tuple[Array, Array, NoiseInformation | None]:
+    """Every Q and R, and what a window says of the last ones."""
+    Q, R = (np.array(each) for each in zip(*learned, strict=True))
+    if not isinstance(settings.model, LinearModel):
+        return Q, R, None
+    told = noise_information(
+        settings.filter, settings.window, learn=settings.learn, diagonal=settings.diagonal
+    )
+    return Q, R, told
+
+
 def _roots(
-    settings: EKF | UKF, Q: ArrayLike | None, R: ArrayLike | None, steps: int
+    settings: AnyFilter, Q: ArrayLike | None, R: ArrayLike | None, steps: int
 ) -> list[tuple[Array, Array]]:
     """The square roots of the noises of each step."""
     each = []
@@ -220,7 +371,7 @@ def _roots(
     roots = []
     for k, (q, r) in enumerate(zip(*each, strict=True)):
         try:
-            roots.append(noise_roots(settings, q, r))
+            roots.append(noises_of_steps(settings, q, r))
         except InputError as error:
             raise InputError(f"at step {k}: {error}") from None
     return roots

@@ -15,36 +15,63 @@ from rcac_numeric.engine.compiled.estimators import (
     EstimationModel,
     Filter,
     estimation_failure,
+    make_adaptive_filter,
     make_filter,
+    make_interacting_filters,
 )
 from rcac_numeric.estimation.models.compiled import compiled_model
 from rcac_numeric.estimation.resumable import Resumable
-from rcac_numeric.estimation.settings import EKF, UKF, noise_roots, square_root
+from rcac_numeric.estimation.settings import (
+    EKF,
+    IMM,
+    UKF,
+    AdaptiveNoises,
+    AnyFilter,
+    covariance_of,
+    noise_roots,
+    square_root,
+)
 
 
-def compiled_filter(settings: EKF | UKF) -> tuple[Filter, EstimationModel]:
-    """The filter at step 0 for the kernel, and its model."""
-    if type(settings) not in (EKF, UKF):
+def compiled_filter(settings: AnyFilter) -> tuple[Filter, EstimationModel]:
+    """The filter at step 0 for the kernel, and its model; of several modes that of the first."""
+    if isinstance(settings, IMM):
+        each = [_arguments(one) for one in settings.filters]
+        made = make_interacting_filters(each, settings.transitions, settings.probabilities)
+        return made, each[0][1]
+    if isinstance(settings, AdaptiveNoises):
+        _, model, x_0, P_0, Q, R, *_ = _arguments(settings.filter)
+        learned = ("Q" in settings.learn, "R" in settings.learn, settings.diagonal)
+        begins = (model, x_0, P_0, Q, R, settings.window, settings.iterations)
+        return make_adaptive_filter(*begins, *learned), model
+    if not isinstance(settings, EKF | UKF):
         raise InputError(f"settings = {settings!r}: an EKF or a UKF is needed.")
+    arguments = _arguments(settings)
+    return make_filter(*arguments), arguments[1]
+
+
+def _arguments(
+    settings: EKF | UKF,
+) -> tuple[str, EstimationModel, Array, Array, Array, Array, float, float]:
+    """What the kernel makes one filter of."""
     kind, alpha, beta = "unscented", 1.0, 0.0
     if isinstance(settings, UKF):
         alpha, beta = settings.alpha, settings.beta
     else:
         kind = "extended" if settings.form == "square root" else "joseph"
     P_0, Q, R = map(square_root, (settings.P_0, settings.Q, settings.R))
-    model = compiled_model(settings.model)
-    return make_filter(kind, model, settings.x_0, P_0, Q, R, alpha, beta), model
+    return kind, compiled_model(settings.model), settings.x_0, P_0, Q, R, alpha, beta
 
 
-class Estimator(Resumable[EKF | UKF]):
-    """An EKF or a UKF that runs beside a simulator or a device.
+class Estimator(Resumable[AnyFilter]):
+    """A Kalman filter that runs beside a simulator or a device.
 
     `step(y, u)` is one step: y(k) corrects the belief about x(k), then u(k) moves it to step k+1.
     Where u(k) is computed from the estimate, call `correct`, read `x`, and call `predict`.
 
     Parameters
     ----------
-    settings : EKF or UKF
+    settings : EKF, UKF, IMM or AdaptiveNoises
 
     Examples
     --------
@@ -60,7 +87,7 @@ class Estimator(Resumable[EKF | UKF]):
 
     kind = "filter"
 
-    def __init__(self, settings: EKF | UKF) -> None:
+    def __init__(self, settings: AnyFilter) -> None:
         self._kernel, _ = compiled_filter(settings)
         super().__init__(settings)
         self._at_work = Lock()
@@ -82,7 +109,8 @@ class Estimator(Resumable[EKF | UKF]):
         u : array, shape (l_u,), or a number
             The known input, where the model has one.
         Q, R : arrays or numbers, optional
-            Q(k) and R(k) where they are others than those of the settings, in this step alone.
+            Q(k) and R(k) where they are others than those of the settings, in this step alone; of
+            an EKF or a UKF.
 
         Returns
         -------
@@ -106,7 +134,7 @@ class Estimator(Resumable[EKF | UKF]):
         if Q is None and R is None:
             self._move(y, u, corrects=y is not None, predicts=True)
         else:
-            self._move_with(noise_roots(self.settings, Q, R), y, u)
+            self._move_with(noises_of_steps(self.settings, Q, R), y, u)
         return np.asarray(self._kernel.corrected) if before is None else before
 
     def correct(self, y: ArrayLike, u: ArrayLike | None = None) -> Array:
@@ -150,7 +178,7 @@ class Estimator(Resumable[EKF | UKF]):
         try:
             self._move(y, u, corrects=y is not None, predicts=True)
         finally:
-            self._kernel.set_noises(*noise_roots(self.settings))
+            self._kernel.set_noises(*noises_of_steps(self.settings))
 
     def _move(self, y: Any, u: Any, *, corrects: bool, predicts: bool) -> None:
         if not self._at_work.acquire(blocking=False):
@@ -187,6 +215,32 @@ class Estimator(Resumable[EKF | UKF]):
         return np.asarray(self._kernel.P)
 
     @property
+    def probabilities(self) -> Array:
+        """Those of the modes of an IMM at the step of `x`, shape (M,); empty without modes."""
+        return np.asarray(self._kernel.probabilities)
+
+    @property
+    def Q(self) -> Array:
+        """The covariance of the noise of x in use, shape (n, n): learned where noises are.
+
+        Raises
+        ------
+        InputError
+            For an IMM, where each mode has its own.
+        """
+        return self._noise(0)
+
+    @property
+    def R(self) -> Array:
+        """The covariance of the noise of y in use, shape (l_y, l_y), as Q."""
+        return self._noise(1)
+
+    def _noise(self, which: int) -> Array:
+        if isinstance(self.settings, IMM):
+            raise InputError("each mode of an IMM has its own noises: see settings.filters.")
+        return noises_in_use(self._kernel, self.settings)[which]
+
+    @property
     def innovation(self) -> Array:
         """Y - h(x(k|k-1)) of the last correction, shape (l_y,)."""
         return np.asarray(self._kernel.innovation)
@@ -206,6 +260,25 @@ class Estimator(Resumable[EKF | UKF]):
     def take_up(self, values: Array) -> None:
         """Go on from what `save` gave."""
         self._kernel.restore(values)
+
+
+def noises_of_steps(
+    settings: AnyFilter, Q: ArrayLike | None = None, R: ArrayLike | None = None
+) -> tuple[Array, Array]:
+    """Square roots of Q and R of one step, where a step may have its own."""
+    if not isinstance(settings, EKF | UKF):
+        raise InputError(
+            f"Q and R of single steps are for an EKF or a UKF: a {type(settings).__name__} has its "
+            "own."
+        )
+    return noise_roots(settings, Q, R)
+
+
+def noises_in_use(filter: Filter, settings: EKF | UKF | AdaptiveNoises) -> tuple[Array, Array]:
+    """Q and R."""
+    roots = zip(filter.noises, (settings.model.n, settings.model.l_y), strict=True)
+    Q, R = (covariance_of(np.asarray(root).reshape(size, size)) for root, size in roots)
+    return Q, R
 
 
 def _measured(y: Any, l_y: int) -> Array:

@@ -28,6 +28,10 @@ class UnobservableWarning(UserWarning):
     """A record says nothing about some direction of the state, or about some parameter."""
 
 
+class UnidentifiableWarning(UserWarning):
+    """A record says nothing about some direction of theta, or of the covariances of noises."""
+
+
 @dataclass(frozen=True, eq=False)
 class Observability(Value):
     """How strongly the measurements of a record depend on each direction of the initial state.

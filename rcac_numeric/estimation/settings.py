@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,7 +12,15 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight, square_root_columns
-from rcac_numeric.arrays.validation import number, one_of, vector
+from rcac_numeric.arrays.validation import (
+    instance_of,
+    integer,
+    items,
+    matrix,
+    number,
+    one_of,
+    vector,
+)
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.estimation.models.any_model import AnyModel, any_model
 
@@ -155,6 +164,184 @@ class UKF(KalmanSettings):
             raise InputError(f"beta = {self.beta:.6g} must not be negative; 0 and 2 are usual.")
 
 
+@dataclass(frozen=True, eq=False, init=False)
+class IMM(Value):
+    r"""The interacting multiple model filter, for a plant that jumps between modes.
+
+    The mode is a Markov chain with P(mode j at k+1 | mode i at k) = Pi_ij. Each step, with
+    probabilities mu_i of the modes and c_j = sum_i Pi_ij mu_i, every filter j goes on from the
+    mixture of all beliefs with the weights Pi_ij mu_i/c_j, and mu_j becomes proportional to c_j
+    times the likelihood of y under its innovation. Covariances of mixtures are made of square
+    roots by orthogonal transformations, and probabilities are kept as logarithms. The estimate is
+    exact where Pi = I, and a Gaussian approximation of M^k hypotheses elsewhere.
+
+    Parameters
+    ----------
+    filters : sequence of EKF or UKF
+        One for each mode, in square roots; their models have the same n, l_u and l_y and may have
+        other noises and other first beliefs.
+    transitions : array, shape (M, M)
+        Pi; each row adds up to 1.
+    probabilities : array, shape (M,), optional
+        Of the modes at k = 0, before y(0); all alike by default.
+
+    Raises
+    ------
+    InputError
+        Where sizes do not fit together, or probabilities are negative or do not add up to 1.
+
+    Notes
+    -----
+    H. A. P. Blom and Y. Bar-Shalom, The interacting multiple model algorithm for systems with
+    Markovian switching coefficients, IEEE Transactions on Automatic Control 33(8), 1988.
+
+    Examples
+    --------
+    >>> from rcac_numeric.estimation import EKF, IMM, LinearModel, estimate
+    >>> level = LinearModel(A=1, C=1)
+    >>> still, moving = EKF(level, Q=1e-6, R=0.01), EKF(level, Q=4.0, R=0.01)
+    >>> jumps = IMM([still, moving], transitions=[[0.95, 0.05], [0.5, 0.5]])
+    >>> found = estimate(jumps, y=[0.0, 0.1, 0.0, 0.1, 3.0, 3.1, 3.0, 3.1])
+    >>> found.most_probable  # the level jumped before k = 4
+    array([0, 0, 0, 0, 1, 0, 0, 0])
+    """
+
+    filters: tuple[EKF | UKF, ...]
+    transitions: Array
+    probabilities: Array
+
+    def __init__(
+        self,
+        filters: Iterable[EKF | UKF],
+        transitions: ArrayLike,
+        probabilities: ArrayLike | None = None,
+    ) -> None:
+        set_ = partial(object.__setattr__, self)
+        set_("filters", items(filters, "filters", EKF | UKF))  # type: ignore[arg-type]
+        modes = len(self.filters)
+        if modes == 0:
+            raise InputError("filters is empty: give one EKF or UKF for each mode.")
+        sizes = [(one.model.n, one.model.l_u, one.model.l_y) for one in self.filters]
+        for j, one in enumerate(self.filters):
+            if isinstance(one, EKF) and one.form != "square root":
+                raise InputError(f'filter {j} has the form {one.form!r}; give form="square root".')
+            if sizes[j] != sizes[0]:
+                raise InputError(
+                    f"the model of filter {j} has (n, l_u, l_y) = {sizes[j]}, that of filter 0 "
+                    f"{sizes[0]}; add to the smaller one states that stay zero."
+                )
+        set_("transitions", matrix(transitions, "transitions", (modes, modes)))
+        even = np.full(modes, 1 / modes)
+        first = even if probabilities is None else vector(probabilities, "probabilities", modes)
+        set_("probabilities", _distribution(first, "probabilities"))
+        for i, row in enumerate(self.transitions):
+            _distribution(row, f"row {i} of transitions")
+
+    @property
+    def model(self) -> AnyModel:
+        """The model of the first mode, with the sizes of all."""
+        return self.filters[0].model
+
+
+def _distribution(values: Array, name: str) -> Array:
+    if values.min() < 0 or abs(values.sum() - 1) > 1e-9:
+        raise InputError(
+            f"{name} = {values} is no distribution: probabilities >= 0 that add up to 1 are needed."
+        )
+    return values
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class AdaptiveNoises(Value):
+    r"""An extended Kalman filter that learns Q and R from its measurements as it runs.
+
+    After every `window` steps Q and R are replaced by the means of E[w w'] and E[v v'] given all
+    measurements of these steps, from a smoother in square roots: expectation maximisation, block by
+    block. An iteration never makes the measurements of its block less likely (where the model is
+    linear), and both matrices are sums of squares. What Q does not reach at first it never reaches:
+    Q = G q G' stays of this form.
+
+    Parameters
+    ----------
+    filter : EKF
+        With Q and R to begin with.
+    window : int
+        Steps from which a new Q and R are made. What is learned scatters like 1/sqrt(window), and
+        follows noises that change within a few windows.
+    iterations : int
+        Of each window. The last step of a window costs about 3 window iterations steps of a filter.
+    learn : sequence of {"Q", "R"}
+        What is learned; the other is taken as known.
+    diagonal : bool
+        Whether what is learned is diagonal.
+
+    Raises
+    ------
+    InputError
+        Where `filter` is none, a number is too small, or what is to be learned is zero.
+
+    Notes
+    -----
+    R. H. Shumway and D. S. Stoffer, An approach to time series smoothing and forecasting using the
+    EM algorithm, Journal of Time Series Analysis 3(4), 1982; by blocks: S. Le Corff and G. Fort,
+    Online expectation maximization based algorithms for inference in hidden Markov models,
+    Electronic Journal of Statistics 7, 2013.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.estimation import EKF, AdaptiveNoises, LinearModel, estimate
+    >>> y = 3.0 * np.random.default_rng(1).standard_normal(4000)
+    >>> known = EKF(LinearModel(A=0.5, C=1), Q=0.01, R=1.0)
+    >>> found = estimate(AdaptiveNoises(known, window=1000, learn=["R"]), y)
+    >>> found.R[[0, 1, -1], 0, 0].round(1)  # R = 9 is found within the first window
+    array([1. , 8.8, 9.4])
+    """
+
+    filter: EKF
+    window: int
+    iterations: int
+    learn: tuple[str, ...]
+    diagonal: bool
+
+    def __init__(
+        self,
+        filter: EKF,  # its name in the field
+        window: int = 200,
+        iterations: int = 10,
+        learn: Iterable[str] = ("Q", "R"),
+        diagonal: bool = False,
+    ) -> None:
+        set_ = partial(object.__setattr__, self)
+        set_("filter", instance_of(filter, "filter", EKF))
+        set_("window", integer(window, "window", at_least=2))
+        set_("iterations", integer(iterations, "iterations", at_least=1, at_most=10_000))
+        set_("learn", learned_noises(self.filter, learn))
+        set_("diagonal", instance_of(diagonal, "diagonal", bool))
+
+    @property
+    def model(self) -> AnyModel:
+        """The model of the filter."""
+        return self.filter.model
+
+
+def learned_noises(settings: EKF, learn: Iterable[str]) -> tuple[str, ...]:
+    """Which of Q and R are learned, where they are more than zero to begin with."""
+    named = items(learn, "learn")
+    for name in named:
+        one_of(name, "an entry of learn", ("Q", "R"))
+        if not (settings.Q if name == "Q" else settings.R).any():
+            raise InputError(
+                f"{name} is zero, and learning keeps its range: begin with a positive {name}."
+            )
+    if not named:
+        raise InputError('learn is empty: give ["Q"], ["R"] or ["Q", "R"].')
+    return tuple(name for name in ("Q", "R") if name in named)
+
+
+AnyFilter = EKF | UKF | IMM | AdaptiveNoises
+
+
 def noise_roots(
     settings: EKF | UKF, Q: ArrayLike | None = None, R: ArrayLike | None = None
 ) -> tuple[Array, Array]:
@@ -174,3 +361,9 @@ def square_root(covariance: Array) -> Array:
     padded[:, : columns.shape[1]] = columns
     triangular = np.asarray(np.linalg.qr(padded.T, mode="r")).T
     return np.ascontiguousarray(triangular * np.where(np.diag(triangular) < 0, -1.0, 1.0))
+
+
+def covariance_of(root: Array) -> Array:
+    """SS', exactly symmetric."""
+    covariance = root @ root.T
+    return np.asarray((covariance + covariance.T) / 2)

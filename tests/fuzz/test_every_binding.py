@@ -17,7 +17,7 @@ MAKERS = {
     "Arx": ["arx", "mu_markov"],
     "Controller": ["controller"],
     "EstimationModel": [name for name in FUNCTIONS if name.endswith("_estimation_model")],
-    "Filter": ["filter"],
+    "Filter": ["filter", "interacting_filters", "adaptive_filter"],
     "Job": ["Job"],
     "Loop": ["Loop"],
     "Plant": ["linear_plant", "python_plant"],

@@ -233,6 +233,9 @@ SAMPLES = {
     rcac.Harmonic: lambda seed: rcac.Harmonic(*random(seed, 3)),
     rcac.WhiteNoise: lambda seed: rcac.WhiteNoise(abs(random(seed)[()])),
     rcac.Levels: lambda seed: rcac.Levels(random(seed, 3), hold=2),
+    rcac.FilteredCommand: lambda seed: rcac.FilteredCommand(
+        rcac.Step(), omega=0.1 + seed, zeta=0.7, rate=0.5
+    ),
     rcac.Piecewise: lambda seed: rcac.Piecewise([(0, rcac.Step()), (1 + seed, rcac.Ramp())]),
     rcac.Recorded: lambda seed: rcac.Recorded(random(seed, 5), f"record {seed}"),
     Sum: lambda seed: rcac.Step(2) + rcac.Harmonic(random(seed)[()]),
@@ -326,6 +329,7 @@ SAMPLES = {
         [adaptive(seed), adaptive(seed + 1)], shared_u=seed % 2 == 0
     ),
     rcac.Compensator: compensator,
+    rcac.GainSchedule: lambda seed: rcac.GainSchedule([0, 1 + seed], [compensator(seed)] * 2),
     rcac.FixedController: lambda seed: rcac.FixedController(compensator(seed), l_r=1, k_w=3),
     # engine
     rcac.SimulationCase: lambda seed: rcac.SimulationCase(

@@ -32,7 +32,7 @@ NO_DATA = ESTIMATORS | {
     rcac.Controller, rcac.Simulator, rcac.Signal, rcac.RunInterrupted,
     sweeps.ProgressLine, identification.RecursiveARX, identification.RecursiveMarkov,
     identification.RecursiveMuMarkov, sweeps.StoreError, sweeps.StudyInterrupted,
-    rcac.Recorder, rcac.SupervisionWarning, rcac.TargetLearner,
+    rcac.Recorder, rcac.SupervisionWarning, rcac.TargetLearner, rcac.results.ScheduledSteps,
 }  # fmt: skip
 
 FRESH = """
@@ -152,6 +152,14 @@ def _learner():
     return rcac.TargetLearner(mu=6, n_mod=2, order=2, window=40)
 
 
+def _scheduled():
+    compensator = rcac.Compensator(past_u=[[[0.5]]], past_y=[[[1.0]], [[0.5]]])
+    made = rcac.GainSchedule([0, 1], [compensator] * 2).started()
+    for y in range(5):
+        made.step([y])
+    return made
+
+
 # What holds a compiled object or moves: how it is made, and what the next steps of it say.
 LIVE = {
     rcac.Simulator: (
@@ -171,6 +179,10 @@ LIVE = {
         lambda fit: ([fit.update(u, z) for u, z in _noise(2, 30)], fit.H, fit.standard_error),
     ),
     rcac.Controller: (_controller, lambda made: [made.step(k, -k) for k in range(9)]),
+    rcac.results.ScheduledSteps: (
+        _scheduled,
+        lambda made: ([made.step([k]) for k in range(9)], made.k, made.theta),
+    ),
     rcac.TargetLearner: (_learner, lambda learner: (learner.windows, vars(learner))),
 }
 OTHERWISE = [  # another's data

@@ -93,6 +93,30 @@ def filter_arguments(draw):
     }  # fmt: skip
 
 
+def interacting_arguments(draw):
+    modes = draw(st.integers(1, 3))
+    each = [
+        (
+            draw(st.sampled_from(["extended", "unscented"])),
+            *list(filter_arguments(draw).values())[1:],
+        )
+        for _ in range(modes)
+    ]
+    return {
+        "filters": each, "transitions": np.full((modes, modes), 1 / modes),
+        "probabilities": np.full(modes, 1 / modes),
+    }  # fmt: skip
+
+
+def noise_arguments(draw):
+    begins = filter_arguments(draw)
+    return {
+        **{name: begins[name] for name in ("model", "x_0", "S_0", "Q_root", "R_root")},
+        "learns_Q": draw(st.booleans()), "learns_R": draw(st.booleans()),
+        "diagonal": draw(st.booleans()),
+    }  # fmt: skip
+
+
 def sensitivity_arguments(draw):
     return {
         "model": model(draw), "x": some(draw, STEPS, N), "u": np.zeros((STEPS, L_U)),
@@ -176,12 +200,19 @@ FUNCTIONS = {
         "f_F": tape(draw, N + N * N), "h_H": tape(draw, L_Y + L_Y * N),
     },
     "filter": filter_arguments,
+    "interacting_filters": interacting_arguments,
+    "adaptive_filter": lambda draw: {
+        **noise_arguments(draw), "window": draw(st.integers(2, 4)), "iterations": 2
+    },
+    "learn_noises": lambda draw: {
+        **noise_arguments(draw), "u": np.zeros((STEPS, L_U)), "y": some(draw, STEPS, L_Y)
+    },
     "sensitivity": sensitivity_arguments,
     "refinement": refinement_arguments,
 }  # fmt: skip
 # The first takes functions of a compiler, which the engine's tests give; the other one calls the
 # functions of a model, which may answer with anything.
-MAY_REFUSE = {"compiled_plant", "sensitivity"}
+MAY_REFUSE = {"compiled_plant", "sensitivity", "learn_noises"}
 
 
 def run_of_a_filter(draw, made):
@@ -192,6 +223,7 @@ def run_of_a_filter(draw, made):
         "P": np.zeros((STEPS, N, N) if draw(st.booleans()) else 0),
         "innovation": np.zeros((STEPS, L_Y)), "nis": np.zeros(STEPS),
         "log_likelihood": np.zeros(STEPS),
+        "probabilities": np.zeros((STEPS, len(made.probabilities))),
     }  # fmt: skip
 
 

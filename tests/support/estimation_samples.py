@@ -50,6 +50,15 @@ def estimates(seed):
     )
 
 
+def jumps(seed):
+    filters = [estimation.EKF(linear(seed), Q=q, R=1.0) for q in (0.1, 1.0 + seed)]
+    return estimation.IMM(filters, transitions=[[0.9, 0.1], [0.2, 0.8]])
+
+
+def level(seed):
+    return estimation.EKF(estimation.LinearModel(A=1, C=1), Q=1.0, R=1.0 + seed)
+
+
 def rcmr(seed):
     return estimation.RCMR(
         A=some(seed, 2, 2) / 4, B=[0, 1], D_1=[1, 0.5], C=[[1, 0.5], [0, 1]], E_1=[1, 0.3],
@@ -84,6 +93,16 @@ ESTIMATION_SAMPLES = {
     estimation.UKF: lambda seed: estimation.UKF(
         symbolic(seed), Q=0.1, R=1.0, alpha=2.5, beta=seed / 7
     ),
+    estimation.IMM: jumps,
+    estimation.AdaptiveNoises: lambda seed: estimation.AdaptiveNoises(level(seed), window=2 + seed),
+    results.ModeEstimates: lambda seed: estimation.estimate(
+        jumps(seed), some(seed, 6, 2), some(seed + 1, 6, 2)
+    ),
+    results.AdaptedEstimates: lambda seed: estimation.estimate(
+        estimation.AdaptiveNoises(level(seed), window=3), some(seed, 6)
+    ),
+    results.FittedNoises: lambda seed: estimation.fit_noises(level(seed), some(seed, 20)),
+    results.NoiseInformation: lambda seed: estimation.noise_information(level(seed), 100),
     results.SmoothedStates: lambda seed: estimation.smooth(
         estimation.EKF(estimation.LinearModel(A=1, C=1), Q=1.0, R=1.0), seed + np.arange(4.0)
     ),

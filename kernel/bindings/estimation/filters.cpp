@@ -8,6 +8,8 @@
 #include "bindings/estimation/python_model.hpp"
 #include "bindings/owned.hpp"
 #include "estimation/extended.hpp"
+#include "estimation/interacting.hpp"
+#include "estimation/noises.hpp"
 #include "estimation/observability.hpp"
 #include "estimation/tape.hpp"
 #include "estimation/unscented.hpp"
@@ -88,28 +90,114 @@ Model tape_model(std::size_t n, std::size_t l_u, std::size_t l_y, nb::handle f, 
                                        tape_of(h_H, n, l_u, l_y + l_y * n));
 }
 
+Model model_of(nb::handle given) {
+    Model shared;
+    if (!nb::try_cast(given, shared) || !shared) throw nb::type_error("this is not a model");
+    return shared;
+}
+
+std::unique_ptr<OwnedFilter> owned(std::unique_ptr<KalmanFilter> filter) {
+    auto made = std::make_unique<OwnedFilter>();
+    made->u.resize(filter->model().l_u);
+    made->y.resize(filter->model().l_y);
+    made->filter = std::move(filter);
+    return made;
+}
+
+std::unique_ptr<KalmanFilter> single_filter(const std::string& kind, const Model& model,
+                                            const Array& x_0, const Array& S_0, const Array& Q_root,
+                                            const Array& R_root, double alpha, double beta) {
+    const std::size_t n = model->n, p = model->l_y;
+    std::vector<double> x = copied(x_0, n, "x_0"), S = copied(S_0, n * n, "S_0"),
+                        Q = copied(Q_root, n * n, "Q_root"), R = copied(R_root, p * p, "R_root");
+    if (kind == "extended") return std::make_unique<ExtendedKalmanFilter>(model, x, S, Q, R);
+    if (kind == "joseph") return std::make_unique<JosephKalmanFilter>(model, x, S, Q, R);
+    refuse_unless(kind == "unscented", "no filter named " + kind.substr(0, 200));
+    refuse_unless(alpha > 0.0 && alpha < 1e300, "alpha is not positive");
+    refuse_unless(beta >= 0.0 && beta < 1e300, "beta is negative");
+    return std::make_unique<UnscentedKalmanFilter>(alpha, beta, model, x, S, Q, R);
+}
+
 std::unique_ptr<OwnedFilter> filter(const std::string& kind, nb::handle model, const Array& x_0,
                                     const Array& S_0, const Array& Q_root, const Array& R_root,
                                     double alpha, double beta) {
-    Model shared;
-    if (!nb::try_cast(model, shared) || !shared) throw nb::type_error("this is not a model");
-    const std::size_t n = shared->n, p = shared->l_y;
-    std::vector<double> x = copied(x_0, n, "x_0"), S = copied(S_0, n * n, "S_0"),
-                        Q = copied(Q_root, n * n, "Q_root"), R = copied(R_root, p * p, "R_root");
-    auto owned = std::make_unique<OwnedFilter>();
-    owned->u.resize(shared->l_u);
-    owned->y.resize(p);
-    if (kind == "extended") {
-        owned->filter = std::make_unique<ExtendedKalmanFilter>(shared, x, S, Q, R);
-    } else if (kind == "joseph") {
-        owned->filter = std::make_unique<JosephKalmanFilter>(shared, x, S, Q, R);
-    } else {
-        refuse_unless(kind == "unscented", "no filter named " + kind.substr(0, 200));
-        refuse_unless(alpha > 0.0 && alpha < 1e300, "alpha is not positive");
-        refuse_unless(beta >= 0.0 && beta < 1e300, "beta is negative");
-        owned->filter = std::make_unique<UnscentedKalmanFilter>(alpha, beta, shared, x, S, Q, R);
+    return owned(single_filter(kind, model_of(model), x_0, S_0, Q_root, R_root, alpha, beta));
+}
+
+// Each filter as the arguments of `filter`.
+std::unique_ptr<OwnedFilter> interacting_filters(const nb::list& filters, const Array& transitions,
+                                                 const Array& probabilities) {
+    InteractingFilters::Filters made;
+    Model sizes;
+    const std::size_t modes = filters.size();
+    refuse_unless(modes > 0, "there is no filter");
+    for (nb::handle each : filters) {
+        const auto given = read<nb::tuple>(each, "a filter", "a tuple");
+        refuse_unless(given.size() == 8, "a filter has eight arguments");
+        const auto kind = read<std::string>(given[0], "kind", "text");
+        refuse_unless(kind != "joseph", "a filter in Joseph's form has no square root");
+        const Model model = model_of(given[1]);
+        if (!sizes) sizes = model;
+        refuse_unless(model->n == sizes->n && model->l_u == sizes->l_u && model->l_y == sizes->l_y,
+                      "the models have other sizes");
+        const auto array = [&](std::size_t i) { return read<Array>(given[i], "a part", "an array"); };
+        made.push_back(single_filter(kind, model, array(2), array(3), array(4), array(5),
+                                     read<double>(given[6], "alpha", "a number"),
+                                     read<double>(given[7], "beta", "a number")));
     }
-    return owned;
+    const std::size_t widest = std::max(sizes->n, sizes->l_y);
+    length_of({widest, modes, widest + 1}, "the covariances");
+    const auto shares = [](const Array& given, std::size_t size, const char* name) {
+        std::vector<double> values = copied(given, size, name);
+        for (const double value : values) require_range(value, 0.0, 1.0, name);
+        return values;
+    };
+    return owned(std::make_unique<InteractingFilters>(
+        std::move(made), sizes, shares(transitions, modes * modes, "transitions"),
+        shares(probabilities, modes, "probabilities")));
+}
+
+struct NoisesGiven {
+    std::vector<double> x, S, Q, R;
+    NoisesGiven(const Model& model, const Array& x_0, const Array& S_0, const Array& Q_root,
+                const Array& R_root)
+        : x(copied(x_0, model->n, "x_0")),
+          S(copied(S_0, model->n * model->n, "S_0")),
+          Q(copied(Q_root, model->n * model->n, "Q_root")),
+          R(copied(R_root, model->l_y * model->l_y, "R_root")) {}
+};
+
+std::unique_ptr<OwnedFilter> adaptive_filter(nb::handle model, const Array& x_0, const Array& S_0,
+                                             const Array& Q_root, const Array& R_root,
+                                             std::size_t window, std::int64_t iterations,
+                                             bool learns_Q, bool learns_R, bool diagonal) {
+    const Model shared = model_of(model);
+    NoisesGiven given(shared, x_0, S_0, Q_root, R_root);
+    length_of({window, shared->n + 1, shared->n + shared->l_u + shared->l_y}, "the window");
+    refuse_unless(window > 1, "the window is shorter than 2");
+    require_range<std::int64_t>(iterations, 1, 10000, "iterations");
+    return owned(std::make_unique<AdaptiveKalmanFilter>(
+        window, iterations, LearnedNoises{learns_Q, learns_R, diagonal}, shared, std::move(given.x),
+        std::move(given.S), std::move(given.Q), std::move(given.R)));
+}
+
+// Roots of Q and R after one iteration over a record, and the likelihood before it.
+nb::tuple learn_noises(nb::handle model, const Array& x_0, const Array& S_0, const Array& Q_root,
+                       const Array& R_root, const Array& u, const Array& y, bool learns_Q,
+                       bool learns_R, bool diagonal) {
+    const Model shared = model_of(model);
+    NoisesGiven given(shared, x_0, S_0, Q_root, R_root);
+    const std::size_t n = shared->n, p = shared->l_y, steps = y.size() / p;
+    require(y.size(), steps * p, "y");
+    require(u.size(), steps * shared->l_u, "u");
+    refuse_unless(steps > 0, "there is no step");
+    length_of({steps, n + 2, n}, "the filtered covariances");
+    NoiseLearning learning(shared, LearnedNoises{learns_Q, learns_R, diagonal});
+    const Belief start{0, given.x, given.S, std::vector<double>(p), 0.0, 0.0};
+    const double likelihood =
+        learning.iterate(start, y.data(), u.data(), steps, given.Q, given.R);
+    return nb::make_tuple(to_numpy(std::move(given.Q), {n, n}), to_numpy(std::move(given.R), {p, p}),
+                          likelihood);
 }
 
 // Whether the arguments could be read; then what is asked for was done.
@@ -128,9 +216,10 @@ bool move(OwnedFilter& self, nb::handle y, nb::handle u, bool corrects, bool pre
 }
 
 // All steps of a record: y and u hold one row for each step, NaN where an entry of y is missing.
-// Writes x(k|k), its standard deviations, P(k|k) where asked for, innovations and NIS.
+// Writes x(k|k), its standard deviations, P(k|k) where asked for, innovations, NIS and, of several
+// modes, their probabilities.
 void run(OwnedFilter& self, const Array& u, const Array& y, Output& x, Output& deviation, Output& P,
-         Output& innovation, Output& nis, Output& log_likelihood) {
+         Output& innovation, Output& nis, Output& log_likelihood, Output& probabilities) {
     KalmanFilter& filter = *self.filter;
     const std::size_t n = filter.model().n, l_u = filter.model().l_u, p = filter.model().l_y,
                       steps = nis.size();
@@ -141,6 +230,7 @@ void run(OwnedFilter& self, const Array& u, const Array& y, Output& x, Output& d
     refuse_unless(P.size() == 0 || P.size() == steps * n * n, "P has the wrong size");
     require(innovation.size(), steps * p, "innovation");
     require(log_likelihood.size(), steps, "log_likelihood");
+    require(probabilities.size(), steps * filter.modes(), "probabilities");
     const Hold hold(self.use);
     for (std::size_t k = 0; k < steps; ++k) {
         const double* input = u.data() + k * l_u;
@@ -148,14 +238,13 @@ void run(OwnedFilter& self, const Array& u, const Array& y, Output& x, Output& d
         if (filter.measured()) {
             std::copy_n(filter.innovation().data(), p, innovation.data() + k * p);
             nis.data()[k] = filter.squared_innovation();
-            log_likelihood.data()[k] =
-                -0.5 * (filter.squared_innovation() + filter.log_determinant() +
-                        static_cast<double>(filter.measured()) * std::log(2.0 * 3.14159265358979323846));
+            log_likelihood.data()[k] = filter.log_likelihood();
         }
         std::copy_n(filter.x().data(), n, x.data() + k * n);
         for (std::size_t i = 0; i < n; ++i)
             deviation.data()[k * n + i] = std::sqrt(std::max(filter.variance(i), 0.0));
         if (P.size()) filter.covariance(P.data() + k * n * n);
+        if (filter.modes()) filter.probabilities(probabilities.data() + k * filter.modes());
         filter.predict(input);
         if (k % 1024 == 1023 && PyErr_CheckSignals() != 0) throw nb::python_error();
     }
@@ -163,8 +252,7 @@ void run(OwnedFilter& self, const Array& u, const Array& y, Output& x, Output& d
 
 nb::object sensitivity_of(nb::handle model, const Array& x, const Array& u, const Array& measured,
                           const Array& scale, const Array& weight, double growth) {
-    Model shared;
-    if (!nb::try_cast(model, shared) || !shared) throw nb::type_error("this is not a model");
+    const Model shared = model_of(model);
     const std::size_t n = shared->n, steps = measured.size() / shared->l_y;
     require(measured.size(), steps * shared->l_y, "measured");
     require(x.size(), steps * n, "x");
@@ -191,7 +279,7 @@ void bind_filters(nb::module_& m) {
              nb::arg("predicts"))
         .def("run", &run, nb::arg("u"), nb::arg("y"), nb::arg("x"), nb::arg("deviation"),
              nb::arg("P"), nb::arg("innovation"), nb::arg("nis"),
-             nb::arg("log_likelihood"))
+             nb::arg("log_likelihood"), nb::arg("probabilities"))
         .def("set_noises",
              [](OwnedFilter& self, const Array& Q_root, const Array& R_root) {
                  const Hold hold(self.use);
@@ -234,6 +322,20 @@ void bind_filters(nb::module_& m) {
                                          self.filter->corrected().size());
                      },
                      nb::rv_policy::automatic)
+        .def_prop_ro("probabilities",
+                     [](const OwnedFilter& self) {
+                         std::vector<double> mu(self.filter->modes());
+                         self.filter->probabilities(mu.data());
+                         return to_numpy(mu.data(), mu.size());
+                     },
+                     nb::rv_policy::automatic)
+        .def_prop_ro("noises",
+                     [](const OwnedFilter& self) {
+                         const std::vector<double>&Q = self.filter->Q_root(),
+                                           &R = self.filter->R_root();
+                         return nb::make_tuple(to_numpy(Q.data(), Q.size()),
+                                               to_numpy(R.data(), R.size()));
+                     })
         .def_prop_ro("P",
                      [](const OwnedFilter& self) {
                          const std::size_t n = self.filter->x().size();
@@ -251,6 +353,14 @@ void bind_filters(nb::module_& m) {
           nb::arg("f"), nb::arg("h"), nb::arg("f_F"), nb::arg("h_H"));
     m.def("filter", &filter, nb::arg("kind"), nb::arg("model"), nb::arg("x_0"), nb::arg("S_0"),
           nb::arg("Q_root"), nb::arg("R_root"), nb::arg("alpha"), nb::arg("beta"));
+    m.def("interacting_filters", &interacting_filters, nb::arg("filters"), nb::arg("transitions"),
+          nb::arg("probabilities"));
+    m.def("adaptive_filter", &adaptive_filter, nb::arg("model"), nb::arg("x_0"), nb::arg("S_0"),
+          nb::arg("Q_root"), nb::arg("R_root"), nb::arg("window"), nb::arg("iterations"),
+          nb::arg("learns_Q"), nb::arg("learns_R"), nb::arg("diagonal"));
+    m.def("learn_noises", &learn_noises, nb::arg("model"), nb::arg("x_0"), nb::arg("S_0"),
+          nb::arg("Q_root"), nb::arg("R_root"), nb::arg("u"), nb::arg("y"), nb::arg("learns_Q"),
+          nb::arg("learns_R"), nb::arg("diagonal"));
     m.def("sensitivity", &sensitivity_of, nb::arg("model"), nb::arg("x"), nb::arg("u"),
           nb::arg("measured"), nb::arg("scale"), nb::arg("weight"), nb::arg("growth"));
 }

@@ -14,10 +14,6 @@ from rcac_numeric.estimation.refinement.settings import RCMR
 DETERMINED = 0.5
 
 
-class UnidentifiableWarning(UserWarning):
-    """The regressor of a record does not excite some direction of theta."""
-
-
 @dataclass(frozen=True, eq=False)
 class Evidence(Value):
     """How much of theta is still its initial estimate, per direction.

@@ -13,8 +13,9 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compiled.estimators import EstimationError
+from rcac_numeric.estimation.local_observability import UnidentifiableWarning
 from rcac_numeric.estimation.refinement.compiled import compiled_refinement
-from rcac_numeric.estimation.refinement.evidence import Evidence, UnidentifiableWarning, evidence
+from rcac_numeric.estimation.refinement.evidence import Evidence, evidence
 from rcac_numeric.estimation.refinement.settings import RCMR
 
 

@@ -16,6 +16,7 @@ from rcac_numeric.experiments.format.tables import ByKey, Table
 from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schema, Text
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.signals.commands import FilteredCommand
 from rcac_numeric.signals.recordings import Recorded, read_recording
 from rcac_numeric.signals.sequences import Levels, Piecewise
 from rcac_numeric.signals.signal import Signal, Sum
@@ -124,6 +125,7 @@ SIGNAL.register(
         )
     },
 )
+SIGNAL.register("filtered", FilteredCommand, forms={"signal": SIGNAL})
 SIGNAL.register("sum", Sum, forms={"parts": ListOf(SIGNAL, 1, "a list of signals")})
 SIGNAL.register("recorded", RecordedHere)
 OF_SERVO = "Of the servo problem: command, disturbance, sensor noise."

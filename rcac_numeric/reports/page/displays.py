@@ -29,6 +29,9 @@ PICTURES = {
     ),
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.plots.check:plot_check",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.plots.figures.runs:plot_run",
+    "rcac_numeric.estimation.estimates:ModeEstimates": (
+        "rcac_numeric.plots.figures.modes:plot_modes"
+    ),
     "rcac_numeric.experiments.measures.loop_analysis:LoopAnalysis": (
         "rcac_numeric.plots.run:plot_sheet"
     ),
