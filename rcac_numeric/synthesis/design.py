@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -141,8 +142,6 @@ class Design(Value):
     saturation : Saturation or None
     runs : mapping from names to Run
         One of the nominal plant for each controller.
-    health : LoopHealth
-        Of RCAC's.
     steps : int
     """
 
@@ -160,8 +159,12 @@ class Design(Value):
     uncertainty: Uncertainty
     saturation: Saturation | None
     runs: Mapping[str, Run]
-    health: LoopHealth
     steps: int
+
+    @cached_property
+    def health(self) -> LoopHealth:
+        """The health of RCAC's nominal run."""
+        return loop_health(self.runs[RCAC])
 
     @property
     def controller(self) -> AnyController:
@@ -309,7 +312,7 @@ def design(
         reasons=_reasons(model, reference, expected, settings), alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
         uncertainty=uncertain, saturation=saturation,
-        runs=dict(zip(controllers, runs, strict=True)), health=loop_health(runs[0]), steps=steps,
+        runs=dict(zip(controllers, runs, strict=True)), steps=steps,
     )  # fmt: skip
 
 
