@@ -8,25 +8,22 @@ from typing import Any
 import numpy as np
 
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
-from rcac_numeric.synthesis.design import ADAPTED, Design
-from rcac_numeric.synthesis.trials import FIXED, RCAC, Trial
+from rcac_numeric.synthesis.design import ADAPTED, Design, compared
+from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial
 
 
 def design_sheet(design: Design) -> Sheet:
     """The verdict first; then what it rests on."""
     verdict = design.verdict
-    k, n = verdict.stable
-    low, high = (100 * share for share in verdict.proportion)
+    rcac = verdict.rcac
     lines = [
         Text(str(verdict), "good" if verdict.use == RCAC else "plain"),
-        Text(
-            f"Held out: RCAC {k} of {n} runs stable ({low:.0f}-{high:.0f} %), the fixed controller "
-            f"{verdict.fixed_stable[0]} of {verdict.fixed_stable[1]}; rms with RCAC over fixed "
-            f"{verdict.ratio:.3g} ({verdict.interval[0]:.3g} to {verdict.interval[1]:.3g}), peaks "
-            f"{verdict.peak:.3g}; worst: {verdict.worst}.",
-            "plain" if k == n else "warning",
-        ),
+        Text(f"Held out: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"),
     ]
+    if PID in design.runs:
+        beside = compared(design.evidence, PID)
+        better = " It is the better one here." if beside.is_better else ""
+        lines.append(Text(f"{PID} {beside}.{better}", "warning" if better else "plain"))
     if not verdict.Ms <= ADAPTED:
         words = f"The adapted controllers have Ms = {verdict.Ms:.3g}: their loops are not robust."
         lines.append(Text(words, "warning"))

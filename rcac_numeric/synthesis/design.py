@@ -75,32 +75,28 @@ class Reason:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """Which controller to use, and what the difference is worth.
+class Comparison:
+    """A controller beside the fixed one, on the same plants and draws.
 
     Attributes
     ----------
-    use : {"RCAC", "fixed"}
-    why : str
     ratio : float
-        Geometric mean over the plants of the rms with RCAC over that with the fixed controller,
-        where both are stable; NaN where there is none.
+        Geometric mean over the plants of its rms over that of the fixed controller, where both
+        are stable; NaN where there is none.
     interval : (float, float)
         Of that mean, 95 %, the plants being the draws.
     stable, fixed_stable : (int, int)
         Held-out runs that ended in a stable loop, of how many.
     proportion : (float, float)
-        Wilson's interval of RCAC's proportion, 95 %.
+        Wilson's interval of its proportion, 95 %.
     worst : str
-        The plant on which RCAC loses most beside the nominal one.
+        The plant on which it is lost, or else loses most.
     peak : float
         Median ratio of the peaks.
-    Ms : float
-        Median peak of S with the adapted controllers on the nominal plant.
+    wins, losses : int
+        Runs that it alone, and that the fixed controller alone keeps stable.
     """
 
-    use: str
-    why: str
     ratio: float
     interval: tuple[float, float]
     stable: tuple[int, int]
@@ -108,6 +104,41 @@ class Verdict:
     proportion: tuple[float, float]
     worst: str
     peak: float
+    wins: int
+    losses: int
+
+    @property
+    def is_better(self) -> bool:
+        """Whether its rms is lower with confidence, and it is lost no more often."""
+        return self.interval[1] < WORTH and self.losses <= self.wins
+
+    def __str__(self) -> str:
+        (k, n), (low, high) = self.stable, self.proportion
+        return (
+            f"{k} of {n} runs stable ({100 * low:.0f}-{100 * high:.0f} %), the fixed controller "
+            f"{self.fixed_stable[0]}; rms over the fixed controller's {self.ratio:.3g} "
+            f"({self.interval[0]:.3g} to {self.interval[1]:.3g}), peaks {self.peak:.3g}; worst: "
+            f"{self.worst}"
+        )
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Which controller to use, and what the difference is worth.
+
+    Attributes
+    ----------
+    use : {"RCAC", "fixed"}
+    why : str
+    rcac : Comparison
+        RCAC beside the fixed controller.
+    Ms : float
+        Median peak of S with the adapted controllers on the nominal plant.
+    """
+
+    use: str
+    why: str
+    rcac: Comparison
     Ms: float
 
     def __str__(self) -> str:
@@ -209,8 +240,8 @@ class Design(Value):
         return self.report()
 
     def __repr__(self) -> str:
-        k, n = self.verdict.stable
-        return f"Design({self.verdict.use}, ratio={self.verdict.ratio:.3g}, stable {k}/{n})"
+        k, n = self.verdict.rcac.stable
+        return f"Design({self.verdict.use}, ratio={self.verdict.rcac.ratio:.3g}, stable {k}/{n})"
 
 
 def design(
@@ -285,7 +316,7 @@ def design(
     expected, assumed = read_expected(
         disturbance, noise, command, _range(saturation), model.low_gain
     )
-    reference = reference_loop(model, expected)
+    reference = reference_loop(model, expected, _range(saturation))
     settings = settings_of(model, reference, expected)
     fixed, k_w = FixedController(reference.compensator), settings.k_w
     # All begin with RCAC, so that what differs is the adaptation.
@@ -339,7 +370,15 @@ def verdict_of(evidence: tuple[Trial, ...]) -> Verdict:
     1.5 times those of the fixed controller. The plants are the draws of the interval: runs on one
     plant are alike.
     """
-    ours = [t for t in evidence if t.controller == RCAC]
+    found = compared(evidence, RCAC)
+    nominal = next(t for t in evidence if t.controller == RCAC)
+    use, why = _choice(nominal, found)
+    return Verdict(use, why, found, float(np.median(nominal.Ms)))
+
+
+def compared(evidence: tuple[Trial, ...], name: str) -> Comparison:
+    """A controller beside the fixed one, over all plants and draws."""
+    ours = [t for t in evidence if t.controller == name]
     theirs = [t for t in evidence if t.controller == FIXED]
     logs: dict[str, float] = {}
     peaks, wins, losses = [], 0, 0
@@ -353,53 +392,48 @@ def verdict_of(evidence: tuple[Trial, ...]) -> Verdict:
         peaks += [x / y for x, y in zip(a.peak, b.peak, strict=True) if np.isfinite(y) and y > 0]
         wins += sum(x > y for x, y in zip(a.stable, b.stable, strict=True))
         losses += sum(x < y for x, y in zip(a.stable, b.stable, strict=True))
-    count = sum(sum(t.stable) for t in ours), sum(len(t.stable) for t in ours)
-    other = sum(sum(t.stable) for t in theirs), sum(len(t.stable) for t in theirs)
-    proportion = binomtest(*count).proportion_ci(method="wilson")
-    ratio, low, high = _mean(list(logs.values()))
-    peak = float(np.median(peaks)) if peaks else np.inf
+    stable = sum(sum(t.stable) for t in ours), sum(len(t.stable) for t in ours)
+    fixed_stable = sum(sum(t.stable) for t in theirs), sum(len(t.stable) for t in theirs)
+    proportion = binomtest(*stable).proportion_ci(method="wilson")
     broken = [t.variation.name for t in ours if not all(t.stable)]
-    worst = broken[0] if broken else max(logs, key=lambda name: logs[name], default="none")
-    use, why = _choice(ours[0], ratio, high, peak, wins, losses)
-    return Verdict(
-        use, why, ratio, (low, high), count, other, (proportion.low, proportion.high), worst,
-        peak, float(np.median(ours[0].Ms)),
+    return Comparison(
+        *_mean(list(logs.values())), stable, fixed_stable, (proportion.low, proportion.high),
+        worst=broken[0] if broken else max(logs, key=lambda one: logs[one], default="none"),
+        peak=float(np.median(peaks)) if peaks else np.inf, wins=wins, losses=losses,
     )  # fmt: skip
 
 
-def _choice(
-    nominal: Trial, ratio: float, high: float, peak: float, wins: int, losses: int
-) -> tuple[str, str]:
+def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
     """Which controller, and why, in words."""
-    brings = f"RCAC changes the rms error by {100 * (ratio - 1):+.0f} %"
+    brings = f"RCAC changes the rms error by {100 * (found.ratio - 1):+.0f} %"
     if not all(nominal.stable):
         return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
-    if losses > wins:
+    if found.losses > found.wins:
         return FIXED, (
-            f"RCAC loses {losses} held-out runs that it keeps stable, and saves {wins} that it "
-            f"loses; where both are stable {brings}."
+            f"RCAC loses {found.losses} held-out runs that it keeps stable, and saves {found.wins} "
+            f"that it loses; where both are stable {brings}."
         )
-    if peak > PEAK:
-        return FIXED, f"{brings}, but its peaks are {peak:.2g} times as large."
-    if high < WORTH:
+    if found.peak > PEAK:
+        return FIXED, f"{brings}, but its peaks are {found.peak:.2g} times as large."
+    if found.interval[1] < WORTH:
         return RCAC, f"{brings} over the uncertainty."
-    if wins > losses and high < 1 / WORTH:
-        return RCAC, f"it saves {wins} held-out runs that the fixed controller loses, and {brings}."
+    if found.wins > found.losses and found.interval[1] < 1 / WORTH:
+        saved = f"it saves {found.wins} held-out runs that the fixed controller loses"
+        return RCAC, f"{saved}, and {brings}."
     return FIXED, f"{brings}, which is not enough to be told from none or to be worth adapting."
 
 
-def _mean(logs: list[float]) -> tuple[float, float, float]:
+def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
     """The exponential of the mean, and of its 95 % interval by Student's t."""
     if not logs:
-        return np.nan, np.nan, np.nan
-    if len(logs) == 1 or np.ptp(logs) == 0:
-        return (
-            float(np.exp(np.mean(logs))),
-            0.0 if len(logs) == 1 else float(np.exp(logs[0])),
-            (np.inf if len(logs) == 1 else float(np.exp(logs[0]))),
-        )
+        return np.nan, (np.nan, np.nan)
+    mean = float(np.exp(np.mean(logs)))
+    if len(logs) == 1:
+        return mean, (0.0, np.inf)
+    if np.ptp(logs) == 0:
+        return mean, (mean, mean)
     interval = ttest_1samp(logs, 0.0).confidence_interval()
-    return float(np.exp(np.mean(logs))), float(np.exp(interval.low)), float(np.exp(interval.high))
+    return mean, (float(np.exp(interval.low)), float(np.exp(interval.high)))
 
 
 def _questions(

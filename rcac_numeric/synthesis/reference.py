@@ -9,9 +9,10 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, NoSolutionError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.h2.costs import h2_cost
+from rcac_numeric.h2.costs import loop_matrices
 from rcac_numeric.h2.lqg import LQG, controller_matrices, lqg, weights
 from rcac_numeric.h2.noise import noise_inputs, with_bias, with_oscillation
 from rcac_numeric.h2.riccati.equations import stabilising_solution
@@ -28,6 +29,7 @@ NOISE = (1.0, 10.0, 100.0)  # factors of V_2
 LASTS = 1 - 1e-6  # modulus of the disturbance model's poles: no control moves one at 1 itself
 DRIFT = 1e-2  # of the disturbance: how far it moves in a step
 LEAST_NOISE = 1e-5  # of what the disturbance makes of y: LQG without noise has no margins
+LEAST_LEFT = 0.1  # of the actuator's range, whatever lasts of the disturbance
 NEAR = 1e-6  # rad/step beside the pole of a disturbance model
 OUT_OF_REACH = 1e-4  # of the plant's gain: what a zero leaves there
 
@@ -64,7 +66,7 @@ class Reference(Value):
         return ClosedLoop(plant.servo(), self.compensator)
 
 
-def reference_loop(plant: DesignPlant, expected: Expected) -> Reference:
+def reference_loop(plant: DesignPlant, expected: Expected, u_range: float = np.inf) -> Reference:
     """The LQG controller of least cost on a ladder of weights whose loop has Ms <= 2.
 
     Where none has, the one with the smallest peak. z = [e; sqrt(R_2) (u + b)] with b what of d is
@@ -76,6 +78,9 @@ def reference_loop(plant: DesignPlant, expected: Expected) -> Reference:
     expected : Expected
         What of d is a constant or a sinusoid becomes a model of the disturbance: an integrator,
         an oscillator.
+    u_range : float
+        Half of what the actuator can do. What lasts of d is cancelled by u; the rest of u is to
+        have a standard deviation of a third of what is left, at most.
 
     Raises
     ------
@@ -89,6 +94,8 @@ def reference_loop(plant: DesignPlant, expected: Expected) -> Reference:
         _require_reach(plant, omega)
     noise = {"d": (expected.white / units[0]) ** 2} | dict.fromkeys(models, 1.0)
     V = max(expected.noise / units[1], LEAST_NOISE) ** 2
+    left = u_range - expected.lasting
+    most_u = max(left, LEAST_LEFT * u_range) / (3 * units[0])
     found, obstacle = [], ""
     for R_2, V_2, parts in _rungs(scaled, models, noise, V):
         try:
@@ -96,11 +103,13 @@ def reference_loop(plant: DesignPlant, expected: Expected) -> Reference:
             if not np.isfinite(peak):
                 continue
             robust = peak <= MOST
-            cost = _cost(scaled, models, parts, {**noise, "v": V}) if robust else peak
-            found.append((not robust, cost, R_2, V_2, peak))
+            e, u = _powers(scaled, models, parts, {**noise, "v": V})
+            wide = u > most_u**2
+            order = (not robust, peak) if not robust else (wide, u if wide else e)
+            found.append((not robust, *order, R_2, V_2, peak))
         except CompensatorError as error:
             obstacle = f" The last obstacle: {error}"
-    for _, _, R_2, V_2, peak in sorted(found):
+    for *_, R_2, V_2, peak in sorted(found):
         try:
             best = lqg(_weighted(scaled, R_2, models), noise={**noise, "v": V * V_2})
             G_c = best.compensator
@@ -205,13 +214,19 @@ def _peak(plant: Plant, parts: StateSpace) -> float:
     return hinf_norm((A, B, C, np.ones((1, 1))), rtol=1e-4)[0]
 
 
-def _cost(plant: Plant, models: Models, parts: StateSpace, noise: dict[str, float]) -> float:
-    """E[e_0^2] under what is expected, the noise v not counted itself."""
-    made = _weighted(plant, 0.0, models)
-    alone = np.array([[1.0, 0.0]])
-    E_0 = np.hstack([[[1.0, 0.0, 0.0]], np.zeros((1, made.l_w - 3))])
-    made = replace(made, E_1=alone @ made.E_1, E_2=np.zeros((1, 1)), E_0=E_0)
-    return h2_cost(made, parts, noise=noise).value
+def _powers(
+    plant: Plant, models: Models, parts: StateSpace, noise: dict[str, float]
+) -> tuple[float, float]:
+    """E[e_0^2] and E[(u + b)^2] under what is expected."""
+    made = _weighted(plant, 1.0, models)
+    E_0 = np.zeros((2, made.l_w))
+    E_0[0, 0] = 1.0  # of the noise v only what comes back through the loop is an error
+    inputs = noise_inputs(replace(made, E_0=E_0), noise)
+    A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(made, parts, inputs)
+    covariance = stein_solution(A, B @ B.T)
+    Z, W = E_x + made.E_2 @ K_x, E_w + made.E_2 @ K_w
+    e, u = np.einsum("ij,jk,ik->i", Z, covariance, Z) + np.sum(W**2, axis=1)
+    return float(e), float(u)
 
 
 def sensitivity_peak(loop: ClosedLoop) -> float:

@@ -170,7 +170,7 @@ def test_units_change_nothing_but_units(u, y, t):
     assert_close(other.settings.target.numerator * u / y, one.settings.target.numerator)
     assert_close(other.settings.target.denominator, one.settings.target.denominator)
     assert other.settings.R_z.nu * y == pytest.approx(one.settings.R_z.nu, rel=1e-6)
-    assert other.verdict.ratio == pytest.approx(one.verdict.ratio, rel=1e-4)
+    assert other.verdict.rcac.ratio == pytest.approx(one.verdict.rcac.ratio, rel=1e-4)
 
 
 # The verdict.
@@ -185,6 +185,18 @@ def trials(ours, theirs):
             rms = np.inf if lost else value
             made.append(Trial(name, Variation(f"plant {i}"), (not lost,), (rms,), (1.0,), (1.5,)))
     return tuple(made)
+
+
+def test_the_reference_keeps_to_the_actuator():
+    plant = read_plant("2/((40*s + 1)*(8*s + 1))", 2.5, 10.0)
+    expected, _ = read_expected(Step(0.3), 0.02, None, 1.0, plant.low_gain)
+    w = exogenous(expected.signals(1), 4000, seed=1)
+    u = {}
+    for half in (np.inf, 1.0):
+        loop = reference_loop(plant, expected, half)
+        run = simulate(plant.servo(), FixedController(loop.compensator), w)
+        u[half] = run.u[500:].std()
+    assert u[np.inf] > 0.5 and u[1.0] < 1.1 * (1 - 0.3) / 3  # 10 % for 3500 coloured samples
 
 
 @pytest.mark.parametrize(
@@ -202,7 +214,7 @@ def trials(ours, theirs):
 def test_the_verdict_follows_from_the_evidence(ours, theirs, use):
     found = verdict_of(trials(ours, theirs))
     assert found.use == use
-    assert found.stable == (sum(one is not None for one in ours), 3)
+    assert found.rcac.stable == (sum(one is not None for one in ours), 3)
     assert str(found).startswith("Use RCAC: " if use == RCAC else "Use the fixed controller: ")
 
 
@@ -210,8 +222,8 @@ def test_the_interval_is_students():
     found = verdict_of(trials([0.5, 0.6, 0.9], [1.0, 1.0, 1.0]))
     logs = np.log([0.5, 0.6, 0.9])
     half = student.ppf(0.975, 2) * logs.std(ddof=1) / np.sqrt(3)
-    assert found.ratio == pytest.approx(np.exp(logs.mean()))
-    assert found.interval == pytest.approx(np.exp([logs.mean() - half, logs.mean() + half]))
+    assert found.rcac.ratio == pytest.approx(np.exp(logs.mean()))
+    assert found.rcac.interval == pytest.approx(np.exp([logs.mean() - half, logs.mean() + half]))
 
 
 def test_a_right_plant_and_a_step_need_no_adaptation():
@@ -301,7 +313,7 @@ def test_a_design_pickles_and_draws():
     found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, **QUICK)
     again = pickle.loads(pickle.dumps(found))
     assert equal(again.settings, found.settings) and again.verdict == found.verdict
-    assert len(found.plot().axes) == 3 and isfinite(found.verdict.ratio)
+    assert len(found.plot().axes) == 3 and isfinite(found.verdict.rcac.ratio)
     assert "Use " in found._repr_html_()
 
 
