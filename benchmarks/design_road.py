@@ -35,7 +35,7 @@ from rcac_numeric import (
     simulate_many,
 )
 from rcac_numeric.synthesis.expected import read_expected
-from rcac_numeric.synthesis.plants import Variation, read_plant
+from rcac_numeric.synthesis.plants import Variation, read_plant, variations
 from rcac_numeric.synthesis.reference import reference_loop
 from rcac_numeric.synthesis.road import settings_of
 from rcac_numeric.synthesis.simc import simc
@@ -155,7 +155,8 @@ def controllers(model, known, size):
     made = {}
     for name, expected in (("signals known", known), ("size known", size)):
         try:
-            reference = reference_loop(model, expected)
+            others = variations(model, Uncertainty())
+            reference = reference_loop(model, expected, np.inf, others)
             made[f"fixed, {name}"] = FixedController(reference.compensator)
             made[f"road, {name}"] = settings_of(model, reference, expected)
         except CompensatorError as error:

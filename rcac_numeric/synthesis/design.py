@@ -316,7 +316,8 @@ def design(
     expected, assumed = read_expected(
         disturbance, noise, command, _range(saturation), model.low_gain
     )
-    reference = reference_loop(model, expected, _range(saturation))
+    cases = variations(model, uncertain)
+    reference = reference_loop(model, expected, _range(saturation), cases)
     settings = settings_of(model, reference, expected)
     fixed, k_w = FixedController(reference.compensator), settings.k_w
     # All begin with RCAC, so that what differs is the adaptation.
@@ -330,7 +331,6 @@ def design(
         controllers[PID] = FixedController(beside.compensator, k_w=k_w)
     except NoSolutionError as error:
         alternatives[PID] = str(error)
-    cases = variations(model, uncertain)
     evidence = run_trials(
         controllers, model, expected, cases, steps=steps, seeds=seeds, saturation=saturation
     )
@@ -482,7 +482,7 @@ def _reasons(
     models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids[:1]]
     models += ["an integrator"] if reference.lqg.plant.n > model.servo().n + 2 * len(models) else []
     parts = " and ".join(models)
-    robust = "" if reference.peak <= MOST else "; no rung of the ladder has Ms <= 2"
+    robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
     samples = round(KNOWN if expected.is_known else FEWER)
     return (
         Reason("fixed", f"LQG of order {n_c}, Ms = {reference.peak:.3g}",

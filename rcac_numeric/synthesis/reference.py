@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, NoSolutionError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.gramians import stein_solution
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.h2.costs import loop_matrices
@@ -21,7 +22,7 @@ from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.margins.peaks import hinf_norm
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.synthesis.expected import Expected
-from rcac_numeric.synthesis.plants import DesignPlant, balanced
+from rcac_numeric.synthesis.plants import DesignPlant, Variation, balanced
 
 MOST = 2.0  # peak of the sensitivity S that a reference loop may have
 CONTROL = (1e-9, 1e-7, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0)  # R_2 over the square of the gain
@@ -66,11 +67,17 @@ class Reference(Value):
         return ClosedLoop(plant.servo(), self.compensator)
 
 
-def reference_loop(plant: DesignPlant, expected: Expected, u_range: float = np.inf) -> Reference:
-    """The LQG controller of least cost on a ladder of weights whose loop has Ms <= 2.
+def reference_loop(
+    plant: DesignPlant, expected: Expected, u_range: float = np.inf,
+    others: Sequence[Variation] = (),
+) -> Reference:  # fmt: skip
+    """The LQG controller of least cost on a ladder of weights whose loop is robust.
 
-    Where none has, the one with the smallest peak. z = [e; sqrt(R_2) (u + b)] with b what of d is
-    not white: then the Riccati equation itself has the controller cancel b, whatever R_2 is.
+    Robust is: Ms <= 2, and stable with every other plant. Where none is, the one that loses the
+    fewest of them, and of those the one with the smallest peak.
+
+    z = [e; sqrt(R_2) (u + b)] with b what of d is not white: then the Riccati equation itself has
+    the controller cancel b, whatever R_2 is.
 
     Parameters
     ----------
@@ -81,6 +88,8 @@ def reference_loop(plant: DesignPlant, expected: Expected, u_range: float = np.i
     u_range : float
         Half of what the actuator can do. What lasts of d is cancelled by u; the rest of u is to
         have a standard deviation of a third of what is left, at most.
+    others : sequence of Variation
+        What the plant may be instead.
 
     Raises
     ------
@@ -96,16 +105,18 @@ def reference_loop(plant: DesignPlant, expected: Expected, u_range: float = np.i
     V = max(expected.noise / units[1], LEAST_NOISE) ** 2
     left = u_range - expected.lasting
     most_u = max(left, LEAST_LEFT * u_range) / (3 * units[0])
+    instead = [_in_units(plant, units, one) for one in others]
     found, obstacle = [], ""
     for R_2, V_2, parts in _rungs(scaled, models, noise, V):
         try:
             peak = _peak(scaled, parts)
             if not np.isfinite(peak):
                 continue
-            robust = peak <= MOST
+            lost = sum(not _radius(other, parts) < 1 for other in instead)
+            robust = peak <= MOST and not lost
             e, u = _powers(scaled, models, parts, {**noise, "v": V})
             wide = u > most_u**2
-            order = (not robust, peak) if not robust else (wide, u if wide else e)
+            order = (wide, u if wide else e) if robust else (lost, peak)
             found.append((not robust, *order, R_2, V_2, peak))
         except CompensatorError as error:
             obstacle = f" The last obstacle: {error}"
@@ -134,9 +145,11 @@ def _require_reach(plant: DesignPlant, omega: float) -> None:
         )
 
 
-def _in_units(plant: DesignPlant, units: tuple[float, float]) -> Plant:
+def _in_units(
+    plant: DesignPlant, units: tuple[float, float], changed: Variation | None = None
+) -> Plant:
     """The servo problem in these units of u and y, its states of like size."""
-    servo = plant.servo()
+    servo = plant.servo(changed)
     B, C = servo.B * units[0], servo.C / units[1]
     A, B, C = balanced(servo.A, B, C)
     none = np.zeros((len(A), 1))
@@ -204,14 +217,23 @@ def _rungs(
 
 def _peak(plant: Plant, parts: StateSpace) -> float:
     """Ms = max abs(1/(1 - G_yu G_c)), infinite where the loop is unstable."""
-    A_c, B_c, C_c, _ = parts
-    n = plant.n
-    A = np.block([[plant.A, plant.B @ C_c], [B_c @ plant.C, A_c]])
-    if np.abs(np.linalg.eigvals(A)).max() >= 1:
+    A_c, _, C_c, _ = parts
+    if not _radius(plant, parts) < 1:
         return np.inf
     B = np.vstack([plant.B, np.zeros((len(A_c), 1))])
-    C = np.hstack([np.zeros((1, n)), C_c])
-    return hinf_norm((A, B, C, np.ones((1, 1))), rtol=1e-4)[0]
+    C = np.hstack([np.zeros((1, plant.n)), C_c])
+    return hinf_norm((_closed(plant, parts), B, C, np.ones((1, 1))), rtol=1e-4)[0]
+
+
+def _closed(plant: Plant, parts: StateSpace) -> Array:
+    """A of the loop with a strictly proper controller."""
+    A_c, B_c, C_c, _ = parts
+    return np.block([[plant.A, plant.B @ C_c], [B_c @ plant.C, A_c]])
+
+
+def _radius(plant: Plant, parts: StateSpace) -> float:
+    """The spectral radius of the loop."""
+    return float(np.abs(np.linalg.eigvals(_closed(plant, parts))).max())
 
 
 def _powers(

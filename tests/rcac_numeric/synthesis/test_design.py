@@ -199,6 +199,16 @@ def test_the_reference_keeps_to_the_actuator():
     assert u[np.inf] > 0.5 and u[1.0] < 1.1 * (1 - 0.3) / 3  # 10 % for 3500 coloured samples
 
 
+def test_the_reference_is_stable_with_the_other_plants():
+    plant = read_plant("1/(20*s + 1)", 1.0, 0.0)
+    expected, _ = read_expected(0.5, 0.001, None, np.inf, plant.low_gain)
+    later = plant.servo(Variation(delay=1))
+    alone = reference_loop(plant, expected)
+    assert not ClosedLoop(later, alone.compensator).is_stable  # what makes the next line a test
+    robust = reference_loop(plant, expected, others=[Variation(delay=1)])
+    assert ClosedLoop(later, robust.compensator).is_stable
+
+
 @pytest.mark.parametrize(
     ("ours", "theirs", "use"),
     [
