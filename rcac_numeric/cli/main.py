@@ -16,6 +16,7 @@ from rcac_numeric.cli.exits import EXIT_STATUS, ended, piped
 # imported when it is asked for, so that `rcac list` waits for neither NumPy nor SymPy.
 COMMANDS = {
     "check": ("rcac_numeric.cli.check:check", "Check the controller that a log ended with."),
+    "design": ("rcac_numeric.cli.design:design", "From a plant to a controller with reasons."),
     "errata": (
         "rcac_numeric.cli.dissertation.errata:errata",
         "List what is wrong in the dissertation's text.",

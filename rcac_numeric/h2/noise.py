@@ -121,21 +121,75 @@ def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) ->
         )
     if power < 0:
         raise InputError(f"mean_square = {power} must not be negative.")
-    at, n = plant.channels.index(channel), plant.n
-    drive = np.zeros((n + 1, 1))
-    drive[n] = np.sqrt((1 - pole**2) * power)
-    top = np.hstack([plant.A, plant.D_1[:, [at]]])
+    drive = np.sqrt((1 - pole**2) * power)
+    return _with_model(plant, channel, np.array([[pole]]), np.array([[drive]]), "bias")
+
+
+def with_oscillation(
+    plant: Plant, channel: str, *, omega: float, radius: float, mean_square: float
+) -> Plant:
+    """The plant whose channel of w also carries a sinusoid that drifts in amplitude and phase.
+
+    s(k+1) = radius [cos omega, sin omega; -sin omega, cos omega] s(k) + noise, b(k) = s_1(k): the
+    model whose inverse LQG builds into the controller, as `with_bias` is that of a constant.
+
+    Parameters
+    ----------
+    plant : Plant
+    channel : str
+        One of `plant.channels`.
+    omega : float
+        In rad/sample.
+    radius : float
+        In (0, 1); the sinusoid lasts about 1/(1 - radius) steps.
+    mean_square : float
+        The stationary E[b(k)^2].
+
+    Returns
+    -------
+    Plant
+        Of order n + 2, with two more channels of w, the block ``channel + "_oscillation"``.
+
+    Examples
+    --------
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.h2.noise import with_oscillation
+    >>> with_oscillation(
+    ...     standard_plant("1/(q - 0.5)"), "w", omega=0.3, radius=0.99, mean_square=1.0)
+    Plant(n=3, l_u=1, l_w=3, l_y=1, l_z=1)
+    """
+    if channel not in instance_of(plant, "plant", Plant).channels:
+        raise InputError(f"w has no channel {channel!r}; it has {', '.join(plant.channels)}.")
+    omega, radius = number(omega, "omega"), number(radius, "radius")
+    if not 0 < radius < 1 or mean_square < 0:
+        raise InputError(
+            f"radius = {radius:g} must lie in (0, 1) and mean_square = {mean_square:g} must not be "
+            "negative: no control moves the disturbance's own mode."
+        )
+    turn = np.array([[np.cos(omega), np.sin(omega)], [-np.sin(omega), np.cos(omega)]])
+    drive = np.sqrt((1 - radius**2) * mean_square) * np.eye(2)
+    return _with_model(plant, channel, radius * turn, drive, "oscillation")
+
+
+def _with_model(plant: Plant, channel: str, S: Array, drive: Array, name: str) -> Plant:
+    """The plant whose channel also carries the first state of s(k+1) = S s(k) + drive noise."""
+    at, n, m = plant.channels.index(channel), plant.n, len(S)
+
+    def beside(own: Array, from_channel: Array) -> Array:
+        return np.hstack([own, from_channel, np.zeros((len(own), m - 1))])
+
+    none = np.zeros
     return Plant(
-        A=np.vstack([top, np.append(np.zeros(n), pole)]),
-        B=np.vstack([plant.B, np.zeros((1, plant.l_u))]),
-        D_1=np.hstack([np.vstack([plant.D_1, np.zeros((1, plant.l_w))]), drive]),
-        C=np.hstack([plant.C, plant.D_2[:, [at]]]),
+        A=np.vstack([beside(plant.A, plant.D_1[:, [at]]), np.hstack([none((m, n)), S])]),
+        B=np.vstack([plant.B, none((m, plant.l_u))]),
+        D_1=np.block([[plant.D_1, none((n, m))], [none((m, plant.l_w)), drive]]),
+        C=beside(plant.C, plant.D_2[:, [at]]),
         D_0=plant.D_0,
-        D_2=np.hstack([plant.D_2, np.zeros((plant.l_y, 1))]),
-        E_1=np.hstack([plant.E_1, plant.E_0[:, [at]]]),
+        D_2=np.hstack([plant.D_2, none((plant.l_y, m))]),
+        E_1=beside(plant.E_1, plant.E_0[:, [at]]),
         E_2=plant.E_2,
-        E_0=np.hstack([plant.E_0, np.zeros((plant.l_z, 1))]),
-        blocks={**plant.blocks, f"{channel}_bias": 1},
+        E_0=np.hstack([plant.E_0, none((plant.l_z, m))]),
+        blocks={**plant.blocks, f"{channel}_{name}": m},
     )
 
 

@@ -72,7 +72,7 @@ def excitation_of(run: Run) -> Excitation | None:
     information = np.zeros((size, size))
     with np.errstate(all="ignore"):
         root = np.linalg.cholesky(R_z)
-        Phi_f = np.einsum("zs,ksj->kzj", root.T, _filtered(phi, target)[start:])
+        Phi_f = np.einsum("zs,ksj->kzj", root.T, filtered_regressor(phi, target)[start:])
         for block in np.array_split(Phi_f.reshape(-1, size), max(len(Phi_f) // 1000, 1)):
             information += block.T @ block
         if not np.isfinite(information).all():
@@ -102,8 +102,23 @@ def _divided(phi: Array, tail: Array) -> Array:
     return out
 
 
-def _filtered(phi: Array, target: TargetModel) -> Array:
-    """G_f Phi for Phi = phi' (x) I; shape (steps, l_z, l_theta)."""
+def filtered_regressor(phi: Array, target: TargetModel) -> Array:
+    """Phi_f = G_f Phi of (2.40) for Phi = phi' (x) I; shape (steps, l_z, l_theta).
+
+    Parameters
+    ----------
+    phi : array, shape (steps, number of taps)
+    target : TargetModel
+        Whose D_f is one polynomial times the identity.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric import TargetModel
+    >>> from rcac_numeric.health.excitation import filtered_regressor
+    >>> filtered_regressor(np.ones((3, 1)), TargetModel([0, 2])).ravel()
+    array([0., 2., 2.])
+    """
     steps, taps = phi.shape
     if target.denominator[1:].any():
         phi = _divided(phi, target.denominator[1:, 0, 0])

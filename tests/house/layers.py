@@ -63,6 +63,7 @@ LAYERS = {
         "experiments.files",
         "checks",
         "health",
+        "synthesis",
         "sweeps.study",
         "sweeps.chunks",
         "sweeps.store",

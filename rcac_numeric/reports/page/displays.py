@@ -47,6 +47,7 @@ PICTURES = {
         "rcac_numeric.plots.figures.plants:plot_zero_path"
     ),
     "rcac_numeric.sweeps.results.statistics:SweepSummary": "rcac_numeric.plots.sweep:plot_summary",
+    "rcac_numeric.synthesis.design:Design": "rcac_numeric.plots.design:plot_design",
 }
 
 # From a type to the function that writes its report.
@@ -65,6 +66,7 @@ SHEETS = {
     "rcac_numeric.sweeps.results.replay:ReplayedRun": (
         "rcac_numeric.reports.studies.replay:replay_sheet"
     ),
+    "rcac_numeric.synthesis.design:Design": "rcac_numeric.reports.design:design_sheet",
 }
 
 # From a type to the function that draws it as several small pictures for a page.

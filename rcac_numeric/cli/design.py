@@ -1,0 +1,117 @@
+"""The command `rcac design`: from a plant to an experiment file with reasons."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from compensator_theory.errors import InputError
+from rcac_numeric.cli.check import is_transfer_function, read_case
+from rcac_numeric.cli.output import as_json_option, picture_option, show
+from rcac_numeric.reports.design import design_sheet
+from rcac_numeric.signals.waveforms import Step
+from rcac_numeric.synthesis.design import Design
+from rcac_numeric.synthesis.design import design as designed
+from rcac_numeric.synthesis.files import design_arguments
+
+# What only the owner of the plant knows: the option, the question, and what is taken unasked.
+ASKED = {
+    "disturbance": ("Size of the disturbance, in units of u", "unknown"),
+    "noise": ("Standard deviation of the sensor noise, in units of y", "unknown"),
+    "u_limits": ("Limits of u, as LOW,HIGH", "none"),
+}
+
+
+@click.command("design")
+@click.argument("plant", metavar="FILE")
+@click.option(
+    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the experiment file here; rcac verify runs it.",
+)  # fmt: skip
+@click.option("--disturbance", help='Its size in units of u, or "unknown".')
+@click.option("--noise", help='Standard deviation of the sensor, in units of y, or "unknown".')
+@click.option("--command", "height", type=float, help="A step of the command, in units of y.")
+@click.option("--u-limits", help='LOW,HIGH of the actuator, or "none".')
+@click.option("--sample-time", type=float, help="In seconds; a plant in s needs it.")
+@click.option("--dead-time", type=float, default=0.0, help="In seconds, or steps without them.")
+@click.option("--seeds", type=click.IntRange(min=1), default=6, show_default=True,
+              help="Held-out runs on each plant.")  # fmt: skip
+@click.option("--assume", is_flag=True, help="Ask nothing: assume what is not said, and say so.")
+@picture_option("Draw a nominal run and the rms on every plant into this file.")
+@as_json_option
+def design(
+    *,
+    plant: str,
+    output: Path | None,
+    disturbance: str | None,
+    noise: str | None,
+    height: float | None,
+    u_limits: str | None,
+    sample_time: float | None,
+    dead_time: float,
+    seeds: int,
+    assume: bool,
+    picture: Path | None,
+    as_json: bool,
+) -> None:
+    """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
+
+    FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
+    file with A, B and C, or a transfer function such as "1/(10*s + 1)". What nobody said is asked
+    at a terminal; in a pipe it is refused by name, or assumed with --assume.
+    """
+    known: dict[str, Any] = {"sample_time": sample_time}
+    if is_transfer_function(plant):
+        known["plant"] = plant
+    elif Path(plant).suffix.lower() == ".toml":
+        read = design_arguments(plant)
+        known |= {name: value for name, value in read.items() if value is not None}
+    else:
+        known["plant"] = read_case(plant, "standard")[0]
+    said = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
+    missing = [name for name, value in said.items() if value is None and name not in known]
+    if missing and not assume:
+        if not at_a_terminal():
+            names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
+            raise InputError(
+                f"nobody said {names}, and there is no terminal to ask at. Give them, or --assume "
+                "to take what `rcac design` takes unasked."
+            )
+        for name in missing:
+            words, default = ASKED[name]
+            said[name] = click.prompt(words, default=default)
+    for name, value in said.items():
+        if value is not None and value != ASKED[name][1]:
+            known[name] = _numbers(name, value)
+    if height is not None:
+        known["command"] = Step(height)
+    found = designed(**known, dead_time=dead_time, seeds=seeds)
+    show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+
+
+def at_a_terminal() -> bool:
+    """Whether somebody can answer."""
+    return sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def _numbers(name: str, text: str) -> float | tuple[float, ...]:
+    """A number, or two between commas."""
+    option = f"--{name.replace('_', '-')}"
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        values = ()
+    if len(values) != (2 if name == "u_limits" else 1):
+        form = "LOW,HIGH" if name == "u_limits" else "a number"
+        raise InputError(f"{option} {text}: write {form}, or {ASKED[name][1]!r}.")
+    return values if name == "u_limits" else values[0]
+
+
+def _written(found: Design, output: Path | None) -> list[str]:
+    if output is None:
+        return []
+    found.save(output)
+    return [f"Experiment file: {output} (rcac verify {output})"]

@@ -1,0 +1,57 @@
+"""A picture of a design: one nominal run of each controller, and the rms on every plant."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rcac_numeric.plots.library import Figure
+from rcac_numeric.plots.style import line_style
+from rcac_numeric.synthesis.design import Design
+from rcac_numeric.synthesis.trials import FIXED
+
+
+def plot_design(design: Design) -> Figure:
+    """Above the error and the control of a nominal run, below the rms on held-out runs.
+
+    Examples
+    --------
+    >>> from rcac_numeric import design
+    >>> found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, seeds=1, steps=300)
+    >>> len(found.plot().axes)
+    3
+    """
+    figure = Figure(figsize=(9, 7.5), layout="constrained")
+    error, control, below = figure.subplots(3, 1, height_ratios=[1.2, 1, 1.4])
+    names = list(design.runs)
+    for i, name in reversed(list(enumerate(names))):
+        run = design.runs[name]
+        e = (run.z + run.w[: len(run.z), 2:3]).ravel()
+        error.plot(run.k, e, linewidth=1.1, label=name, **line_style(i))
+        control.plot(run.k, run.u_applied.ravel(), linewidth=1.1, **line_style(i))
+    seen = design.runs[FIXED]
+    largest = float(np.abs(seen.z).max(initial=0.0)) or 1.0
+    error.set_ylim(-2 * largest, 2 * largest)
+    reach = float(np.abs(seen.u_applied).max(initial=0.0)) or 1.0
+    control.set_ylim(-2 * reach, 2 * reach)
+    error.set_title(str(design.verdict), fontsize=9, loc="left", wrap=True)
+    error.set_ylabel("$e_0$")
+    error.legend(fontsize=8, loc="upper right")
+    control.set(ylabel="$u$", xlabel="step $k$ of a held-out run with the nominal plant")
+    plants = list(dict.fromkeys(trial.variation.name for trial in design.evidence))
+    for i, name in enumerate(names):
+        trials = [t for t in design.evidence if t.controller == name]
+        for j, trial in enumerate(trials):
+            kept = [value for value in trial.rms if np.isfinite(value)]
+            place = j + 0.25 * (i - (len(names) - 1) / 2)
+            style = line_style(i)
+            below.plot([place] * len(kept), kept, "o", markersize=4, color=style["color"])
+            if lost := len(trial.rms) - len(kept):
+                words = f"{lost} lost"
+                top = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom"}
+                below.annotate(words, (place, 1.0), fontsize=7, color=style["color"], **top)
+    below.set_yscale("log")
+    below.set_xticks(range(len(plants)), plants, fontsize=7, rotation=15)
+    below.set_ylabel("rms of $e_0$, last quarter")
+    for axis in figure.axes:
+        axis.grid(alpha=0.25)
+    return figure

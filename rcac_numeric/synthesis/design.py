@@ -1,0 +1,505 @@
+"""From a plant to a controller: settings, the fixed controller beside them, and which to use."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest, ttest_1samp
+
+from compensator_theory.errors import InputError, NoSolutionError
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.files import replacing
+from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays.validation import instance_of, integer, items, number
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.batches import SimulationCase, simulate_many
+from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.experiments.experiment import JUDGING
+from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.health.health import LoopHealth
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.saturation import Saturation
+from rcac_numeric.synthesis.expected import LONGEST, UNKNOWN, Expected, read_expected
+from rcac_numeric.synthesis.files import experiment_file
+from rcac_numeric.synthesis.plants import (
+    DesignPlant,
+    Uncertainty,
+    read_plant,
+    variations,
+)
+from rcac_numeric.synthesis.reference import MOST, Reference, reference_loop
+from rcac_numeric.synthesis.road import KNOWN, settings_of
+from rcac_numeric.synthesis.road import UNKNOWN as FEWER
+from rcac_numeric.synthesis.simc import simc
+from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
+
+WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
+PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
+FAST = 1e-2  # first Markov parameter over the largest: sampled faster than it is good for
+ADAPTED = 3.0  # Ms of an adapted controller that is warned of
+
+
+@dataclass(frozen=True)
+class Question:
+    """What was assumed, and is to be confirmed.
+
+    Attributes
+    ----------
+    name : str
+        The argument of `design` that answers it.
+    assumed : str
+    words : str
+        What it decides.
+    """
+
+    name: str
+    assumed: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Reason:
+    """A setting, and why it is what it is."""
+
+    name: str
+    value: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A controller beside the fixed one, on the same plants and draws.
+
+    Attributes
+    ----------
+    ratio : float
+        Geometric mean over the plants of its rms over that of the fixed controller, where both
+        are stable; NaN where there is none.
+    interval : (float, float)
+        Of that mean, 95 %, the plants being the draws.
+    stable, fixed_stable : (int, int)
+        Held-out runs that ended in a stable loop, of how many.
+    proportion : (float, float)
+        Wilson's interval of its proportion, 95 %.
+    worst : str
+        The plant on which it is lost, or else loses most.
+    peak : float
+        Median ratio of the peaks.
+    wins, losses : int
+        Runs that it alone, and that the fixed controller alone keeps stable.
+    """
+
+    ratio: float
+    interval: tuple[float, float]
+    stable: tuple[int, int]
+    fixed_stable: tuple[int, int]
+    proportion: tuple[float, float]
+    worst: str
+    peak: float
+    wins: int
+    losses: int
+
+    @property
+    def is_better(self) -> bool:
+        """Whether its rms is lower with confidence, and it is lost no more often."""
+        return self.interval[1] < WORTH and self.losses <= self.wins
+
+    def __str__(self) -> str:
+        (k, n), (low, high) = self.stable, self.proportion
+        return (
+            f"{k} of {n} runs stable ({100 * low:.0f}-{100 * high:.0f} %), the fixed controller "
+            f"{self.fixed_stable[0]}; rms over the fixed controller's {self.ratio:.3g} "
+            f"({self.interval[0]:.3g} to {self.interval[1]:.3g}), peaks {self.peak:.3g}; worst: "
+            f"{self.worst}"
+        )
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Which controller to use, and what the difference is worth.
+
+    Attributes
+    ----------
+    use : {"RCAC", "fixed"}
+    why : str
+    rcac : Comparison
+        RCAC beside the fixed controller.
+    Ms : float
+        Median peak of S with the adapted controllers on the nominal plant.
+    """
+
+    use: str
+    why: str
+    rcac: Comparison
+    Ms: float
+
+    def __str__(self) -> str:
+        name = "RCAC" if self.use == RCAC else "the fixed controller"
+        return f"Use {name}: {self.why}"
+
+
+@dataclass(frozen=True, eq=False)
+class Design(Value):
+    """A controller for a plant, with reasons.
+
+    Attributes
+    ----------
+    plant : Plant
+        The servo problem y = z = e = r - y_0 - v of the plant, dead time as states: what
+        `settings` and `fixed` are for, in units of e and u.
+    settings : ControllerSettings
+        Of RCAC.
+    fixed : FixedController
+        The reference controller, LQG.
+    verdict : Verdict
+    questions : tuple of Question
+    reasons : tuple of Reason
+    alternatives : mapping from names to FixedController or str
+        A PID by SIMC, or why there is none.
+    evidence : tuple of Trial
+        Every controller on every plant, on held-out draws.
+    reference : Reference
+    expected : Expected
+    model : DesignPlant
+    uncertainty : Uncertainty
+    saturation : Saturation or None
+    runs : mapping from names to Run
+        One of the nominal plant for each controller.
+    steps : int
+    """
+
+    plant: Plant
+    settings: ControllerSettings
+    fixed: FixedController
+    verdict: Verdict
+    questions: tuple[Question, ...]
+    reasons: tuple[Reason, ...]
+    alternatives: Mapping[str, FixedController | str]
+    evidence: tuple[Trial, ...]
+    reference: Reference
+    expected: Expected
+    model: DesignPlant
+    uncertainty: Uncertainty
+    saturation: Saturation | None
+    runs: Mapping[str, Run]
+    steps: int
+
+    @cached_property
+    def health(self) -> LoopHealth:
+        """The health of RCAC's nominal run."""
+        return loop_health(self.runs[RCAC])
+
+    @property
+    def controller(self) -> AnyController:
+        """What the verdict says to use."""
+        return self.settings if self.verdict.use == RCAC else self.fixed
+
+    def to_toml(self) -> str:
+        """The experiment file that says the same, read back and compared before it is returned.
+
+        Raises
+        ------
+        PrecisionError
+            Where what was read back is not what was written.
+        """
+        words = [str(self.verdict)]
+        words += [f"Assumed: {q.name}: {q.assumed}; {q.words}." for q in self.questions]
+        return experiment_file(
+            self.plant, self.settings, self.expected, steps=self.steps, saturation=self.saturation,
+            words=words, reasons={one.name: f"{one.value}: {one.words}" for one in self.reasons},
+            adapts=self.verdict.use == RCAC,
+        )  # fmt: skip
+
+    def save(self, path: str | Path) -> None:
+        """Write `to_toml()` into a file, whole or not at all."""
+        text = self.to_toml()
+        with replacing(path) as new:
+            new.write_text(text, encoding="utf-8")
+
+    def report(self) -> str:
+        """The verdict, what was assumed, and why each setting is what it is."""
+        return report_of(self)
+
+    def plot(self) -> figures.Figure:
+        """The error of one nominal run, and the rms on every plant."""
+        return picture_of(self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and the picture."""
+        return notebook_of(self, self.plot)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        k, n = self.verdict.rcac.stable
+        return f"Design({self.verdict.use}, ratio={self.verdict.rcac.ratio:.3g}, stable {k}/{n})"
+
+
+def design(
+    plant: Any,
+    *,
+    disturbance: Any = UNKNOWN,
+    noise: float | None = None,
+    command: Any = None,
+    u_limits: Any = None,
+    sample_time: float | None = None,
+    dead_time: float = 0.0,
+    uncertainty: Uncertainty | None = None,
+    seeds: int = 6,
+    steps: int = 2000,
+) -> Design:
+    """From a plant to a controller: RCAC or a fixed one, which was tried out on other plants.
+
+    A robust LQG controller is the reference (Ms <= 2). RCAC begins at it, its target model is the
+    intercalated transfer function (4.18) of its loop, and R_theta = N_0 mean(Phi_f' Phi_f) there:
+    the prior is worth N_0 samples, whatever the units are.
+
+    Parameters
+    ----------
+    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str
+        Linear, scalar, strictly proper; all that `plant_of` reads. A `Plant` counts as its map
+        from u to y.
+    disturbance : "unknown", number or Signal
+        d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
+        the size of one that is not known otherwise.
+    noise : float, optional
+        Standard deviation of the sensor noise, in units of y.
+    command : Signal, optional
+        r, in units of y.
+    u_limits : (low, high) or Saturation, optional
+    sample_time : float, optional
+        In seconds; a plant in continuous time needs it.
+    dead_time : float
+        Of the plant, in seconds; in steps where no sample time is known.
+    uncertainty : Uncertainty, optional
+        How far the true plant may be from this one: by default a gain of 0.8 to 1.25, one step,
+        time constants of 1/1.2 to 1.2, three times the noise.
+    seeds, steps : int
+        Number and length of the held-out runs on each plant.
+
+    Returns
+    -------
+    Design
+        For the error e = r - y_0 - v: ``u = controller.step(y=e, z=e)``.
+
+    Raises
+    ------
+    InputError
+        Where the plant is not scalar or cannot be read, or a value is out of range.
+    NoSolutionError
+        Where no reference controller exists.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Step, design
+    >>> found = design("1/(10*s + 1)", sample_time=1.0, dead_time=2.0, disturbance=Step(0.5),
+    ...                noise=0.01, seeds=1, steps=500)
+    >>> found.settings.structure.n_c, found.fixed.compensator.n_c
+    (4, 4)
+    >>> print(str(found.verdict).partition(":")[0])
+    Use the fixed controller
+    """
+    uncertain = instance_of(uncertainty or Uncertainty(), "uncertainty", Uncertainty)
+    integer(seeds, "seeds", at_least=1)
+    integer(steps, "steps", at_least=100, at_most=LONGEST)
+    saturation = _limits(u_limits)
+    model = read_plant(plant, sample_time, dead_time)
+    expected, assumed = read_expected(
+        disturbance, noise, command, _range(saturation), model.low_gain
+    )
+    cases = variations(model, uncertain)
+    reference = reference_loop(model, expected, _range(saturation), cases)
+    settings = settings_of(model, reference, expected)
+    fixed, k_w = FixedController(reference.compensator), settings.k_w
+    # All begin with RCAC, so that what differs is the adaptation.
+    controllers: dict[str, AnyController] = {
+        RCAC: settings,
+        FIXED: FixedController(fixed.compensator, k_w=k_w),
+    }
+    alternatives: dict[str, FixedController | str] = {}
+    try:
+        alternatives[PID] = beside = simc(model)
+        controllers[PID] = FixedController(beside.compensator, k_w=k_w)
+    except NoSolutionError as error:
+        alternatives[PID] = str(error)
+    evidence = run_trials(
+        controllers, model, expected, cases, steps=steps, seeds=seeds, saturation=saturation
+    )
+    servo, w = model.servo(), expected.w(steps, JUDGING)
+    options = {"saturation": saturation}
+    runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
+    return Design(
+        plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
+        questions=_questions(model, expected, assumed, saturation, uncertain),
+        reasons=_reasons(model, reference, expected, settings), alternatives=alternatives,
+        evidence=evidence, reference=reference, expected=expected, model=model,
+        uncertainty=uncertain, saturation=saturation,
+        runs=dict(zip(controllers, runs, strict=True)), steps=steps,
+    )  # fmt: skip
+
+
+def _limits(u_limits: Any) -> Saturation | None:
+    if u_limits is None or isinstance(u_limits, Saturation):
+        return u_limits
+    limits = items(u_limits, "u_limits")
+    if len(limits) != 2:
+        raise InputError(f"u_limits = {u_limits!r}: give (low, high), or a Saturation with rates.")
+    return Saturation(low=number(limits[0], "low of u"), high=number(limits[1], "high of u"))
+
+
+def _range(saturation: Saturation | None) -> float:
+    """Half of what u can be; infinite where that is not bounded on both sides."""
+    if saturation is None or saturation.low is None or saturation.high is None:
+        return np.inf
+    return float((saturation.high - saturation.low).min()) / 2
+
+
+def verdict_of(evidence: tuple[Trial, ...]) -> Verdict:
+    """RCAC where it is better than the fixed controller with confidence, and at no price.
+
+    At no price: stable on the nominal plant and not less often on the others, and peaks of at most
+    1.5 times those of the fixed controller. The plants are the draws of the interval: runs on one
+    plant are alike.
+    """
+    found = compared(evidence, RCAC)
+    nominal = next(t for t in evidence if t.controller == RCAC)
+    use, why = _choice(nominal, found)
+    return Verdict(use, why, found, float(np.median(nominal.Ms)))
+
+
+def compared(evidence: tuple[Trial, ...], name: str) -> Comparison:
+    """A controller beside the fixed one, over all plants and draws."""
+    ours = [t for t in evidence if t.controller == name]
+    theirs = [t for t in evidence if t.controller == FIXED]
+    logs: dict[str, float] = {}
+    peaks, wins, losses = [], 0, 0
+    for a, b in zip(ours, theirs, strict=True):
+        both = [
+            np.log(x / y) for x, y in zip(a.rms, b.rms, strict=True)
+            if np.isfinite(x) and np.isfinite(y) and x > 0 and y > 0
+        ]  # fmt: skip
+        if both:
+            logs[a.variation.name] = float(np.mean(both))
+        peaks += [x / y for x, y in zip(a.peak, b.peak, strict=True) if np.isfinite(y) and y > 0]
+        wins += sum(x > y for x, y in zip(a.stable, b.stable, strict=True))
+        losses += sum(x < y for x, y in zip(a.stable, b.stable, strict=True))
+    stable = sum(sum(t.stable) for t in ours), sum(len(t.stable) for t in ours)
+    fixed_stable = sum(sum(t.stable) for t in theirs), sum(len(t.stable) for t in theirs)
+    proportion = binomtest(*stable).proportion_ci(method="wilson")
+    broken = [t.variation.name for t in ours if not all(t.stable)]
+    return Comparison(
+        *_mean(list(logs.values())), stable, fixed_stable, (proportion.low, proportion.high),
+        worst=broken[0] if broken else max(logs, key=lambda one: logs[one], default="none"),
+        peak=float(np.median(peaks)) if peaks else np.inf, wins=wins, losses=losses,
+    )  # fmt: skip
+
+
+def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
+    """Which controller, and why, in words."""
+    brings = f"RCAC changes the rms error by {100 * (found.ratio - 1):+.0f} %"
+    if not all(nominal.stable):
+        return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
+    if found.losses > found.wins:
+        return FIXED, (
+            f"RCAC loses {found.losses} held-out runs that it keeps stable, and saves {found.wins} "
+            f"that it loses; where both are stable {brings}."
+        )
+    if found.peak > PEAK:
+        return FIXED, f"{brings}, but its peaks are {found.peak:.2g} times as large."
+    if found.interval[1] < WORTH:
+        return RCAC, f"{brings} over the uncertainty."
+    if found.wins > found.losses and found.interval[1] < 1 / WORTH:
+        saved = f"it saves {found.wins} held-out runs that the fixed controller loses"
+        return RCAC, f"{saved}, and {brings}."
+    return FIXED, f"{brings}, which is not enough to be told from none or to be worth adapting."
+
+
+def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
+    """The exponential of the mean, and of its 95 % interval by Student's t."""
+    if not logs:
+        return np.nan, (np.nan, np.nan)
+    mean = float(np.exp(np.mean(logs)))
+    if len(logs) == 1:
+        return mean, (0.0, np.inf)
+    if np.ptp(logs) == 0:
+        return mean, (mean, mean)
+    interval = ttest_1samp(logs, 0.0).confidence_interval()
+    return mean, (float(np.exp(interval.low)), float(np.exp(interval.high)))
+
+
+def _questions(
+    model: DesignPlant, expected: Expected, assumed: tuple[str, ...],
+    saturation: Saturation | None, uncertainty: Uncertainty,
+) -> tuple[Question, ...]:  # fmt: skip
+    """What only the owner of the plant knows."""
+    late = model.delay + model.fraction
+    least, most = max(late - uncertainty.delay, 0), late + uncertainty.delay
+    found = [
+        ("plant", f"sign {model.sign}",
+         "more u drives y this way in the end; with the other sign every loop diverges"),
+        ("dead_time", f"{late:.4g} steps, {least:.4g} to {most:.4g}",
+         "the dead time decides how fast a loop may be"),
+    ]  # fmt: skip
+    if "disturbance" in assumed:
+        size = " and of size" if "size" in assumed else ", of size"
+        found.append((
+            "disturbance", f"of unknown kind{size} {expected.size:.3g}, in units of u",
+            "a known step, sinusoid or spectrum is worth more than all tuning",
+        ))  # fmt: skip
+    if "noise" in assumed:
+        words = "standard deviation of the sensor"
+        found.append(("noise", f"{expected.noise:.3g}, in units of y", words))
+    if saturation is None:
+        found.append(("u_limits", "none", "an actuator that saturates is simulated so"))
+    if model.first_tap < FAST:
+        found.append((
+            "sample_time", "kept",
+            f"the first response is {model.first_tap:.1e} of the largest: the plant is sampled "
+            "faster than it is good for",
+        ))  # fmt: skip
+    if not model.is_stable:
+        found.append((
+            "plant", "unstable or integrating, and known as well as said",
+            "confirm it on a log of a stabilised loop before RCAC runs alone",
+        ))  # fmt: skip
+    return tuple(Question(*one) for one in found)
+
+
+def _reasons(
+    model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings
+) -> tuple[Reason, ...]:
+    """Each setting, and why it is what it is."""
+    n_c = reference.compensator.n_c
+    models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids[:1]]
+    models += ["an integrator"] if reference.lqg.plant.n > model.servo().n + 2 * len(models) else []
+    parts = " and ".join(models)
+    robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
+    samples = round(KNOWN if expected.is_known else FEWER)
+    return (
+        Reason("fixed", f"LQG of order {n_c}, Ms = {reference.peak:.3g}",
+               f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}: the least cost on the ladder"
+               + robust + (f"; with {parts} for the disturbance" if parts else "")),
+        Reason("structure", f"iir(n_c={n_c})", "the order of the fixed controller: more costs "
+               "robustness"),
+        Reason("target", f"of order {settings.target.n_f}",
+               "(4.18) of the fixed controller's loop: its delay, zeros and poles are reachable"),
+        Reason("theta_0", "the fixed controller", "from zero the start is as violent as the prior "
+               "is weak"),
+        Reason("R_theta", f"{samples} samples",
+               f"N_0 mean(Phi_f' Phi_f): the prior is worth N_0 = {samples} samples"),
+        Reason("k_w", f"{settings.k_w} steps", "u = 0 until regressor and filter are full; "
+               "on a plant that does not wait, let the fixed controller run until then and "
+               "Controller.take_over"),
+        Reason("R_z", "1/(1 + nu abs(z))^2", "a step with a large z weighs less"),
+        Reason("bounds", "theta_0 +- a fifth of its rms", "an actuator or a delay that is not as "
+               "expected moves theta no further"),
+    )  # fmt: skip

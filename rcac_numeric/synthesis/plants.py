@@ -1,0 +1,387 @@
+"""A scalar plant with dead time, and what it may be instead within its uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import attrs
+import numpy as np
+from scipy.linalg import logm, matrix_balance
+
+import compensator_theory as exact
+from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.systems.foreign import is_foreign
+from rcac_numeric.arrays.array_types import Array, ComplexArray
+from rcac_numeric.arrays.validation import instance_of, integer, items, number, reads, with_checks
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.functions import FunctionPlant
+from rcac_numeric.plants.gallery.continuous import ContinuousPlant
+from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
+from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.schedules import PlantSchedule
+
+SERVO = {"r": 1, "d": 1, "v": 1}
+LONGEST_DELAY = 60  # steps: theta has two coefficients for each
+LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
+FAR = 2000  # steps, after which what grows has outgrown the rest
+ROUNDING = 1e-9  # of a period of dead time
+
+
+def _range(value: object, name: str) -> tuple[float, float]:
+    low, high = (number(one, name) for one in items(value, name))
+    if not 0 < low <= 1 <= high:
+        raise InputError(f"{name} = ({low:g}, {high:g}) must be factors around 1, (low, high).")
+    return low, high
+
+
+def _factor(value: object, name: str) -> float:
+    factor = number(value, name)
+    if factor < 1:
+        raise InputError(f"{name} = {factor:g} is a factor, and at least 1.")
+    return factor
+
+
+@attrs.frozen(slots=False, kw_only=True, field_transformer=with_checks)
+class Uncertainty:
+    """How far the true plant may be from the one that is given.
+
+    Parameters
+    ----------
+    gain : (float, float)
+        The least and the largest factor of the gain.
+    delay : int
+        Steps that the dead time may be longer, or shorter where there are as many.
+    time : float
+        Factor by which all time constants may be longer or shorter.
+    noise : float
+        Factor by which the sensor noise may be larger.
+
+    Raises
+    ------
+    InputError
+        Where a factor is out of order.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Uncertainty
+    >>> Uncertainty(gain=(0.5, 2.0)).delay
+    1
+    """
+
+    gain: tuple[float, float] = attrs.field(default=(0.8, 1.25), metadata=reads(_range))
+    delay: int = attrs.field(default=1, metadata=reads(integer))
+    time: float = attrs.field(default=1.2, metadata=reads(_factor))
+    noise: float = attrs.field(default=3.0, metadata=reads(_factor))
+
+
+@dataclass(frozen=True)
+class Variation:
+    """One plant within an uncertainty: what its gain, dead time, time constants and noise are."""
+
+    name: str = "nominal"
+    gain: float = 1.0
+    delay: int = 0
+    time: float = 1.0
+    noise: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class DesignPlant(Value):
+    """x(k+1) = A x(k) + B (u + d)(k - delay), y_0 = C x; scalar u and y_0.
+
+    Attributes
+    ----------
+    A, B, C : arrays of shape (n, n), (n, 1), (1, n)
+    delay : int
+        Whole steps of dead time.
+    continuous : pair of arrays, or None
+        A_c and B_c, per step, with which A and B are sampled; C is the same.
+    fraction : float
+        What is left of the dead time, in periods; its state is the last of A.
+    sample_time : float or None
+        In seconds.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    delay: int = 0
+    continuous: tuple[Array, Array] | None = None
+    fraction: float = 0.0
+    sample_time: float | None = None
+
+    def servo(self, changed: Variation | None = None) -> Plant:
+        """The servo problem (2.16)-(2.20) with y = z = e = r - y_0 - v, dead time as states.
+
+        The disturbance d enters with u, before the dead time.
+        """
+        here = Variation() if changed is None else changed
+        A, B = self._sampled(here.time)
+        delay = self.delay + here.delay
+        n = len(A)
+        chain = np.eye(n + delay, k=1)
+        chain[:n] = 0.0
+        chain[:n, :n] = A
+        enters = np.zeros((n + delay, 1))
+        if delay:
+            chain[:n, [n]], enters[-1] = here.gain * B, 1.0
+        else:
+            enters = here.gain * B
+        none = np.zeros((n + delay, 1))
+        C = np.hstack([self.C, np.zeros((1, delay))])
+        return Plant(
+            A=chain, B=enters, D_1=np.hstack([none, enters, none]), C=-C, D_2=[[1.0, 0.0, -1.0]],
+            E_0=[[1.0, 0.0, -1.0]], blocks=SERVO, sample_time=self.sample_time,
+        )  # fmt: skip
+
+    def response(self, omega: Any) -> ComplexArray:
+        """G(exp(j omega)) from u to y_0."""
+        z = np.exp(1j * np.atleast_1d(omega))
+        states = np.linalg.solve(z[:, None, None] * np.eye(len(self.A)) - self.A, self.B[None])
+        return np.asarray((self.C @ states)[:, 0, 0] * z**-self.delay)
+
+    @property
+    def low_gain(self) -> float:
+        """abs(G) at 0.02 rad/sample: the gain at rest, but finite with integrators."""
+        return float(np.abs(self.response(LOW))[0])
+
+    @property
+    def first_tap(self) -> float:
+        """The first Markov parameter over the largest of 200: small where sampled fast."""
+        x, taps = self.B, []
+        for _ in range(200):
+            taps.append(abs((self.C @ x).item()))
+            x = self.A @ x
+        largest = max(taps)
+        return next((tap for tap in taps if tap > 1e-9 * largest), largest) / largest
+
+    @property
+    def sign(self) -> str:
+        """Which way y_0 goes in the end after a step of u: as it rests, or as it runs away."""
+        if self.is_stable:
+            at_rest = self.C @ np.linalg.solve(np.eye(len(self.A)) - self.A, self.B)
+            return "+" if at_rest.item() > 0 else "-"
+        x, drive = np.zeros_like(self.B), 1.0
+        for _ in range(FAR):
+            x = self.A @ x + drive * self.B
+            if (size := np.abs(x).max()) > 1e100:  # state and drive together, to stay in float64
+                x, drive = x / size, drive / size
+        return "+" if (self.C @ x).item() > 0 else "-"
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every pole is inside the unit circle by more than 1e-9."""
+        return bool(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0) < 1 - 1e-9)
+
+    def _sampled(self, time: float) -> tuple[Array, Array]:
+        """A and B with all time constants so many times as long."""
+        if time == 1:
+            return self.A, self.B
+        found = continuous_of(self)
+        if found is None:
+            raise NoSolutionError(
+                "the plant has a pole at 0 or on the negative axis that no plant in continuous "
+                "time has, so that its time constants cannot be varied; give it in s with "
+                "sample_time, or its dead time apart."
+            )
+        return _held(found[0] / time, found[1] / time, self.fraction)
+
+
+def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
+    """A_c and B_c per step, given or found from the sampled plant; None where there are none."""
+    if plant.continuous is not None:
+        return plant.continuous
+    n = len(plant.A)
+    poles = np.linalg.eigvals(plant.A)
+    if ((np.abs(poles.imag) < 1e-9) & (poles.real < 1e-6)).any():
+        return None
+    held = np.block([[plant.A, plant.B], [np.zeros((1, n)), np.ones((1, 1))]])
+    found = np.asarray(logm(held))
+    if np.abs(found.imag).max(initial=0.0) > 1e-9 * np.abs(found).max(initial=1.0):
+        return None
+    return found.real[:n, :n], found.real[:n, n:]
+
+
+def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
+    """Sampled with a zero-order hold whose input is late by that fraction of a period."""
+    if not fraction:
+        return zero_order_hold(A, B, 1.0)
+    late_A, late_B = zero_order_hold(A, B, fraction)
+    rest_A, rest_B = zero_order_hold(A, B, 1 - fraction)
+    n = len(A)
+    whole = np.zeros((n + 1, n + 1))
+    whole[:n, :n], whole[:n, n:] = rest_A @ late_A, rest_A @ late_B
+    return whole, np.vstack([rest_B, [[1.0]]])
+
+
+def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
+    """The same system with states of like size, scaled by powers of two.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.synthesis.plants import balanced
+    >>> A, B, C = balanced(np.array([[0.5]]), np.array([[1e6]]), np.array([[1e-6]]))
+    >>> bool(0.25 < B.item() < 4), (C @ B).item()
+    (True, 1.0)
+    """
+    point = (1 + 1j) * np.eye(len(A))  # anywhere: what is asked for is the size of y over u
+    gain = abs((C @ np.linalg.solve(point - A, B)).item()) or 1.0
+    whole = np.block([[A, B], [C / gain, np.zeros((1, 1))]])
+    _, (scale, _) = matrix_balance(whole, permute=False, separate=True)
+    by = scale[:-1] / scale[-1]  # the last one is common to u and y, so that only the states move
+    return A * by / by[:, None], B / by[:, None], C * by
+
+
+def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> DesignPlant:
+    """A plant in any form that `plant_of` reads, with its dead time apart.
+
+    Parameters
+    ----------
+    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str
+    sample_time : float or None
+        In seconds.
+    dead_time : float
+        In seconds; in steps where no sample time is known.
+    """
+    late = number(dead_time, "dead_time")
+    if late < 0:
+        raise InputError(f"dead_time = {late:g} must not be negative.")
+    steps = 0
+    if isinstance(plant, PlantSchedule):
+        if len(plant.changes) > 1:
+            raise InputError(
+                "the plant changes while it runs; design for one of its plants, and say how far "
+                "the others are by uncertainty=Uncertainty(...)."
+            )
+        steps, plant = plant.changes[0].delay, plant.changes[0].plant
+    if isinstance(plant, Plant):
+        return _with_dead_time(_of_plant(plant), late, steps)
+    if isinstance(plant, FunctionPlant):
+        raise InputError(
+            "the plant is nonlinear; linearise it where the loop is to work, for instance with "
+            "control.linearize(system, x, u), and design for that."
+        )
+    continuous = _continuous(plant)
+    if continuous is None:
+        read = plant_of(plant, sample_time=sample_time)
+        return _with_dead_time(_of_plant(instance_of(read, "plant", Plant)), late, steps)
+    if sample_time is None:
+        raise InputError(
+            "the plant is in continuous time, and RCAC runs in discrete time; say how often it is "
+            "sampled: design(plant, sample_time=0.01). About 10 to 30 samples in the rise time "
+            "that the loop is to have are usual."
+        )
+    h = number(sample_time, "sample_time")
+    if not h > 0:
+        raise InputError(f"sample_time = {h:g} must be positive, in seconds.")
+    A, B, C = balanced(continuous[0] * h, continuous[1] * h, continuous[2])
+    whole = int(np.floor(late / h + ROUNDING))
+    fraction = max(late / h - whole, 0.0)
+    fraction = fraction if fraction > 2 * ROUNDING else 0.0
+    held_A, held_B = _held(A, B, fraction)
+    held_C = np.hstack([C, np.zeros((1, len(held_A) - len(A)))])
+    made = DesignPlant(held_A, held_B, held_C, whole + steps, (A, B), fraction, h)
+    return _checked(made)
+
+
+def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
+    """A, B and C of a plant in continuous time; None where its time is discrete."""
+    if isinstance(plant, ContinuousPlant):
+        found = plant.A, plant.B, plant.C
+        return tuple(np.atleast_2d(np.asarray(m, dtype=np.float64)) for m in found)  # type: ignore[return-value]
+    made = _realised(plant)
+    if made is None or str(made.variable) != "s":
+        return None
+    if any(entry != 0 for entry in made.D):
+        raise ImproperError(
+            "the plant is not strictly proper: y follows u at once. Add the lag of the actuator or "
+            "of the sensor."
+        )
+    A, B, C = (
+        np.array([[float(entry) for entry in row] for row in m.tolist()], dtype=np.float64)
+        for m in (made.A, made.B, made.C)
+    )
+    _require_scalar(B.shape[1], len(C))
+    return A, B, C
+
+
+def _realised(plant: Any) -> exact.Realisation | None:
+    if isinstance(plant, exact.Realisation) or (is_foreign(plant) and hasattr(plant, "A")):
+        return exact.realisation(plant)
+    if is_foreign(plant) and hasattr(plant, "dynamics"):
+        return None  # nonlinear; plant_of says what to do
+    G = exact.transfer_matrix(plant)
+    _require_scalar(*reversed(G.shape))
+    return exact.realisation(G.scalar())
+
+
+def _of_plant(plant: Plant) -> DesignPlant:
+    """The map from u to y of a plant, or from u to -e of a servo problem."""
+    _require_scalar(plant.l_u, plant.l_y)
+    if plant.D_0.any() or plant.E_2.any():
+        raise ImproperError(
+            "the plant is not strictly proper: y or z follows u at once. Put one step of delay at "
+            "its input."
+        )
+    if plant.l_z != 1 or not np.array_equal(plant.E_1, plant.C):
+        raise InputError(
+            "z of this plant is not what is measured, and design takes the map from u to y as the "
+            "plant: give a Plant with E_1 = C, or set the controller up by lqg and "
+            "ControllerSettings."
+        )
+    sign = -1.0 if dict(plant.blocks) == SERVO else 1.0
+    made = DesignPlant(plant.A, plant.B, sign * plant.C, sample_time=plant.sample_time)
+    return _checked(made)
+
+
+def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
+    """A sampled plant whose dead time is a whole number of steps."""
+    h = plant.sample_time or 1.0
+    whole = round(late / h)
+    if abs(late / h - whole) > 1e-6:
+        raise InputError(
+            f"dead_time = {late:g} is {late / h:.4g} steps, and of a sampled plant it must be a "
+            "whole number; give the plant in s with sample_time."
+        )
+    return _checked(replace(plant, delay=plant.delay + whole + steps))
+
+
+def _checked(plant: DesignPlant) -> DesignPlant:
+    if plant.delay > LONGEST_DELAY:
+        raise InputError(
+            f"the dead time is {plant.delay} steps, and each of them has two coefficients of the "
+            f"controller; at most {LONGEST_DELAY} are taken. Sample more slowly."
+        )
+    if not len(plant.A) or not plant.low_gain > 0:
+        raise InputError("the plant does not answer to u at all: its gain is 0.")
+    return plant
+
+
+def _require_scalar(l_u: int, l_y: int) -> None:
+    if (l_u, l_y) != (1, 1):
+        raise InputError(
+            f"the plant has {l_u} inputs and {l_y} outputs; design takes one of each. Of several, "
+            "take lqg for the fixed controller and zero_direction_target for RCAC."
+        )
+
+
+def variations(plant: DesignPlant, uncertainty: Uncertainty) -> tuple[Variation, ...]:
+    """The plant itself, and what it may be instead: one thing changed at a time."""
+    low, high = uncertainty.gain
+    found = [Variation()]
+    found += [Variation(f"gain x {f:g}", gain=f) for f in (low, high) if f != 1]
+    if uncertainty.delay:
+        more = uncertainty.delay
+        found.append(Variation(f"delay + {more}", delay=more))
+        if less := min(more, plant.delay):
+            found.append(Variation(f"delay - {less}", delay=-less))
+    if uncertainty.time != 1 and continuous_of(plant) is not None:
+        slow = uncertainty.time
+        found.append(Variation(f"time constants x {slow:.3g}", time=slow))
+        found.append(Variation(f"time constants / {slow:.3g}", time=1 / slow))
+    if uncertainty.noise != 1:
+        found.append(Variation(f"noise x {uncertainty.noise:g}", noise=uncertainty.noise))
+    return tuple(found)
