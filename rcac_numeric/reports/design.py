@@ -20,6 +20,16 @@ def design_sheet(design: Design) -> Sheet:
         Text(str(verdict), "good" if verdict.use == RCAC else "plain"),
         Text(f"Held out: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"),
     ]
+    if rcac.fixed_stable[0] < rcac.fixed_stable[1]:
+        plants = [
+            t.variation.name for t in design.evidence
+            if t.controller == FIXED and not all(t.stable)
+        ]  # fmt: skip
+        words = (
+            f"The fixed controller is lost with {', '.join(plants)}: none on the ladder holds "
+            "over the uncertainty. Say less of it, shorten the dead time, or sample otherwise."
+        )
+        lines.append(Text(words, "bad"))
     if PID in design.runs:
         beside = compared(design.evidence, PID)
         better = " It is the better one here." if beside.is_better else ""
@@ -30,7 +40,8 @@ def design_sheet(design: Design) -> Sheet:
     lines += [
         Text(f"Assumed: {q.name}: {q.assumed}; {q.words}.", "warning") for q in design.questions
     ]
-    lines += [Text(f"RCAC: {warning}", "quiet") for warning in design.health.warnings]
+    if verdict.use == RCAC:
+        lines += [Text(f"RCAC: {warning}", "quiet") for warning in design.health.warnings]
     return Sheet(
         "From a plant to a controller",
         f": e = r - y_0 - v, {design.settings.structure.name} of order "
