@@ -86,7 +86,8 @@ def _studied(folder: Path) -> object:
 
 def _checked() -> str:
     log = read_log(EXAMPLES / "octave/rcac_loop.mat")
-    return str(check_controller(log, **check_arguments(EXAMPLES / "octave/example_4_7.toml")).report())
+    arguments = check_arguments(EXAMPLES / "octave/example_4_7.toml")
+    return str(check_controller(log, **arguments).report())
 
 
 def tasks(folder: Path) -> dict[str, Callable[[], Any]]:
