@@ -77,6 +77,7 @@ LAYERS = {
         "reports.studies",
         "reports.page",
         "export",
+        "explorer",
         "dissertation.errata.evidence",
         "dissertation.errata",
         "dissertation",
