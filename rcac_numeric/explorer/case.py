@@ -252,4 +252,3 @@ def _dialled(run: RunSpecification, raw: Mapping[str, Any]) -> dict[str, Any]:
         "signal": "file", "amplitude": "1", "noise": "0", "signals": dict(raw),
         "w": in_base64(w), "channels": w.shape[1],
     }  # fmt: skip
-
