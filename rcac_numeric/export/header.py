@@ -68,9 +68,7 @@ class _Writer:
         self.lines += [line, "};"]
 
 
-def config_header(
-    tables: CoreTables, real: str = "float64", changing: Collection[str] = ()
-) -> str:
+def config_header(tables: CoreTables, real: str = "float64", changing: Collection[str] = ()) -> str:
     """The text of rcac_config.h; the same tables give the same bytes.
 
     Parameters

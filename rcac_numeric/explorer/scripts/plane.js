@@ -142,7 +142,7 @@ export class Plane {
       };
       for (const [key, value] of Object.entries(facts)) group.setAttribute(key, value);
     } else group.setAttribute("aria-hidden", "true");
-    for (const [tag, facts] of [["circle", { r: 24, class: "area" }], of]) {
+    for (const [tag, facts] of [["circle", { r: 28, class: "area" }], of]) {
       const part = document.createElementNS(SVG, tag);
       for (const [key, value] of Object.entries(facts)) part.setAttribute(key, value);
       if (!facts.class) part.setAttribute("class", "ring");
