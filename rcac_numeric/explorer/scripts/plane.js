@@ -15,6 +15,10 @@ export class Plane {
     handles.setAttribute("viewBox", `0 0 ${WIDE} ${HIGH}`);
     handles.addEventListener("pointerdown", event => this.take(event));
     handles.addEventListener("pointermove", event => this.drag(event));
+    // What lies in an SVG has no touch-action of its own everywhere: a finger on a ring would pan the page.
+    handles.addEventListener("touchstart", event => {
+      if (event.target.closest(".handle")) event.preventDefault();
+    }, { passive: false });
     for (const end of ["pointerup", "pointercancel"]) handles.addEventListener(end, () => { this.held = null; });
     handles.addEventListener("keydown", event => this.press(event));
     handles.addEventListener("focusin", event => {
