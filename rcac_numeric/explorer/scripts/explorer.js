@@ -170,7 +170,8 @@ function kindWith(others) {
 // ---- what the dials show
 
 function show() {
-  const isFile = dials.signal === "file";
+  const isFile = dials.signal === "file", { plan } = found;
+  get("d_zu").min = plan.num.length - plan.n;  // RCAC is told 1 at least
   for (const { key, from } of DIALS) {
     const slider = get(key), now = from(dials[key]);
     if (document.activeElement !== slider || Number(slider.value) !== now) {
@@ -178,8 +179,8 @@ function show() {
       if (now < slider.min) slider.min = now;
       slider.value = now;
     }
-    const words = (key === "k_w" ? String(found.plan.k_w) : fractional(String(dials[key]))).replaceAll("-", "−");
-    get(`${key}-out`).textContent = key === "d_zu" ? (dials.d_zu ? `${dials.d_zu > 0 ? "+" : ""}${words}` : "right") : words;
+    const words = (key === "k_w" ? String(plan.k_w) : fractional(String(dials[key]))).replaceAll("-", "−");
+    get(`${key}-out`).textContent = key === "d_zu" && dials.d_zu > 0 ? `+${words}` : words;
     slider.setAttribute("aria-valuetext", get(`${key}-out`).textContent);
     slider.disabled = isFile && ["noise", "amplitude", "steps"].includes(key);
   }
