@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from rcac_numeric.cli.cases import complete_case, complete_key, read_case_table, with_values
-from rcac_numeric.cli.output import as_json_option, budget_option, show
+from rcac_numeric.cli.output import as_json_option, budget_option, show, writable_page
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.explorer.case import case_of
 from rcac_numeric.explorer.page import explorer_page
@@ -18,7 +18,7 @@ from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet
 
 @click.command("explore")
 @click.argument("case", required=False, shell_complete=complete_case)
-@click.option("-o", "--output", "path", required=True,
+@click.option("-o", "--output", "path", required=True, callback=writable_page,
               type=click.Path(dir_okay=False, path_type=Path),
               help="The page that is written.")  # fmt: skip
 @click.option("--run", "name", help="Which run of CASE; default: the first.")

@@ -1,4 +1,4 @@
-"""What the page can hold of an experiment: its dials; what it has no dial for is refused by name."""
+"""The dials of the page for an experiment; what it has no dial for is refused by name."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from importlib import resources
 from typing import Any, NoReturn
 
+import attrs
 import numpy as np
-import sympy
 from sympy import Poly, Rational
 
+from compensator_theory import TransferFunction
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.values import field_names
 from rcac_numeric.controllers.kinds import iir
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import UD
@@ -166,7 +166,7 @@ def _target(settings: ControllerSettings) -> tuple[list[Any], list[Any], Rationa
     """The zeros that RCAC knows, the poles that are asked for, and H, of a scalar target model."""
     target = settings.target
     exact = target.exact
-    if exact is None or not isinstance(exact.numerator, Poly):
+    if not isinstance(exact, TransferFunction):
         _refuse("a target model given by float coefficients", 'use model = "pole placement"')
     if exact.denominator.degree() > LARGEST_TARGET // 2:
         _refuse(
@@ -188,7 +188,7 @@ def _roots(polynomial: Poly) -> list[list[float]]:
     found: list[list[float]] = []
     for factor, times in polynomial.sqf_list()[1]:
         for root in factor.nroots(n=30, maxsteps=500):
-            re, im = (round(float(part), DIGITS) for part in sympy.sympify(root).as_real_imag())
+            re, im = (round(part, DIGITS) for part in (complex(root).real, complex(root).imag))
             if im >= 0:
                 found += [[re + 0.0, im + 0.0]] * int(times)
     return sorted(found, reverse=True)
@@ -203,8 +203,9 @@ def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
     if not isinstance(update.R_theta, float):
         _refuse("a matrix R_theta", "use a number")
     known = UD(update.R_theta, lambda_=update.lambda_)
-    for name in field_names(UD):
-        if getattr(known, name) != getattr(update, name):
+    given = attrs.asdict(update, recurse=False)
+    for name, value in attrs.asdict(known, recurse=False).items():
+        if not _same(value, given[name]):
             _refuse(f"{name} of the update", "leave it out")
     n_c = settings.structure.n_c
     if settings.structure != iir(n_c):
@@ -214,8 +215,9 @@ def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
     plain = ControllerSettings(
         structure=iir(n_c), target=settings.target, update=known, k_w=settings.k_w
     )
-    for name in field_names(ControllerSettings):
-        if not _same(getattr(plain, name), getattr(settings, name)):
+    given = attrs.asdict(settings, recurse=False)
+    for name, value in attrs.asdict(plain, recurse=False).items():
+        if not _same(value, given[name]):
             _refuse(name, "leave it out of [controller]")
     if run.saturation is not None:
         _refuse("a saturation", "leave [saturation] out")

@@ -1,4 +1,4 @@
-"""The stand-alone core around a plant as WebAssembly, one module for each order of the controller."""
+"""The stand-alone core around a plant as WebAssembly, a module for each order n_c."""
 
 from __future__ import annotations
 

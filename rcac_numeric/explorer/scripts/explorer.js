@@ -32,7 +32,8 @@ const DIALS = [
   { key: "k_w", min: 1, max: 150, to: Number, from: Number, painted: true },
   { key: "steps", min: 40, max: 600, step: 20, to: Number, from: Number },
 ];
-const fractional = text => text.includes("/") ? text : String(Number(text)).replace("e+", "e");
+const fractional = text => text.includes("/") ? text
+  : Number(text) && Math.abs(Number(text)) < 1e-3 ? Number(text).toExponential() : String(Number(text));
 const fraction = text => text.includes("/") ? text.split("/").reduce((a, b) => a / b) : Number(text);
 
 let cores, room, colour, dials, found, outcome, trail, cursor = Infinity, queued = 0, isNew = false, painting = 0;
@@ -117,7 +118,10 @@ function change(whole = true) {
         complain(error.message);
         return;
       }
+      const place = get("handles"), top = place.getBoundingClientRect().top;
       speak();
+      // A sentence of another length must not move a ring from under a finger.
+      if (plane.held) scrollBy({ top: place.getBoundingClientRect().top - top, behavior: "instant" });
       clearTimeout(painting);
       painting = setTimeout(paint, SLOW);
     }
@@ -166,7 +170,8 @@ function kindWith(others) {
 // ---- what the dials show
 
 function show() {
-  const isFile = dials.signal === "file";
+  const isFile = dials.signal === "file", { plan } = found;
+  get("d_zu").min = plan.num.length - plan.n;  // RCAC is told 1 at least
   for (const { key, from } of DIALS) {
     const slider = get(key), now = from(dials[key]);
     if (document.activeElement !== slider || Number(slider.value) !== now) {
@@ -174,8 +179,8 @@ function show() {
       if (now < slider.min) slider.min = now;
       slider.value = now;
     }
-    const words = (key === "k_w" ? String(found.plan.k_w) : fractional(String(dials[key]))).replaceAll("-", "−");
-    get(`${key}-out`).textContent = key === "d_zu" ? (dials.d_zu ? `${dials.d_zu > 0 ? "+" : ""}${words}` : "right") : words;
+    const words = (key === "k_w" ? String(plan.k_w) : fractional(String(dials[key]))).replaceAll("-", "−");
+    get(`${key}-out`).textContent = key === "d_zu" && dials.d_zu > 0 ? `+${words}` : words;
     slider.setAttribute("aria-valuetext", get(`${key}-out`).textContent);
     slider.disabled = isFile && ["noise", "amplitude", "steps"].includes(key);
   }

@@ -15,6 +15,10 @@ export class Plane {
     handles.setAttribute("viewBox", `0 0 ${WIDE} ${HIGH}`);
     handles.addEventListener("pointerdown", event => this.take(event));
     handles.addEventListener("pointermove", event => this.drag(event));
+    // What lies in an SVG has no touch-action of its own everywhere: a finger on a ring would pan the page.
+    handles.addEventListener("touchstart", event => {
+      if (event.target.closest(".handle")) event.preventDefault();
+    }, { passive: false });
     for (const end of ["pointerup", "pointercancel"]) handles.addEventListener(end, () => { this.held = null; });
     handles.addEventListener("keydown", event => this.press(event));
     handles.addEventListener("focusin", event => {
@@ -142,7 +146,7 @@ export class Plane {
       };
       for (const [key, value] of Object.entries(facts)) group.setAttribute(key, value);
     } else group.setAttribute("aria-hidden", "true");
-    for (const [tag, facts] of [["circle", { r: 24, class: "area" }], of]) {
+    for (const [tag, facts] of [["circle", { r: 28, class: "area" }], of]) {
       const part = document.createElementNS(SVG, tag);
       for (const [key, value] of Object.entries(facts)) part.setAttribute(key, value);
       if (!facts.class) part.setAttribute("class", "ring");

@@ -42,7 +42,8 @@ poles = ${complex(dials.poles)}
 structure = "iir"
 n_c = ${dials.n_c}
 k_w = ${plan.k_w}
-update = { R_theta = ${real(dials.R_theta)}, lambda = ${real(dials.lambda)} }
+R_theta = ${real(dials.R_theta)}
+lambda = ${real(dials.lambda)}
 
 [run]
 steps = ${dials.steps}${dials.seed ? `\nseed = ${dials.seed}` : ""}${lost ? '\nexpected = "diverged"' : ""}

@@ -27,7 +27,7 @@ def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **mo
     """
     title = in_a_line(f"{case.id}: {case.title}".strip(": "))
     lead = case.source or "A case, its claims and what was measured."
-    told = {"title": title, "lead": lead, "case": case, "made": made_with([case])}
+    told: dict[str, Any] = {"title": title, "lead": lead, "case": case, "made": made_with([case])}
     return whole_page(template, home, **told, **more)
 
 

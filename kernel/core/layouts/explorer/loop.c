@@ -44,8 +44,8 @@ static void products(const double *row, int count, int width, const double *inpu
     }
 }
 
-/* A run from rest; the steps that it made, minus what it was asked for where it is lost. The last one is
- * recorded as far as it came, theta of its end, too. */
+/* A run from rest, and how many steps it made: where that is less than `steps`, the step of that number left
+ * the limit, and what was recorded of it stands behind the others; theta is then that of its beginning. */
 EXPORT(run) int run(int steps, int n, int l_w, double limit) {
     double input[WIDTH], next[STATES];
     const int width = n + 1 + l_w;
@@ -69,6 +69,6 @@ EXPORT(run) int run(int steps, int n, int l_w, double limit) {
         for (i = 0; i < n; ++i) input[i] = next[i];
         if (!is_within(input, n, limit)) break;
     }
-    for (i = 0; i < RCAC_L_THETA; ++i) theta_of[(k < steps ? k : steps) * RCAC_L_THETA + i] = s.theta[i];
+    for (i = 0; k == steps && i < RCAC_L_THETA; ++i) theta_of[k * RCAC_L_THETA + i] = s.theta[i];
     return k;
 }
