@@ -15,8 +15,8 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.plots.formats import require_picture_format, save
-from rcac_numeric.reports.sheets.json_record import as_json as json_of
 from rcac_numeric.reports.sheets.sheet import Sheet
+from rcac_numeric.reports.sheets.sheet import as_json as json_of
 from rcac_numeric.reports.sheets.terminal import print_sheet
 
 Command = TypeVar("Command", bound=Callable[..., Any])

@@ -34,8 +34,7 @@ from rcac_numeric.experiments.files.builder import build, load_experiment
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.experiments.verdicts import verify as verified
 from rcac_numeric.plots.formats import save
-from rcac_numeric.reports.page.cases import case_of
-from rcac_numeric.reports.page.pages import case_page
+from rcac_numeric.reports.page.cases import case_of, case_page
 from rcac_numeric.reports.page.rendering import write_page
 from rcac_numeric.reports.verification import verification_sheet
 

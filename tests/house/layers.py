@@ -56,7 +56,6 @@ LAYERS = {
         "estimation.riccati",
         "experiments.format",
         "experiments.judging",
-        "experiments.exact",
         "experiments.estimation",
         "experiments.measures",
         "experiments",
