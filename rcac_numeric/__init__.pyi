@@ -84,7 +84,7 @@ from .h2.noise import with_bias as with_bias
 from .h2.riccati.equations import solve_care as solve_care
 from .h2.riccati.equations import solve_dare as solve_dare
 from .health.diagnosis import loop_health as loop_health
-from .health.warning import HealthWarning as HealthWarning
+from .health.health import HealthWarning as HealthWarning
 from .identification.data_targets import target_from_data as target_from_data
 from .identification.modelling import (
     modelling_information_from_markov as modelling_information_from_markov,

@@ -25,7 +25,7 @@ from .estimation.local_observability import Observability as Observability
 from .estimation.noise_information import NoiseInformation as NoiseInformation
 from .estimation.noises import FittedNoises as FittedNoises
 from .estimation.refinement.evidence import Evidence as Evidence
-from .estimation.refinement.record import RefinementRun as RefinementRun
+from .estimation.refinement.refinement import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .estimation.smoothing import SmoothedStates as SmoothedStates
 from .experiments.verdicts import Verification as Verification

@@ -78,28 +78,12 @@ def parse_expression(text: str) -> Expr:
     return read_text(text).value()
 
 
-def parse_quotient(text: str) -> tuple[Expr, Expr]:
-    """Read a quotient without cancelling factors that its two sides share.
-
-    Products multiply numerators and denominators, sums use the product of two different
-    denominators, so that an expression means the connection of blocks that it shows.
-
-    Parameters
-    ----------
-    text : str
-        As for :func:`parse_expression`.
-
-    Returns
-    -------
-    tuple of sympy.Expr
-        Numerator and denominator, multiplied out.
-    """
-    return read_text(text).sides()
-
-
 @roots_in_sympy()
 def read_text(text: str) -> Quotient:
     """Read a text as a :class:`Quotient`, which keeps common factors.
+
+    Products multiply numerators and denominators, sums use the product of two different
+    denominators, so that an expression means the connection of blocks that it shows.
 
     Examples
     --------

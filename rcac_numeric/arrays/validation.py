@@ -17,8 +17,6 @@ from compensator_theory.errors import BudgetError, InputError
 from rcac_numeric.arrays.array_types import Array
 
 MOST_STATES = 1000
-# A field that takes whatever can be read as an array or a number and holds what was read.
-Read = Any
 
 
 def reads(check: Callable[..., Any], *, optional: bool = False, **options: Any) -> dict[str, Any]:

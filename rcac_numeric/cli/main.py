@@ -21,6 +21,7 @@ COMMANDS = {
         "rcac_numeric.cli.dissertation.errata:errata",
         "List what is wrong in the dissertation's text.",
     ),
+    "explore": ("rcac_numeric.cli.explore:explore", "Write a page on which a loop runs live."),
     "export": ("rcac_numeric.cli.export:export", "Write a controller as C, for a board."),
     "list": ("rcac_numeric.cli.list:list_examples", "List the examples that can be verified."),
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),

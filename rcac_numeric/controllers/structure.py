@@ -209,11 +209,6 @@ class Structure:
         }
         return before[tap.signal] + tap.component
 
-    @property
-    def has_adapted_poles(self) -> bool:
-        """Whether the regressor reads past u, so that theta moves the controller's poles."""
-        return any(tap.signal == "u" for tap in self.taps)
-
     def compensator(self, theta: ArrayLike) -> Compensator:
         """The fixed compensator (2.32) from [y; r] to u that the coefficients `theta` describe.
 

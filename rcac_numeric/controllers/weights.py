@@ -1,10 +1,15 @@
-"""Weights of the retrospective cost (2.41) that follow the signals."""
+"""Weights of the retrospective cost (2.41): constant, following the signals, or a function."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import attrs
+from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import number, reads, with_checks
 
 
@@ -53,3 +58,23 @@ class SignalWeight:
     def __attrs_post_init__(self) -> None:
         if self.nu and not (self.z_squared or self.constant):
             raise InputError(f"nu = {self.nu:g} scales a weight of zero; give constant.")
+
+
+# R(k, y, z, u), a number or a matrix.
+WeightFunction = Callable[[int, Array, Array, Array], ArrayLike]
+Weight = Array | SignalWeight | WeightFunction
+
+
+def weight(
+    value: ArrayLike | SignalWeight | WeightFunction, name: str, l_z: int, *, definite: bool
+) -> Weight:
+    """A weight of (2.41) as it is kept."""
+    if isinstance(value, SignalWeight):
+        if definite and value.constant == 0:
+            raise InputError(
+                f"{name} = z_squared z'z is not positive definite at z = 0; give constant."
+            )
+        return value
+    if callable(value):
+        return value
+    return constant_weight(value, name, l_z, definite=definite)

@@ -23,8 +23,7 @@ from rcac_numeric.experiments.judging.claim import (
     UNDETERMINED,
     VERDICTS,
 )
-from rcac_numeric.reports.page.cases import Case, ClaimRow
-from rcac_numeric.reports.page.pages import case_page, made_with
+from rcac_numeric.reports.page.cases import Case, ClaimRow, case_page, made_with
 from rcac_numeric.reports.page.rendering import whole_page
 
 HOME = "rcac_numeric.dissertation"

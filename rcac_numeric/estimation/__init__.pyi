@@ -10,8 +10,8 @@ from .models.nonlinear import NonlinearModel as NonlinearModel
 from .models.symbolic import SymbolicModel as SymbolicModel
 from .noise_information import noise_information as noise_information
 from .noises import fit_noises as fit_noises
-from .refinement.record import refine as refine
 from .refinement.refinement import ModelRefinement as ModelRefinement
+from .refinement.refinement import refine as refine
 from .refinement.settings import RCMR as RCMR
 from .refinement.subsystems import FIRSubsystem as FIRSubsystem
 from .refinement.subsystems import RepeatedParameters as RepeatedParameters

@@ -10,10 +10,9 @@ import attrs
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, items, one_of, reads, with_checks
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.format.lists import ListOf, MapOf
 from rcac_numeric.experiments.format.places import did_you_mean
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.experiments.format.values import Choice, Integer, Numbers
+from rcac_numeric.experiments.format.values import Choice, Integer, ListOf, MapOf, Numbers
 from rcac_numeric.experiments.measures.measures import MEASURES
 
 Kind = Literal[

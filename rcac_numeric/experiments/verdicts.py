@@ -10,7 +10,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.estimation.measures import MEASURES as ESTIMATION_MEASURES
+from rcac_numeric.experiments.estimation.studies import MEASURES as ESTIMATION_MEASURES
 from rcac_numeric.experiments.estimation.studies import StudyResult
 from rcac_numeric.experiments.experiment import Experiment, RunResult
 from rcac_numeric.experiments.figure_requests import STANDARD_FIGURES, FigureRequest

@@ -16,12 +16,11 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import SupervisionRecord
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
-from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.health.margin_words import small_margins
+from rcac_numeric.health.health import HealthWarning, LoopHealth
 from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors, zeros_of
 from rcac_numeric.health.trials import MISSED, what_places_them
-from rcac_numeric.health.warning import HealthWarning
 from rcac_numeric.identification.online.arx import WHITE, RecursiveARX
+from rcac_numeric.margins.classical import Margins
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.data_driven import DataDriven
@@ -31,6 +30,7 @@ from rcac_numeric.targets.model import TargetModel
 TRANSIENT = 30.0  # |z| under control over the largest |w|, |z| before control and |z| at the end
 LARGE_U = 100.0  # |u| over the largest of |w| and |z|, and the u that moves z by it in one step
 WORSE = 2.0  # rms of z at the end over that without control
+LEAST_GAIN, LEAST_PHASE = 2**0.5, 20.0  # 3 dB and degrees: half of what textbooks ask for
 SATURATED = 0.1  # share of the last tenth of the steps
 UNSETTLED = 0.1  # change of theta in the last tenth, relative
 KICKED, FAR = 10.0, 100.0  # |z| after a kick over that with theta held, and where that is grave
@@ -194,7 +194,7 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
         reached = "leaves float64" if not np.isfinite(kick.adapting) else f"{kick.adapting:.3g}"
         yield HealthWarning(
             "windup",
-            _capital(f"{grown}the next disturbance, a tenth of what w was, takes z to {reached}, "
+            _capital(f"{grown}the next disturbance, a fifth of w at most, may take z to {reached}, "
                      f"and to {kick.frozen:.3g} with theta held."),
             mend,
             is_grave=kick.ratio > FAR,
@@ -292,6 +292,21 @@ def _margins(health: LoopHealth) -> Iterator[HealthWarning]:
                 f"The margins{at} are small: {', '.join(words)}.",
                 "a larger R_theta or a weight R_u, a larger n_c",
             )
+
+
+def small_margins(margins: Margins) -> list[str]:
+    """The margins of a stable loop that are below 3 dB or 20 degrees, in words."""
+    if not margins.is_stable:
+        return []
+    assert margins.gain_up and margins.gain_down and margins.phase
+    words = []
+    if margins.gain_up.value < LEAST_GAIN:
+        words.append(f"{margins.gain_up.value:.3g} times the gain is unstable")
+    if margins.gain_down.value > 1 / LEAST_GAIN:
+        words.append(f"{margins.gain_down.value:.3g} times the gain is unstable")
+    if margins.phase.value < LEAST_PHASE:
+        words.append(f"{margins.phase.value:.3g} degrees of phase are left")
+    return words
 
 
 def _saturated(run: Run) -> Iterator[HealthWarning]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, InputError
@@ -111,10 +110,3 @@ def identify_windows(
             refusal = str(error)
         found.append(IdentifiedWindow(start, stop, markov, zeros, refusal))
     return tuple(found)
-
-
-def rms_residual(window: IdentifiedWindow) -> float:
-    """Root mean square of the residual of a window; not a number where it was refused."""
-    if window.markov is None:
-        return float("nan")
-    return float(np.sqrt(np.mean(window.markov.residual**2)))

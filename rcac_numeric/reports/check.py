@@ -16,8 +16,16 @@ from rcac_numeric.margins.disk import DiskMargin
 from rcac_numeric.reports.comparison import missed_poles
 from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import joined, match_section, split_section, zeros_facts
-from rcac_numeric.reports.sheets.numbers import complex_list
-from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import (
+    Block,
+    Fact,
+    Section,
+    Sheet,
+    Table,
+    Text,
+    cells,
+    complex_list,
+)
 
 
 def check_sheet(check: ControllerCheck) -> Sheet:

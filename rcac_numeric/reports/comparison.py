@@ -5,8 +5,18 @@ from __future__ import annotations
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.reports.loop import zeros_facts
-from rcac_numeric.reports.sheets.numbers import complex_list, complex_text, exact_text, rounded
-from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import (
+    Block,
+    Fact,
+    Section,
+    Table,
+    Text,
+    cells,
+    complex_list,
+    complex_text,
+    exact_text,
+    rounded,
+)
 
 MISSED = 0.01  # a pole that is farther from the one asked for is not that pole
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.health.margin_words import margin_words
 from rcac_numeric.health.signals import SignalHealth, SignalSize
 from rcac_numeric.margins.classical import Margins
 from rcac_numeric.reports.sheets.sheet import Level, Sheet, Text
@@ -106,3 +107,32 @@ def _margins(margins: Margins) -> dict[str, Any]:
         "delay": margins.delay,
     }  # fmt: skip
     return {name: None if b is None else b.value for name, b in found.items()}
+
+
+def margin_words(margins: Margins) -> str:
+    """Gain, phase and delay margin in one line.
+
+    Examples
+    --------
+    >>> from rcac_numeric import ClosedLoop, Compensator, stability_margins, standard_plant
+    >>> from rcac_numeric.reports.health import margin_words
+    >>> loop = ClosedLoop(
+    ...     standard_plant("1/(q - 2)"), Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]]))
+    >>> margin_words(stability_margins(loop))
+    'gain 0.8 to 1.2 (-1.9 to 1.6 dB), phase 8.43 deg, delay 0.242 steps'
+    """
+    if not margins.is_stable:
+        return "none: the loop is unstable"
+    assert margins.gain_up and margins.gain_down and margins.phase and margins.delay
+    low, high = margins.gain_down.value, margins.gain_up.value
+    delay = f"{margins.delay.value:.3g} steps" if np.isfinite(margins.delay.value) else "any"
+    phase = f"{margins.phase.value:.3g} deg" if np.isfinite(margins.phase.value) else "any"
+    if margins.delay_time is not None and np.isfinite(margins.delay_time):
+        delay += f" = {margins.delay_time:.3g} s"
+    gain = f"{low:.3g} to {high:.3g} ({_decibel(low)} to {_decibel(high)} dB)"
+    return f"gain {gain}, phase {phase}, delay {delay}"
+
+
+def _decibel(gain: float) -> str:
+    with np.errstate(divide="ignore"):
+        return f"{20 * np.log10(gain):.2g}".replace("inf", "infinity")

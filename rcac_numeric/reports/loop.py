@@ -7,8 +7,7 @@ import numpy as np
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.reports.sheets.numbers import power_text
-from rcac_numeric.reports.sheets.sheet import Fact, Section, Text
+from rcac_numeric.reports.sheets.sheet import Fact, Section, Text, power_text
 
 
 def match_section(match: IntercalatedMatch | None, reason: str) -> Section:

@@ -16,7 +16,7 @@ import pytest
 
 from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.sweeps import StoreError, check_store, read_table, repair_store, run_study
-from rcac_numeric.sweeps.chunks.failures import FAILED
+from rcac_numeric.sweeps.chunks.chunk import FAILED
 from rcac_numeric.sweeps.store.store import DONE, Store, chunk_digest, digest_of, signals_digest
 from rcac_numeric.sweeps.study.canonical import canonical_json, digest
 from tests.support import studies

@@ -21,9 +21,20 @@ from rcac_numeric import json_schema, load_experiment
 from rcac_numeric.dissertation.examples import example_ids, read_example
 from rcac_numeric.experiments.files.builder import FILE, build
 from rcac_numeric.experiments.files.runs import TABLES
-from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf, Row
 from rcac_numeric.experiments.format.tables import ByKey, Deferred, Kinds, Table
-from rcac_numeric.experiments.format.values import Choice, Exact, Flag, Integer, Numbers, Real
+from rcac_numeric.experiments.format.values import (
+    ByStep,
+    Choice,
+    Either,
+    Exact,
+    Flag,
+    Integer,
+    ListOf,
+    MapOf,
+    Numbers,
+    Real,
+    Row,
+)
 from tests.support.work import at_most, at_most_bytes
 
 ROOT = Path(__file__).parents[2]

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from rcac_numeric.arrays.records import _exact
 from rcac_numeric.engine.runs import RECORDS
-from rcac_numeric.experiments.estimation.measures import MEASURES as OF_ESTIMATES
-from rcac_numeric.experiments.exact.checks import STATEMENTS
+from rcac_numeric.experiments.estimation.studies import MEASURES as OF_ESTIMATES
+from rcac_numeric.experiments.exact_statements import STATEMENTS
 from rcac_numeric.experiments.files.builder import FILE
 from rcac_numeric.experiments.files.estimation import ESTIMATION_FILE
 from rcac_numeric.experiments.files.exact import EXACT_FILE

@@ -12,10 +12,9 @@ import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.dissertation.errata.entries import Erratum
-from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
-from rcac_numeric.experiments.format.values import Choice
+from rcac_numeric.experiments.format.values import Choice, ListOf
 
 CHAPTERS = ("1", "2", "3", "4", "5", "6", "7", "8", "9", "A", "B")
 _NUMBER = re.compile(r"[1-9AB]\.\d+")

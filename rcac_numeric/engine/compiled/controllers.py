@@ -22,12 +22,11 @@ from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.limits import ControlLimits
 from rcac_numeric.controllers.normalization import FUNCTIONS, Normalization
 from rcac_numeric.controllers.settings import ControllerSettings
-from rcac_numeric.controllers.settings_checks import Weight
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
 from rcac_numeric.controllers.supervision import POLICIES, Supervision
 from rcac_numeric.controllers.updates.joint import JointUD
 from rcac_numeric.controllers.updates.memoryless import Gradient
-from rcac_numeric.controllers.weights import SignalWeight
+from rcac_numeric.controllers.weights import SignalWeight, Weight
 from rcac_numeric.engine import _kernel
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.instruction_sets import require_instruction_set

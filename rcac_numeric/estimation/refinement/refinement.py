@@ -1,8 +1,10 @@
-"""RCMR beside a simulator or a device, one step at a time."""
+"""RCMR beside a simulator or a device, one step at a time, and over a whole record."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from threading import Lock
 from typing import Any
 
@@ -11,11 +13,19 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import vector
-from rcac_numeric.engine.compiled.estimators import EstimationError, estimation_failure
-from rcac_numeric.estimation.refinement.compiled import compiled_refinement
+from rcac_numeric.arrays.validation import instance_of, signal_array, vector
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.engine.compiled.estimators import (
+    EstimationError,
+    Refinement,
+    estimation_failure,
+    make_refinement,
+)
+from rcac_numeric.estimation.local_observability import UnidentifiableWarning
 from rcac_numeric.estimation.refinement.evidence import Evidence, evidence
+from rcac_numeric.estimation.refinement.markov import reconstruction
 from rcac_numeric.estimation.refinement.settings import RCMR
+from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, RepeatedParameters
 from rcac_numeric.estimation.resumable import Resumable
 
 
@@ -217,3 +227,146 @@ class ModelRefinement(Resumable[RCMR]):
         """Go on from what `save` gave."""
         self._kernel.restore(values)
         self._broken, self._measured = "", False
+
+
+def compiled_refinement(settings: RCMR) -> Refinement:
+    """The refinement at step 0 for the kernel."""
+    instance_of(settings, "settings", RCMR)
+    chosen, l_u = settings.delays.index(settings.d), settings.l_u
+    rows = slice(chosen * l_u, (chosen + 1) * l_u)
+    eigenvalues, V_d, W = reconstruction(settings.H, settings.R, rows)
+    part = settings.subsystem
+    A_j = D_j = np.zeros(0)
+    n_c, strictly_proper = 0, False
+    if isinstance(part, RepeatedParameters):
+        A_j = part.A
+        D_j = part.D if part.D.shape[2] else np.zeros((part.l_theta, settings.n, settings.l_w))
+    elif isinstance(part, FIRSubsystem):
+        n_c, strictly_proper = part.n_c, part.strictly_proper
+    return make_refinement(
+        sizes=[settings.n, settings.l_w, l_u, settings.l_y, int(settings.E_1.shape[0])],
+        A=settings.A,
+        D_1=settings.D_1,
+        B=settings.B,
+        C=settings.C,
+        delays=settings.delays,
+        stack=settings.stack,
+        H=settings.H,
+        R=settings.R,
+        eigenvalues=eigenvalues,
+        V_d=V_d,
+        W=W,
+        chosen=chosen,
+        eta_bar=settings.eta_bar,
+        forgetting=settings.lambda_,
+        direct=settings.method == "direct",
+        change=settings.method == "nearest",
+        k_update=settings.k_update,
+        E_1=settings.E_1,
+        n_c=n_c,
+        strictly_proper=strictly_proper,
+        A_j=A_j,
+        D_j=D_j,
+        P_0=settings.beta,
+        theta_0=settings.theta_0,
+        x_0=settings.x_0,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class RefinementRun(Value):
+    """What RCMR made of a record.
+
+    Attributes
+    ----------
+    settings : RCMR
+    theta : array, shape (steps, l_theta)
+        theta(k).
+    z : array, shape (steps, l_y)
+        C x^(k) - y(k).
+    u : array, shape (steps, l_u)
+        The subsystem's output u^(k).
+    P : array, shape (l_theta, l_theta)
+        At the end.
+    evidence : Evidence
+        Which directions of theta the record determines.
+    guard_count : int
+        Updates that rounding decided.
+    """
+
+    settings: RCMR
+    theta: Array
+    z: Array
+    u: Array
+    P: Array
+    evidence: Evidence
+    guard_count: int
+
+
+def refine(settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = None) -> RefinementRun:
+    """Refine a model with a record of inputs and measurements.
+
+    Parameters
+    ----------
+    settings : RCMR
+    w : array, shape (steps, l_w)
+        The known input; a 1-D array is one signal.
+    y : array, shape (steps, l_y)
+        The measurements.
+    x : array, shape (steps, n), optional
+        Measured states, for a one-step predictor.
+
+    Returns
+    -------
+    RefinementRun
+
+    Raises
+    ------
+    InputError
+        Where shapes do not fit or an entry is not finite.
+    DivergedError
+        Where the free-running model left the range of float64.
+
+    Warns
+    -----
+    UnidentifiableWarning
+        Where the record does not determine every coefficient.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.estimation import RCMR, refine
+    >>> w, x = np.random.default_rng(1).standard_normal(300), [0.0]
+    >>> for input in w[:-1]:
+    ...     x.append((0.5 + 0.3) * x[-1] + input)
+    >>> run = refine(RCMR(A=0.5, B=1, D_1=1, C=1, E_1=1, delays=(1,)), w, x)
+    >>> run.theta[-1].round(3)
+    array([0.3])
+    """
+    run = refined_record(settings, w, y, x)
+    if len(run.evidence.undetermined):
+        warnings.warn(str(run.evidence), UnidentifiableWarning, stacklevel=2)
+    return run
+
+
+def refined_record(
+    settings: RCMR, w: ArrayLike, y: ArrayLike, x: ArrayLike | None = None
+) -> RefinementRun:
+    """As `refine`, without the warning: for who reads `evidence`."""
+    kernel = compiled_refinement(settings)
+    outputs = signal_array(y, "y", settings.l_y)
+    steps = len(outputs)
+    inputs = signal_array(w, "w", settings.l_w, steps)
+    states = np.zeros(0) if x is None else signal_array(x, "x", settings.n, steps)
+    theta = np.zeros((steps, settings.l_theta))
+    z, u = np.zeros((steps, settings.l_y)), np.zeros((steps, settings.l_u))
+    try:
+        kernel.run(inputs, outputs, states, theta, z, u)
+    except EstimationError:
+        raise DivergedError(
+            f"the refined model left the range of float64 at step {kernel.k}: run freely, it went "
+            "unstable. Give the states x that were measured, use a smaller beta, or other delays."
+        ) from None
+    P = np.asarray(kernel.P)
+    found = evidence(settings, P, kernel.k)
+    return RefinementRun(settings, theta, z, u, P, found, kernel.guard_count)

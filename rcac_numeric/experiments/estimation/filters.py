@@ -16,7 +16,7 @@ from rcac_numeric.arrays.validation import matrix, one_of, vector
 from rcac_numeric.estimation.estimates import estimated_record
 from rcac_numeric.estimation.models.symbolic import SymbolicModel
 from rcac_numeric.estimation.settings import EKF, UKF
-from rcac_numeric.experiments.estimation.runs import EstimatedRun, Estimation
+from rcac_numeric.experiments.estimation.studies import EstimatedRun, Estimation
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem, columns_of, rows_of
 
 

@@ -13,11 +13,11 @@ from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer, number
 from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.estimation.refinement.record import refined_record
+from rcac_numeric.estimation.refinement.refinement import refined_record
 from rcac_numeric.estimation.refinement.settings import RCMR
 from rcac_numeric.estimation.refinement.subsystems import FIRSubsystem, RepeatedParameters
 from rcac_numeric.estimation.riccati.indirect import IndirectSettings
-from rcac_numeric.experiments.estimation.runs import EstimatedRun, Estimation
+from rcac_numeric.experiments.estimation.studies import EstimatedRun, Estimation
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem, columns_of
 from rcac_numeric.plants.linear import Plant
 

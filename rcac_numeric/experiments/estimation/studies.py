@@ -1,18 +1,124 @@
-"""One estimator on one true system over its seeds, and what came of it."""
+"""One estimator on one true system over its seeds, what came of it, and what claims measure."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.estimation.measures import MEASURES, OF_ESTIMATES
-from rcac_numeric.experiments.estimation.runs import EstimatedRun, Estimation
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem
+
+
+@dataclass(frozen=True, eq=False)
+class EstimatedRun(Value):
+    """An estimate over the steps of one seed.
+
+    Attributes
+    ----------
+    estimate, truth : arrays, shape (steps,)
+    z : array, shape (steps, l_z)
+        C x^ - y of RCMR, the innovation of a filter, r - C_r x of a loop.
+    left : float
+        Of RCMR: the share of the initial estimate that is left in theta at the end, 1 where the
+        data say nothing, 0 where they say all.
+    outcome : {"completed", "diverged"}
+        A run that diverged holds what came before.
+    """
+
+    estimate: Array
+    truth: Array
+    z: Array
+    left: float = math.nan
+    outcome: str = "completed"
+
+
+@dataclass(frozen=True, eq=False)
+class Estimation(Value, ABC):
+    """An estimator with its settings, as an experiment has it."""
+
+    @property
+    @abstractmethod
+    def words(self) -> str:
+        """What it is, in a word or two."""
+
+    @abstractmethod
+    def execute(self, system: TrueSystem, steps: int, seed: int) -> EstimatedRun:
+        """Estimate with the record, or in the loop, of one seed."""
+
+
+def mean_error(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Mean absolute error of the estimate.
+
+    Parameters
+    ----------
+    start, stop : int
+        First step that counts, and the first that does not count any more.
+    """
+    return float(np.abs(_error(r, start, stop)).mean())
+
+
+def median_error(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Median absolute error of the estimate."""
+    return float(np.median(np.abs(_error(r, start, stop))))
+
+
+def mean_deviation(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Mean of estimate - truth, with its sign: negative where the estimate lags behind."""
+    return float(_error(r, start, stop).mean())
+
+
+def final_estimate(r: EstimatedRun) -> float:
+    """The estimate at the last step."""
+    return float(r.estimate[-1])
+
+
+def initial_estimate_left(r: EstimatedRun) -> float:
+    """Of RCMR: the share of the initial estimate that is left, 1 where the data say nothing."""
+    return r.left
+
+
+def largest_z(r: EstimatedRun, start: int = 0, stop: int | None = None) -> float:
+    """Largest absolute z: of a loop the error of the command following, else that of the output."""
+    return float(np.abs(r.z[_window(r, start, stop)]).max())
+
+
+def completed(r: EstimatedRun) -> float:
+    """1 where the run reached its last step, 0 where it diverged before."""
+    return float(r.outcome == "completed")
+
+
+def _error(r: EstimatedRun, start: int, stop: int | None) -> Array:
+    window = _window(r, start, stop)
+    return np.asarray(r.estimate[window] - r.truth[window])
+
+
+def _window(r: EstimatedRun, start: int, stop: int | None) -> slice:
+    end = len(r.estimate) if stop is None else min(stop, len(r.estimate))
+    if start >= end:
+        raise InputError(f"no step of the run lies between start = {start} and stop = {stop}.")
+    return slice(start, end)
+
+
+OF_ESTIMATES = ("mean_error", "median_error", "mean_deviation", "final_estimate")
+MEASURES: dict[str, Callable[..., float]] = {
+    function.__name__: function
+    for function in (
+        mean_error,
+        median_error,
+        mean_deviation,
+        final_estimate,
+        initial_estimate_left,
+        largest_z,
+        completed,
+    )
+}
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.figure_requests import FIGURE, FigureRequest, require_drawable
 from rcac_numeric.experiments.files.claims import CLAIM, STANDARD_CLAIMS
-from rcac_numeric.experiments.files.documents import named, read_file, require_plain
+from rcac_numeric.experiments.files.documents import Heading, named, read_file, require_plain
 from rcac_numeric.experiments.files.estimation import estimation_experiment, is_estimation
 from rcac_numeric.experiments.files.exact import exact_experiment, is_exact
 from rcac_numeric.experiments.files.runs import (
@@ -27,10 +27,9 @@ from rcac_numeric.experiments.files.runs import (
     words_of,
     wrong_tables,
 )
-from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import Raw, Table
-from rcac_numeric.experiments.heading import Heading
+from rcac_numeric.experiments.format.values import ListOf
 from rcac_numeric.experiments.judging.reading import (
     ClaimTable,
     OpenItems,

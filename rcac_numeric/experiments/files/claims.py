@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from rcac_numeric.experiments.format.lists import MapOf
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.experiments.format.values import Choice, Numbers
+from rcac_numeric.experiments.format.values import Choice, MapOf, Numbers
 from rcac_numeric.experiments.judging.claim import Claim
 from rcac_numeric.experiments.judging.interval import Check
 from rcac_numeric.experiments.judging.reading import check_table, claim_table
-from rcac_numeric.experiments.measures.measures import MEASURES
-from rcac_numeric.experiments.measures.signal_measures import SIGNALS
+from rcac_numeric.experiments.measures.measures import MEASURES, SIGNALS
 
 # The claims that every case with a target model can make: what RCAC fits, and what explains it.
 

@@ -22,7 +22,6 @@ from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.experiments.files.structures import STRUCTURES
 from rcac_numeric.experiments.files.targets import TARGET, Target
 from rcac_numeric.experiments.files.updates import UPDATES
-from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf, Row
 from rcac_numeric.experiments.format.parts import Part, Shorthand, Unresolved
 from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import (
@@ -33,7 +32,18 @@ from rcac_numeric.experiments.format.tables import (
     Table,
     Variant,
 )
-from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Real, Schema
+from rcac_numeric.experiments.format.values import (
+    ByStep,
+    Either,
+    Form,
+    Integer,
+    ListOf,
+    MapOf,
+    Numbers,
+    Real,
+    Row,
+    Schema,
+)
 from rcac_numeric.h2.lqg import lqg
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule

@@ -1,4 +1,4 @@
-"""TOML files as tables."""
+"""TOML files as tables, and what the files of all experiments begin with."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import unicodedata
 from collections.abc import Mapping
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, TypedDict
+
+import attrs
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.files import require_readable
@@ -132,3 +134,36 @@ def _require_printable(text: str, file: str) -> None:
                 f"{file}: the text {brief(text)} holds the control character "
                 f"{character!a}, which a terminal would obey. Leave it out."
             )
+
+
+NUMBER_AND_SOURCE = (
+    "Its number, the name of the file where it is left out; and where it comes from."
+)
+
+
+class HeadingWords(TypedDict):
+    """What an experiment takes from its heading."""
+
+    id: str
+    title: str
+    source: str
+    notes: str
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Heading:
+    """What an experiment is about."""
+
+    title: Annotated[str, "What it is about, in a line."] = ""
+    id: Annotated[str, NUMBER_AND_SOURCE] = ""
+    source: Annotated[str, NUMBER_AND_SOURCE] = ""
+    notes: Annotated[str, "What a reader of the report should know."] = ""
+
+    def words(self, file: str) -> HeadingWords:
+        """What the experiment of this file takes from it."""
+        return {
+            "id": self.id or Path(file).stem,
+            "title": self.title,
+            "source": self.source,
+            "notes": self.notes.strip(),
+        }

@@ -11,19 +11,25 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.estimation.filters import JointFilter
-from rcac_numeric.experiments.estimation.measures import MEASURES
 from rcac_numeric.experiments.estimation.refinements import controlled, refined
-from rcac_numeric.experiments.estimation.runs import Estimation
-from rcac_numeric.experiments.estimation.studies import EstimationStudy
+from rcac_numeric.experiments.estimation.studies import MEASURES, Estimation, EstimationStudy
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.format.lists import ListOf, Row
+from rcac_numeric.experiments.files.documents import Heading
 from rcac_numeric.experiments.format.parts import Shorthand, resolved
 from rcac_numeric.experiments.format.places import Errors, Place, brief
 from rcac_numeric.experiments.format.tables import ByKey, Deferred, Kinds, Raw, Table
-from rcac_numeric.experiments.format.values import Choice, Form, Integer, Numbers, Real, Text
-from rcac_numeric.experiments.heading import Heading
+from rcac_numeric.experiments.format.values import (
+    Choice,
+    Form,
+    Integer,
+    ListOf,
+    Numbers,
+    Real,
+    Row,
+    Text,
+)
 from rcac_numeric.experiments.judging.reading import (
     ClaimTable,
     OpenItems,

@@ -7,14 +7,13 @@ from typing import Annotated, Any
 
 import attrs
 
-from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
-from rcac_numeric.experiments.exact.system import ExactSystem
+from rcac_numeric.experiments.exact_statements import STATEMENTS, ExactCheck, ExactSystem
 from rcac_numeric.experiments.experiment import Experiment
-from rcac_numeric.experiments.format.lists import ListOf
+from rcac_numeric.experiments.files.documents import Heading
 from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.heading import Heading
+from rcac_numeric.experiments.format.values import ListOf
 from rcac_numeric.experiments.judging.reading import ClaimTable, OpenItems, claim_table
 
 # Every statement with its arguments; the system itself is given.

@@ -13,7 +13,6 @@ import compensator_theory as exact
 from compensator_theory.errors import InputError, NotCoprimeError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of
-from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import (
     Deferred,
@@ -23,7 +22,7 @@ from rcac_numeric.experiments.format.tables import (
     Variant,
     require_table,
 )
-from rcac_numeric.experiments.format.values import Exact, Integer
+from rcac_numeric.experiments.format.values import Exact, Integer, ListOf
 from rcac_numeric.plants.foreign.reading import plant_of
 from rcac_numeric.plants.gallery.aircraft import aircraft_plant, aircraft_transition
 from rcac_numeric.plants.gallery.boost_converter import BoostConverter

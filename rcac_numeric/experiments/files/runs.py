@@ -28,10 +28,10 @@ from rcac_numeric.experiments.files.plants import PLANT, PlantSpecification, rea
 from rcac_numeric.experiments.files.signals import SIGNALS, Signals
 from rcac_numeric.experiments.files.targets import TARGET
 from rcac_numeric.experiments.files.updates import UPDATES
-from rcac_numeric.experiments.format.lists import ListOf
 from rcac_numeric.experiments.format.parts import Part
 from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import Deferred, Raw, Table
+from rcac_numeric.experiments.format.values import ListOf
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule

@@ -9,11 +9,10 @@ import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.experiments.format.lists import ListOf, Row
 from rcac_numeric.experiments.format.parts import Shorthand
 from rcac_numeric.experiments.format.places import Place, brief
 from rcac_numeric.experiments.format.tables import ByKey, Table
-from rcac_numeric.experiments.format.values import Form, Integer, Numbers, Schema, Text
+from rcac_numeric.experiments.format.values import Form, Integer, ListOf, Numbers, Row, Schema, Text
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.signals.commands import FilteredCommand

@@ -11,10 +11,9 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.kinds import feedforward, fir, fir_integrator, iir, pid, quasi_fir
 from rcac_numeric.controllers.structure import DerivedSignal, Structure, Tap
-from rcac_numeric.experiments.format.lists import ListOf, Row
 from rcac_numeric.experiments.format.parts import Shorthand, Unresolved
 from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.format.values import Integer, Text
+from rcac_numeric.experiments.format.values import Integer, ListOf, Row, Text
 
 
 class Sizes(Protocol):

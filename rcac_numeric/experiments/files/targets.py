@@ -9,11 +9,18 @@ import attrs
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.experiments.format.lists import ListOf, OneOrMore, Row
 from rcac_numeric.experiments.format.parts import Unresolved
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Deferred, Kind, Kinds, Table, Variant
-from rcac_numeric.experiments.format.values import Choice, Exact, Integer, Numbers
+from rcac_numeric.experiments.format.values import (
+    Choice,
+    Exact,
+    Integer,
+    ListOf,
+    Numbers,
+    OneOrMore,
+    Row,
+)
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule

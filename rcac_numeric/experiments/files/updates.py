@@ -20,10 +20,9 @@ from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
 from rcac_numeric.controllers.updates.update import weight
 from rcac_numeric.engine.compiled.updates import ARGUMENTS
-from rcac_numeric.experiments.format.lists import ByStep
 from rcac_numeric.experiments.format.parts import Shorthand
 from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.format.values import Numbers, Real
+from rcac_numeric.experiments.format.values import ByStep, Numbers, Real
 
 FACTOR = Real(forgetting_factor)
 

@@ -30,14 +30,17 @@ import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.experiments.format.lists import ByStep, Either, ListOf, MapOf
 from rcac_numeric.experiments.format.parts import Part, Shorthand
 from rcac_numeric.experiments.format.places import Errors, Place, brief, did_you_mean
 from rcac_numeric.experiments.format.values import (
+    ByStep,
     Choice,
+    Either,
     Flag,
     Form,
     Integer,
+    ListOf,
+    MapOf,
     Numbers,
     Real,
     Schema,

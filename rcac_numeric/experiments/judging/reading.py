@@ -12,11 +12,10 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.experiments.format.lists import ListOf, MapOf
 from rcac_numeric.experiments.format.parts import Part, Shorthand
 from rcac_numeric.experiments.format.places import brief, did_you_mean
 from rcac_numeric.experiments.format.tables import Kinds, Table
-from rcac_numeric.experiments.format.values import Choice, Form, Integer, Text
+from rcac_numeric.experiments.format.values import Choice, Form, Integer, ListOf, MapOf, Text
 from rcac_numeric.experiments.judging.claim import OUTCOMES, RECORDS, AnyCheck, Claim, OpenItem
 from rcac_numeric.experiments.judging.interval import Check, quoted_interval
 

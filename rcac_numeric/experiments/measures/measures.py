@@ -3,23 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal, get_args
 
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import frozen_loop
-from rcac_numeric.arrays.validation import integer
-from rcac_numeric.experiments.measures import (
-    cost_measures,
-    margin_measures,
-    match_measures,
-    plant_measures,
-    signal_measures,
-)
+from rcac_numeric.arrays.validation import integer, one_of
+from rcac_numeric.experiments.measures import cost_measures, plant_measures
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
+from rcac_numeric.margins.boundaries import (
+    StabilityBoundary,
+    delay_boundary,
+    gain_boundary,
+    nowhere,
+    phase_boundary,
+)
+from rcac_numeric.margins.crossovers import gain_crossovers, phase_crossovers
+from rcac_numeric.margins.opened_loop import broken_loop
 
 Measure = Callable[..., float]
 MEASURES: dict[str, Measure] = {}
+SignalName = Literal["z", "y", "u", "u_applied", "w"]
+SIGNALS: tuple[str, ...] = get_args(SignalName)
+MarginKind = Literal["gain up", "gain down", "phase lag", "phase lead", "delay"]
+MARGINS: tuple[str, ...] = get_args(MarginKind)
 
 
 def measure(function: Measure) -> Measure:
@@ -28,13 +36,7 @@ def measure(function: Measure) -> Measure:
     return function
 
 
-for _function in (
-    *cost_measures.COST_MEASURES,
-    *signal_measures.SIGNAL_MEASURES,
-    *margin_measures.MARGIN_MEASURES,
-    *match_measures.MATCH_MEASURES,
-    *plant_measures.PLANT_MEASURES,
-):
+for _function in (*cost_measures.COST_MEASURES, *plant_measures.PLANT_MEASURES):
     measure(_function)
 
 
@@ -209,3 +211,192 @@ def _unstable(r: LoopAnalysis, stop: int | None) -> np.ndarray:
             for row, theta in enumerate(rows)
         ]
     )
+
+
+@measure
+def worst_match(r: LoopAnalysis) -> float:
+    """Largest relative distance of the intercalated transfer function to G_f over frequency."""
+    return r.match.worst
+
+
+@measure
+def median_match(r: LoopAnalysis) -> float:
+    """Median relative distance of the intercalated transfer function to G_f over frequency."""
+    return r.match.median
+
+
+@measure
+def match_change(r: LoopAnalysis, since: int) -> float:
+    """The median match over the one of theta(since); below 1 where it has come nearer.
+
+    Parameters
+    ----------
+    since : int
+        An earlier step at which theta was kept.
+    """
+    return r.match.median / r.until(since).match.median
+
+
+@measure
+def matching_error_share(r: LoopAnalysis, start: int = 0) -> float:
+    """Mean square of (G~zu~ - G_f) u~ over that of the rest of the residual (4.14), G~zw w.
+
+    From an initial state the rest holds the response to it too.
+
+    Parameters
+    ----------
+    start : int
+        First step that counts.
+    """
+    split = r.split
+    error = split.matching_error[start:]
+    rest = (split.residual - split.matching_error)[start:]
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        return float(np.divide(np.sum(error**2), np.sum(rest**2)))
+
+
+@measure
+def settling_step(r: LoopAnalysis, band: float = 0.02) -> float:
+    """First step from which the size of z stays within the band to the end of the run.
+
+    Parameters
+    ----------
+    band : float
+        Largest size of z.
+    """
+    if r.run.outcome != "completed":
+        return float("inf")
+    outside = np.flatnonzero(np.abs(r.run.z).max(axis=1) > band)
+    return float(outside[-1] + 1) if outside.size else 0.0
+
+
+@measure
+def peak(
+    r: LoopAnalysis,
+    start: int = 0,
+    stop: int | None = None,
+    signal: SignalName = "z",
+    channel: int | None = None,
+) -> float:
+    """Largest size of a signal over start <= k < stop; of one channel or of all of them.
+
+    Parameters
+    ----------
+    start, stop : int
+        First step that counts, and the first that does not count any more; to the end where
+        `stop` is left out.
+    signal : {"z", "y", "u", "u_applied", "w"}
+        Which signal; u_applied is what the actuator made of u.
+    channel : int or str
+        A component from 0 on; for zeros the name of a channel of w.
+    """
+    return float(np.abs(_window(r, start, stop, signal, channel)).max())
+
+
+@measure
+def rms(
+    r: LoopAnalysis,
+    start: int = 0,
+    stop: int | None = None,
+    signal: SignalName = "z",
+    channel: int | None = None,
+) -> float:
+    """Root mean square of a signal over start <= k < stop."""
+    return float(np.sqrt(np.mean(np.sum(_window(r, start, stop, signal, channel) ** 2, axis=1))))
+
+
+@measure
+def mean(
+    r: LoopAnalysis,
+    start: int = 0,
+    stop: int | None = None,
+    signal: SignalName = "z",
+    channel: int = 0,
+) -> float:
+    """Mean of one channel of a signal over start <= k < stop."""
+    return float(np.mean(_window(r, start, stop, signal, channel)))
+
+
+@measure
+def saturated_fraction(r: LoopAnalysis, start: int = 0, stop: int | None = None) -> float:
+    """Fraction of the steps start <= k < stop at which the actuator did not apply u as it was."""
+    u, applied = (_window(r, start, stop, name, None) for name in ("u", "u_applied"))
+    return float(np.mean((u != applied).any(axis=1)))
+
+
+def _window(
+    r: LoopAnalysis, start: int, stop: int | None, signal: str, channel: int | None
+) -> np.ndarray:
+    values: np.ndarray = getattr(r.run, one_of(signal, "signal", SIGNALS))
+    window = values[start:stop]
+    if not len(window):
+        raise InputError(f"the run of {r.run.steps} steps has no step in [{start}, {stop}).")
+    if channel is None:
+        return window
+    last = integer(channel, "channel", at_most=window.shape[1] - 1)
+    return window[:, last : last + 1]
+
+
+@measure
+def margin(r: LoopAnalysis, kind: MarginKind = "gain up") -> float:
+    """A stability margin of the loop with the final controller; not a number if it is unstable.
+
+    Parameters
+    ----------
+    kind : {"gain up", "gain down", "phase lag", "phase lead", "delay"}
+        Factor of the gain, degrees of phase, or steps of delay at which stability is lost.
+    """
+    return _boundary(r, kind).value
+
+
+@measure
+def margin_frequency(r: LoopAnalysis, kind: MarginKind = "gain up") -> float:
+    """Frequency in rad/sample at which the loop loses stability at that margin."""
+    return _boundary(r, kind).omega
+
+
+@measure
+def frozen_spectral_radius(r: LoopAnalysis, at: int) -> float:
+    """Largest modulus of a pole of the plant of a step in a loop with the theta of that step.
+
+    Where the plant changes at that step, it is the new plant with what was adapted to the old one.
+
+    Parameters
+    ----------
+    at : int
+        A step at which theta was kept.
+    """
+    run = r.run
+    return frozen_loop(run.plant, run.compensator_at(at), at).spectral_radius
+
+
+@measure
+def stable_from(r: LoopAnalysis, start: int = 0) -> float:
+    """First kept step from which the loop, frozen at theta(k), is stable to the end of the run.
+
+    Infinity where it is unstable at the last one; steps before `start` do not count.
+    """
+    run = r.run
+    if run.outcome != "completed":
+        return float("inf")
+    first = -(-integer(start, "start") // run.stride)
+    found = float("inf")
+    for row in reversed(range(first, len(run.theta))):
+        k = row * run.stride
+        if not frozen_loop(run.plant, run.settings.compensator_of(run.theta[row]), k).is_stable:
+            break
+        found = float(k)
+    return found
+
+
+def _boundary(r: LoopAnalysis, kind: str) -> StabilityBoundary:
+    one_of(kind, "kind", MARGINS)
+    opened = broken_loop(r.loop, at="u", channel=0, feedback=None)
+    if not opened.is_stable:
+        return nowhere(np.nan)
+    if kind.startswith("gain"):
+        return gain_boundary(opened, phase_crossovers(opened), up=kind == "gain up")
+    crossovers = gain_crossovers(opened)
+    if kind == "delay":
+        return delay_boundary(opened, crossovers)
+    return phase_boundary(opened, crossovers, lead=kind == "phase lead")

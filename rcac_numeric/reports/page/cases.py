@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import platform
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from importlib.metadata import version
 from typing import Any
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.arrays.wording import shortened
+from rcac_numeric.arrays.wording import in_a_line, shortened
 from rcac_numeric.experiments.judging.claim import HOLDS, MISPRINT, REPRODUCED, Verdict
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.reports.page.displays import small_pictures_of
-from rcac_numeric.reports.page.html import sheet_html
+from rcac_numeric.reports.page.rendering import HOME, sheet_html, whole_page
 from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
 from rcac_numeric.reports.verification import map_lines, verification_sheet
@@ -147,7 +149,7 @@ def _row(verdict: Verdict) -> ClaimRow:
         measured=verdict.measured,
         verdict=verdict.verdict,
         words=verdict.words,
-        notes=(*(f"{name}: {told}" for name, told in mended if told), *map_lines(verdict)),
+        notes=(*(f"{name}: {mend}" for name, mend in mended if mend), *map_lines(verdict)),
         reason="" if verdict.verdict in (REPRODUCED, MISPRINT, HOLDS) else claim.reason,
         run=claim.run,
         was=claim.recorded if verdict.has_changed else "",
@@ -182,3 +184,30 @@ def _settings(verification: Verification) -> str:
             for name, study in studies.items()
         ]
     )
+
+
+NAMED = ("compensator-theory", "numpy", "scipy", "sympy", "python-flint", "matplotlib")
+
+
+def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **more: Any) -> str:
+    """The page of one case.
+
+    Parameters
+    ----------
+    case : Case
+    template, home : str
+        A template that extends ``case.html``, and the package whose it is.
+    **more
+        What that template says besides.
+    """
+    title = in_a_line(f"{case.id}: {case.title}".strip(": "))
+    lead = case.source or "A case, its claims and what was measured."
+    values = {"title": title, "lead": lead, "case": case, "made": made_with([case])}
+    return whole_page(template, home, **values, **more)
+
+
+def made_with(cases: Sequence[Case]) -> dict[str, Any]:
+    """Versions, machine and seeds: what else decides the numbers of a page."""
+    machine = f"Python {platform.python_version()}, {platform.system()} on {platform.machine()}"
+    versions = [f"{name} {version(name)}" for name in NAMED]
+    return {"versions": versions, "machine": machine, "cases": cases}

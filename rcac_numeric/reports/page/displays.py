@@ -16,7 +16,7 @@ from typing import Any
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.wording import in_a_line
-from rcac_numeric.reports.page.html import sheet_html, words
+from rcac_numeric.reports.page.rendering import sheet_html, words
 from rcac_numeric.reports.page.svg import svg_of
 from rcac_numeric.reports.sheets.sheet import Sheet
 from rcac_numeric.reports.sheets.terminal import as_text

@@ -5,7 +5,9 @@ from __future__ import annotations
 import base64
 import hashlib
 from functools import cache
+from html import escape
 from importlib import resources
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,7 @@ from markupsafe import Markup
 
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.wording import in_a_line, printable
+from rcac_numeric.reports.sheets.sheet import Section, Sheet
 
 HOME = "rcac_numeric.reports.page"
 
@@ -39,18 +42,36 @@ def rendered(name: str, /, home: str = HOME, **values: Any) -> Markup:
     return Markup(_environment(home).get_template(name).render(**values))
 
 
-def whole_page(name: str, /, home: str = HOME, **values: Any) -> str:
-    """A whole page from a template that extends ``page.html``, with style, script and policy."""
+def whole_page(
+    name: str, /, home: str = HOME, *, style: str = "", script: str = "", wasm: bool = False,
+    **values: Any,
+) -> str:  # fmt: skip
+    """A whole page from a template that extends ``page.html``, with style, script and policy.
+
+    Parameters
+    ----------
+    name : str
+        Of the template.
+    home : str
+        The package whose templates are looked at first.
+    style, script : str
+        What follows those of every page.
+    wasm : bool
+        Whether the script may compile WebAssembly, which it brings with it.
+    **values
+        What the template says.
+    """
     folder = resources.files(HOME)
     css, js = (folder.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
-    css, js = f"\n{css}", f"\n{js}"
+    css, js = f"\n{css}{style}", f"\n{js}{script}"
+    compiles = " 'wasm-unsafe-eval'" if wasm else ""
     policy = (
-        f"default-src 'none'; script-src 'sha256-{_digest(js)}'; "
+        f"default-src 'none'; script-src 'sha256-{_digest(js)}'{compiles}; "
         f"style-src-elem 'sha256-{_digest(css)}'; style-src-attr 'unsafe-inline'; "
         "img-src data:; base-uri 'none'; form-action 'none'"
     )
-    told = {"policy": Markup(policy), "css": Markup(css), "js": Markup(js)}
-    return f"{rendered(name, home, **told, **values)}\n"
+    own = {"policy": Markup(policy), "css": Markup(css), "js": Markup(js)}
+    return f"{rendered(name, home, **own, **values)}\n"
 
 
 def write_page(page: str, path: str | Path) -> None:
@@ -91,3 +112,37 @@ def _printable(value: object) -> object:
     if isinstance(value, Markup) or not isinstance(value, str):
         return value
     return printable(value)
+
+
+def sheet_html(sheet: Sheet, level: int = 3) -> str:
+    """The body of a report: its health, its sections and its notes, without the title.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    level : int
+        Of the headings of its sections.
+    """
+    sections = [
+        {"title": section.title, "remark": section.remark, "groups": _groups(section)}
+        for section in sheet.sections
+    ]
+    notes = sheet.notes.split("\n\n") if sheet.notes else []
+    values: dict[str, Any] = {
+        "health": sheet.health,
+        "sections": sections,
+        "notes": notes,
+        "level": level,
+    }
+    return str(rendered("sheet.html", **values)).rstrip("\n")
+
+
+def words(text: str) -> str:
+    """Words of others as text of a page: no markup, no control characters."""
+    return escape(printable(text))
+
+
+def _groups(section: Section) -> list[tuple[str, list[object]]]:
+    """Its blocks by their kind: facts that follow each other are one list."""
+    grouped = groupby(section.blocks, lambda block: type(block).__name__)
+    return [(kind, list(blocks)) for kind, blocks in grouped]

@@ -5,17 +5,54 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass
 
+from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.sweeps.chunks.failures import (
-    FAILED,
+from rcac_numeric.arrays.wording import printable, shortened
+from rcac_numeric.sweeps.study.study import Coordinates
+
+# A result beside the outcomes of the engine: these values make no run, and never will.
+REFUSED = "refused"
+# What may pass: of such a run nothing is known, and it can be tried again.
+FUNCTION_FAILED, MEASURE_FAILED = "function failed", "measure failed"
+OUT_OF_MEMORY, TIMED_OUT, WORKER_DIED = "out of memory", "timed out", "worker died"
+FAILED = (
+    FUNCTION_FAILED,
+    MEASURE_FAILED,
+    "plant failed",
+    "weight failed",
+    "reducer failed",
     OUT_OF_MEMORY,
     TIMED_OUT,
-    TimeLimitReached,
-    error_text,
-    storable,
+    WORKER_DIED,
 )
-from rcac_numeric.sweeps.study.study import Coordinates
+LONGEST_TEXT = 2000  # characters of an error that are stored
+
+
+class TimeLimitReached(BaseException):
+    """Raised in a run of this process that takes too long; no `except Exception` stops it."""
+
+
+def error_text(error: BaseException) -> str:
+    """What an exception says, as it is stored."""
+    try:
+        words = str(error)
+    except Exception:
+        words = "its text cannot be made"
+    kind = "" if isinstance(error, CompensatorError) else f"{type(error).__name__}: "
+    return storable(kind + words)
+
+
+def storable(text: str) -> str:
+    r"""Any text as SQLite and a terminal take it: bounded, control characters written out.
+
+    Examples
+    --------
+    >>> from rcac_numeric.sweeps.chunks.chunk import storable
+    >>> storable("a\0b\udcff"), len(storable("x" * 10**6))
+    ('a\\x00b\\udcff', 2000)
+    """
+    return shortened(printable(shortened(text, LONGEST_TEXT)), LONGEST_TEXT)
 
 
 @dataclass(frozen=True, eq=False)

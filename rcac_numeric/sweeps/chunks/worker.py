@@ -18,14 +18,17 @@ from rcac_numeric.engine.reference.run import require_supported, simulate_refere
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.streams import simulate_stream
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
-from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask, RunRecord, failure
-from rcac_numeric.sweeps.chunks.failures import (
+from rcac_numeric.sweeps.chunks.chunk import (
     FAILED,
     FUNCTION_FAILED,
     MEASURE_FAILED,
     REFUSED,
+    ChunkResult,
+    ChunkTask,
+    RunRecord,
     TimeLimitReached,
     error_text,
+    failure,
     storable,
 )
 from rcac_numeric.sweeps.chunks.measuring import MeasureFailed, is_of_a_key, measured

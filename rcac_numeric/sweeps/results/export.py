@@ -14,7 +14,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.frames import imported
 from rcac_numeric.arrays.wording import spreadsheet_text
-from rcac_numeric.sweeps.chunks.failures import FAILED
+from rcac_numeric.sweeps.chunks.chunk import FAILED
 from rcac_numeric.sweeps.results.table import Columns
 from rcac_numeric.sweeps.store.store import Store
 

@@ -18,7 +18,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
-from rcac_numeric.sweeps.chunks.failures import error_text
+from rcac_numeric.sweeps.chunks.chunk import error_text
 from rcac_numeric.sweeps.chunks.measuring import MeasureFailed, measured
 from rcac_numeric.sweeps.chunks.worker import run_in_full
 from rcac_numeric.sweeps.store.problems import StoreError

@@ -14,7 +14,7 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays import frames
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.sweeps.chunks.failures import FAILED
+from rcac_numeric.sweeps.chunks.chunk import FAILED
 from rcac_numeric.sweeps.store.store import Row, Store
 
 Columns = dict[str, NDArray[Any]]

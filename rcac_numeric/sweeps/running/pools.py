@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.sweeps.chunks.failures import TIMED_OUT, WORKER_DIED, TimeLimitReached, error_text
+from rcac_numeric.sweeps.chunks.chunk import TIMED_OUT, WORKER_DIED, TimeLimitReached, error_text
 
 T = TypeVar("T")
 # How often a worker is started that a signal ends before it is ready, and seconds between two

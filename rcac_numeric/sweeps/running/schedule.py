@@ -10,8 +10,14 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from dataclasses import dataclass, field
 
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask, RunRecord, failure
-from rcac_numeric.sweeps.chunks.failures import TIMED_OUT, WORKER_DIED
+from rcac_numeric.sweeps.chunks.chunk import (
+    TIMED_OUT,
+    WORKER_DIED,
+    ChunkResult,
+    ChunkTask,
+    RunRecord,
+    failure,
+)
 from rcac_numeric.sweeps.chunks.worker import run_chunk
 from rcac_numeric.sweeps.running.pools import InProcess, WorkerLost, WorkerPool
 from rcac_numeric.sweeps.running.progress import Meter, Progress

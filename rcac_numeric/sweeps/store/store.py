@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.sweeps.chunks.failures import FAILED
+from rcac_numeric.sweeps.chunks.chunk import FAILED
 from rcac_numeric.sweeps.store.plan import Plan, Resolved, Stage, grown, stage_of
 from rcac_numeric.sweeps.store.problems import StoreError, damaged, explained, without_study
 from rcac_numeric.sweeps.store.versions import versions

@@ -14,12 +14,18 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.experiments.files.claims import FORMS
 from rcac_numeric.experiments.files.documents import named, read_file, require_plain
 from rcac_numeric.experiments.files.schema import json_schema
-from rcac_numeric.experiments.format.lists import ListOf
-from rcac_numeric.experiments.format.markdown import keys_table
 from rcac_numeric.experiments.format.parts import Part, Shorthand
 from rcac_numeric.experiments.format.places import Errors, Place
 from rcac_numeric.experiments.format.tables import Kinds, Raw, Table, require_table
-from rcac_numeric.experiments.format.values import Choice, Form, Integer, Numbers, Schema, as_float
+from rcac_numeric.experiments.format.values import (
+    Choice,
+    Form,
+    Integer,
+    ListOf,
+    Numbers,
+    Schema,
+    as_float,
+)
 from rcac_numeric.sweeps.study.axes import LARGEST_AXIS, Axis, RandomAxis, pair, too_many
 from rcac_numeric.sweeps.study.measures import STUDY_MEASURES, Kept
 from rcac_numeric.sweeps.study.study import SIGNALS, Study
@@ -179,15 +185,6 @@ def study_schema() -> dict[str, Any]:
     schema = json_schema()
     study = {"description": STUDY.summary, **STUDY.schema()}
     return {**schema, "properties": {**schema["properties"], "study": study}}
-
-
-def study_tables() -> dict[str, str]:
-    """The tables of the documentation of [study], in Markdown, by name."""
-    return {
-        "study": keys_table(STUDY),
-        "study.axes": keys_table(Table(AxisTable)),
-        "study.keep": keys_table(Table(KeptTable)),
-    }
 
 
 def _read(table: Raw, file: str) -> Study:

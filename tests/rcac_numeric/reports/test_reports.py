@@ -17,7 +17,7 @@ from rcac_numeric.experiments.experiment import Claim
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.reports.observer import observer_sheet
 from rcac_numeric.reports.placement import placement_sheet
-from rcac_numeric.reports.sheets.json_record import as_dict
+from rcac_numeric.reports.sheets.sheet import as_dict
 from rcac_numeric.reports.sheets.terminal import as_text
 from rcac_numeric.reports.verification import verification_sheet
 from tests.support.strategies import plants, seeds

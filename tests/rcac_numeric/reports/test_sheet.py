@@ -10,9 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from rcac_numeric.reports.sheets.json_record import as_dict, as_json
-from rcac_numeric.reports.sheets.numbers import complex_list, rounded
-from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
+from rcac_numeric.reports.sheets.sheet import (
+    Fact,
+    Section,
+    Sheet,
+    Table,
+    Text,
+    as_dict,
+    as_json,
+    cells,
+    complex_list,
+    rounded,
+)
 from rcac_numeric.reports.sheets.terminal import as_text, print_sheet
 
 WORDS = st.text(st.characters(codec="utf-8", exclude_characters="\n\r"), max_size=40)

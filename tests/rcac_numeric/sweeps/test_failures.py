@@ -18,7 +18,7 @@ from rcac_numeric.sweeps import (
     summarise,
     sweep_overview,
 )
-from rcac_numeric.sweeps.chunks.failures import LONGEST_TEXT
+from rcac_numeric.sweeps.chunks.chunk import LONGEST_TEXT
 from rcac_numeric.sweeps.running import pools, sweep
 from rcac_numeric.sweeps.store import claims
 from rcac_numeric.sweeps.store.store import Store

@@ -14,8 +14,7 @@ from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import absent_examples, example_ids, read_example
 from rcac_numeric.estimation import refine
-from rcac_numeric.experiments.estimation.measures import MEASURES
-from rcac_numeric.experiments.estimation.runs import EstimatedRun
+from rcac_numeric.experiments.estimation.studies import MEASURES, EstimatedRun
 from rcac_numeric.experiments.estimation.true_systems import TrueSystem
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.files.estimation import is_estimation

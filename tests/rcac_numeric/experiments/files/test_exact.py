@@ -10,8 +10,7 @@ from rcac_numeric import verify
 from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids, read_example
-from rcac_numeric.experiments.exact.checks import STATEMENTS, ExactCheck
-from rcac_numeric.experiments.exact.system import ExactSystem
+from rcac_numeric.experiments.exact_statements import STATEMENTS, ExactCheck, ExactSystem
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.files.exact import is_exact
 

@@ -21,9 +21,8 @@ from rcac_numeric.experiments.judging.claim import (
     REPRODUCED,
     VERDICTS,
 )
-from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of
-from rcac_numeric.reports.page.html import sheet_html, words
-from rcac_numeric.reports.page.pages import case_page
+from rcac_numeric.reports.page.cases import Case, ClaimRow, case_of, case_page
+from rcac_numeric.reports.page.rendering import sheet_html, words
 from rcac_numeric.reports.page.svg import COLOURS, svg_of
 from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.reports.sheets.terminal import as_text
