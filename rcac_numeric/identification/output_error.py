@@ -34,8 +34,9 @@ class OutputErrorModel(Value):
         1, a_1, ..., a_n of A = 1 + a_1 q^-1 + ... + a_n q^-n.
     delay : int
         Steps beside the one that every strictly proper model has.
-    residual : array, shape (steps,)
-        e, what the model, its initial state and the offset leave of y.
+    residual : array
+        e, what the model, its initial state and the offset leave of y; without the first steps,
+        as many as the longest order and delay, of which u before the record is a part.
     criterion : float
         N log(mean e^2) + 3 (2 n + 2) log N: the smallest is the best.
     explained : float
@@ -106,35 +107,51 @@ def identify_output_error(
     >>> model.order, model.delay, model.denominator.round(2)
     (1, 2, array([ 1. , -0.8]))
     """
-    u, y = _signal(u, "u"), _signal(y, "y")
+    control, output = _signal(u, "u"), _signal(y, "y")
     tried = [(integer(n, "order", at_least=1), integer(d, "delay")) for n in orders for d in delays]
-    if len(u) != len(y):
-        raise InputError(f"u has {len(u)} steps and y {len(y)}; they belong together.")
+    if len(control) != len(output):
+        raise InputError(f"u has {len(control)} steps and y {len(output)}; they belong together.")
     longest = max((n + d for n, d in tried), default=0)
-    if not tried or len(u) < 10 * (longest + 2):
+    if not tried or len(control) < 10 * (longest + 2):
         raise InputError(
-            f"there are {len(u)} steps, and for orders and delays of {longest} together at least "
-            f"{10 * (longest + 2)} are needed. Record more, or try less."
+            f"there are {len(control)} steps, and for orders and delays of {longest} together at "
+            f"least {10 * (longest + 2)} are needed. Record more, or try less."
         )
-    unit_u, unit_y = float(np.std(u)), float(np.std(y))
+    unit_u, unit_y = float(np.std(control)), float(np.std(output))
     for name, one in (("u", unit_u), ("y", unit_y)):
         if not one > 0:
             raise InputError(f"{name} does not move: the record shows nothing of the plant.")
-    u, y = (u - u.mean()) / unit_u, (y - y.mean()) / unit_y
-    found = _best(u, y, tried)
+    record = _Record(
+        (control - control.mean()) / unit_u, (output - output.mean()) / unit_y, longest
+    )
+    found = _best(record, tried)
     if found is None:
         raise InputError(
             "the record does not show that y answers to u: no model is better than a constant. "
             "Excite u more, record longer, or try longer delays."
         )
     n, d, coefficients = found
-    e = _residual(u, y, n, d, coefficients)
+    e = _residual(record, n, d, coefficients)
     b = coefficients[n:] * unit_y / unit_u
     left = float(np.mean(e**2))
     return OutputErrorModel(
         b, np.r_[1.0, coefficients[:n]], d, e * unit_y, _criterion(e, n),
-        1 - left / float(np.var(y)),
+        1 - left / float(np.var(record.last_y)),
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Record:
+    """u and y in units of their own, and the first step at which no earlier u is missing."""
+
+    u: Array
+    y: Array
+    first: int
+
+    @property
+    def last_y(self) -> Array:
+        """Y from there on."""
+        return self.y[self.first :]
 
 
 def _signal(values: ArrayLike, name: str) -> Array:
@@ -146,56 +163,59 @@ def _signal(values: ArrayLike, name: str) -> Array:
 
 def _criterion(e: Array, n: int) -> float:
     size = max(float(np.mean(e**2)), np.finfo(float).tiny)
-    return len(e) * np.log(size) + PENALTY * (2 * n + 2) * np.log(len(e))
+    return float(len(e) * np.log(size) + PENALTY * (2 * n + 2) * np.log(len(e)))
 
 
-def _best(u: Array, y: Array, tried: list[tuple[int, int]]) -> tuple[int, int, Array] | None:
+def _best(record: _Record, tried: list[tuple[int, int]]) -> tuple[int, int, Array] | None:
     """Order, delay and coefficients of the smallest criterion; None where a constant is."""
     found = {}
     for n, d in tried:
-        coefficients = _iterated(u, y, n, d)
-        found[n, d] = _criterion(_residual(u, y, n, d, coefficients), n), coefficients
+        coefficients = _iterated(record, n, d)
+        found[n, d] = _criterion(_residual(record, n, d, coefficients), n), coefficients
     refined: set[tuple[int, int]] = set()
     # Noise that is not white leads the iteration astray, and not at every delay alike.
     for count in REFINED:
-        _share_poles(u, y, found)
+        _share_poles(record, found)
         for n, d in sorted(found, key=lambda one: found[one][0])[:count]:
             if (n, d) not in refined:
-                coefficients = _refined(u, y, n, d, found[n, d][1])
-                found[n, d] = _criterion(_residual(u, y, n, d, coefficients), n), coefficients
+                coefficients = _refined(record, n, d, found[n, d][1])
+                found[n, d] = _criterion(_residual(record, n, d, coefficients), n), coefficients
                 refined.add((n, d))
     n, d = min(refined, key=lambda one: found[one][0])
     value, coefficients = found[n, d]
+    y = record.last_y
     least = len(y) * np.log(np.mean((y - y.mean()) ** 2)) + PENALTY * np.log(len(y))
     return (n, d, coefficients) if value < least else None
 
 
-def _share_poles(u: Array, y: Array, found: dict[tuple[int, int], tuple[float, Array]]) -> None:
+def _share_poles(record: _Record, found: dict[tuple[int, int], tuple[float, Array]]) -> None:
     """At every delay the poles of the best one of that order, where they do better."""
     for n in sorted({n for n, _ in found}):
         best = min((one for one in found if one[0] == n), key=lambda one: found[one][0])
         A = _inside(np.r_[1.0, found[best][1][:n]])
-        u_f, free = lfilter([1.0], A, u), _free(A, len(u))
+        u_f, y = lfilter([1.0], A, record.u), record.last_y
+        free = _free(A, len(y))
         for d in [d for order, d in found if order == n]:
-            columns = np.stack([*(_late(u_f, d + i) for i in range(1, n + 1)), *free], axis=1)
+            forced = [_late(u_f, d + i)[record.first :] for i in range(1, n + 1)]
+            columns = np.stack([*forced, *free], axis=1)
             B = np.linalg.lstsq(columns, y, rcond=None)[0]
             value = _criterion(y - columns @ B, n)
             if value < found[n, d][0]:
                 found[n, d] = value, np.r_[A[1:], B[:n]]
 
 
-def _iterated(u: Array, y: Array, n: int, d: int) -> Array:
+def _iterated(record: _Record, n: int, d: int) -> Array:
     """a_1, ..., a_n, b_1, ..., b_n where Steiglitz and McBride's iteration ends."""
     A = np.zeros(n + 1)
     A[0] = 1.0
     found = np.zeros(2 * n)
-    late, one = _late(u, d), np.ones_like(u)
+    late, one = _late(record.u, d), np.ones_like(record.u)
     for _ in range(ROUNDS):
-        y_f, u_f, c_f = (lfilter([1.0], A, signal) for signal in (y, late, one))
+        y_f, u_f, c_f = (lfilter([1.0], A, signal) for signal in (record.y, late, one))
         columns = [-_late(y_f, i) for i in range(1, n + 1)]
         columns += [_late(u_f, i) for i in range(1, n + 1)]
-        regressor = np.stack([*columns, c_f], axis=1)[n:]
-        found = np.linalg.lstsq(regressor, y_f[n:], rcond=None)[0][: 2 * n]
+        regressor = np.stack([*columns, c_f], axis=1)[record.first :]
+        found = np.linalg.lstsq(regressor, y_f[record.first :], rcond=None)[0][: 2 * n]
         new = _inside(np.r_[1.0, found[:n]])
         if np.abs(new - A).max() < SETTLED * np.abs(new).max():
             break
@@ -218,11 +238,11 @@ def _inside(A: Array) -> Array:
     return np.asarray(np.poly(reflected).real)
 
 
-def _residual(u: Array, y: Array, n: int, d: int, coefficients: Array) -> Array:
+def _residual(record: _Record, n: int, d: int, coefficients: Array) -> Array:
     """What B/A u, the offset and the initial state, fitted, leave of y."""
     A, B = _inside(np.r_[1.0, coefficients[:n]]), np.r_[0.0, coefficients[n:]]
-    columns = np.stack(_free(A, len(u)), axis=1)
-    e = y - lfilter(B, A, _late(u, d))
+    columns = np.stack(_free(A, len(record.last_y)), axis=1)
+    e = record.last_y - lfilter(B, A, _late(record.u, d))[record.first :]
     return np.asarray(e - columns @ np.linalg.lstsq(columns, e, rcond=None)[0])
 
 
@@ -234,10 +254,11 @@ def _free(A: Array, steps: int) -> list[Array]:
     return [np.ones(steps), *(_late(free, i) for i in range(len(A) - 1))]
 
 
-def _refined(u: Array, y: Array, n: int, d: int, start: Array) -> Array:
+def _refined(record: _Record, n: int, d: int, start: Array) -> Array:
     """The smallest output error beside where the iteration ended."""
     found = least_squares(
-        lambda one: _residual(u, y, n, d, one), start, x_scale="jac", max_nfev=25, method="trf"
-    ).x
+        lambda one: _residual(record, n, d, one), start, x_scale="jac", max_nfev=25,
+        ftol=1e-12, xtol=1e-10, gtol=1e-12,
+    ).x  # fmt: skip
     found[:n] = _inside(np.r_[1.0, found[:n]])[1:]
     return np.asarray(found)

@@ -48,7 +48,7 @@ class LoggedPlant(Value):
 
     @property
     def gains(self) -> tuple[float, ...]:
-        """Gain of each part over that of the whole, at 0.02 rad/step; negative with another sign."""
+        """Gain of each part over that of the whole; negative where it has another sign."""
         return tuple(
             (1 if part.sign == self.plant.sign else -1) * part.low_gain / self.plant.low_gain
             for part in self.parts
