@@ -75,8 +75,8 @@ def main(count=30, first=80_000):
             peaks.append(fixed[3])
         near, close, same, fixed, rcac, held, both = 100 * np.mean(rows, axis=0)
         print(f"ratio {ratio}, {len(rows)} logs, {refused} refused: delay within 1 {near:.0f} %, "
-              f"gain within 10 % {close:.0f} %, sign {same:.0f} %; stable: fixed {fixed:.0f} %, RCAC "
-              f"{rcac:.0f} %; Ms {quantiles(peaks)}; held {held:.0f} %, of those stable "
+              f"gain within 10 % {close:.0f} %, sign {same:.0f} %; stable: fixed {fixed:.0f} %, "
+              f"RCAC {rcac:.0f} %; Ms {quantiles(peaks)}; held {held:.0f} %, of those stable "
               f"{100 * both / held if held else 0:.0f} %", flush=True)  # fmt: skip
     print(f"{time.perf_counter() - start:.0f} s")
 
