@@ -29,6 +29,7 @@ TOPICS = {
 LOOKED_AT = (
     "index",
     "install",
+    "explorer",
     "guide/my-plant",
     "guide/log-to-verdict",
     "gallery/index",

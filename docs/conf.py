@@ -8,6 +8,8 @@ from pathlib import Path
 # Last: the packages are those that are installed, the ledger of proofs is that of this checkout.
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 
+from sphinx.util import logging
+
 import rcac_numeric.dissertation
 from docs.cross_references import intersphinx, resolve_public, skip_foreign, type_links
 from docs.equation_index import equations, equations_page
@@ -17,6 +19,8 @@ from docs.notebook_pages import copy_notebooks, write_settings
 from docs.numbered_items import FILE as ITEMS
 from docs.numbered_items import counts, table
 from docs.reference_pages import changed, write_reference
+from rcac_numeric.explorer.page import explorer_page
+from rcac_numeric.reports.page.rendering import write_page
 from tests.house.layers import LAYERS
 
 EXAMPLES = Path(rcac_numeric.dissertation.__file__).parent / "example_files"
@@ -67,6 +71,9 @@ if mathjax := find_spec("sphinx-mathjax-offline"):
     ]
     mathjax_path = "mathjax/tex-chtml.js"
 html_css_files = ["pictures.css"]
+# The explorer, which is built with the pages: _static/explorer.html.
+explorer_folder = Path(tempfile.mkdtemp())
+html_static_path.append(str(explorer_folder))
 html_search_scorer = str(Path(__file__).resolve().parent / "search_scorer.js")
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
@@ -80,6 +87,16 @@ numpydoc_xref_aliases = type_links()
 nitpicky = True
 intersphinx_mapping = intersphinx(REFERENCE / "inventories")
 equation_numbers = frozenset(index)
+
+
+def build_explorer(app):
+    """Build the explorer, or say by name what is missing for it."""
+    from compensator_theory.errors import InputError
+
+    try:
+        write_page(explorer_page(), explorer_folder / "explorer.html")
+    except InputError as error:
+        logging.getLogger(__name__).warning("the explorer is not among the pages: %s", error)
 
 
 def insert_ledger(app, name, source):
@@ -134,6 +151,7 @@ def insert_judging(app, name, source):
 
 def setup(app):
     setup_equations(app)
+    app.connect("builder-inited", build_explorer)
     app.connect("autodoc-skip-member", skip_foreign)
     app.connect("missing-reference", resolve_public)
     app.connect("source-read", insert_ledger)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
@@ -21,6 +22,7 @@ from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 
 IDENTITY = "(A + B K) V = V Lambda"
+Chain: TypeAlias = list[list[Expr]]
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,8 @@ def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike)
     A, B : matrix
         n x n and n x m.
     eigenvalue : number
-        Rational or a symbol; for a complex pair see :func:`assign_eigenstructure`.
+        Rational, a symbol, or a + bj with rational parts; then vectors are complex, and their
+        conjugates are those of the conjugate.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike)
     Raises
     ------
     InputError
-        If the shapes do not fit or the eigenvalue is not real.
+        If the shapes do not fit or the eigenvalue is irrational.
 
     Notes
     -----
@@ -92,11 +95,14 @@ def reachable_eigenvectors(A: MatrixLike, B: MatrixLike, eigenvalue: NumberLike)
     >>> from compensator_theory import reachable_eigenvectors
     >>> reachable_eigenvectors([[0, 1], [0, 0]], [[0], [1]], -3).T
     Matrix([[1/9, -1/3]])
+    >>> reachable_eigenvectors([[0, 1], [0, 0]], [[0], [1]], "-1 + j").T
+    Matrix([[I/2, -1/2 - I/2]])
     """
     a, b = _pair(A, B)
-    value = sympy.sympify(exact_number(eigenvalue))
-    if value.is_real is False or (value.is_number and not value.is_rational):
-        raise InputError(f"the eigenvalue {value} must be a rational number or a symbol")
+    value = sympy.expand(exact_number(eigenvalue))
+    parts = _parts(value)
+    if any(part.is_number and not part.is_rational for part in parts):
+        raise InputError(f"the eigenvalue {value} must have rational parts, or be a symbol")
     n = a.rows
     pencil = ImmutableMatrix((value * sympy.eye(n) - a).row_join(-b))
     kernel = echelon(pencil).kernel()[:n, :]
@@ -121,17 +127,18 @@ def assign_eigenstructure(
     A, B : matrix
         n x n and n x m; symbols allowed.
     eigenvalues : sequence of numbers
-        Rational, symbolic, or a + bj with rational parts and b > 0, which stands for the pair.
+        Rational, symbolic, or a + bj with rational parts, which stands for the pair: its conjugate
+        may be given, too, with conjugate vectors.
     eigenvectors : sequence
         For each eigenvalue a vector of n numbers, or a chain of them, first the eigenvector; for a
-        complex one a complex vector. Together n real vectors.
+        complex one complex vectors. Together n real vectors.
 
     Raises
     ------
     NoSolutionError
         If a vector cannot be reached, or the vectors are dependent; the message names which.
     InputError
-        If sizes do not fit, or a complex eigenvalue has b < 0 or a chain.
+        If sizes do not fit, or conjugate eigenvalues have vectors that are not conjugate.
 
     Notes
     -----
@@ -158,8 +165,12 @@ def assign_eigenstructure(
         )
     columns: list[ImmutableMatrix] = []
     blocks: list[Matrix] = []
-    for value, given in zip(eigenvalues, eigenvectors, strict=True):
-        vectors, block = _block(sympy.expand(exact_number(value)), _chain(given, n))
+    given = [
+        (sympy.expand(exact_number(value)), _chain(vectors, n))
+        for value, vectors in zip(eigenvalues, eigenvectors, strict=True)
+    ]
+    for value, chain in _one_of_each_pair(given):
+        vectors, block = _block(value, chain)
         columns += vectors
         blocks.append(block)
     if len(columns) != n:
@@ -198,7 +209,7 @@ def _pair(A: MatrixLike, B: MatrixLike) -> tuple[ImmutableMatrix, ImmutableMatri
     return a, b
 
 
-def _chain(given: object, n: int) -> list[list[Expr]]:
+def _chain(given: object, n: int) -> Chain:
     """Read one vector or a chain of them."""
     if isinstance(given, str) or not hasattr(given, "__iter__"):
         raise InputError(f"{shown(given)} is no eigenvector; write {n} numbers")
@@ -215,23 +226,50 @@ def _chain(given: object, n: int) -> list[list[Expr]]:
     return vectors
 
 
-def _block(value: Expr, vectors: list[list[Expr]]) -> tuple[list[ImmutableMatrix], Matrix]:
-    """Return real columns and the real Jordan block of one eigenvalue."""
-    real, imaginary = value.xreplace({sympy.I: sympy.S.Zero}), value.coeff(sympy.I)
-    if imaginary == 0:
-        size = len(vectors)
-        block = Matrix(size, size, lambda i, j: value if i == j else int(j == i + 1))
-        return [_column(vector) for vector in vectors], block
-    if imaginary.is_negative or len(vectors) > 1:
-        raise InputError(
-            f"the complex eigenvalue {value} must have a positive imaginary part and one vector; "
-            "it stands for the conjugate pair"
+def _one_of_each_pair(given: list[tuple[Expr, Chain]]) -> list[tuple[Expr, Chain]]:
+    """Eigenvalues with b >= 0 and their chains; of two that are conjugate, one."""
+    kept: list[tuple[Expr, Chain]] = []
+    conjugates: list[tuple[Expr, Chain]] = []
+    for value, chain in given:
+        is_lower = _parts(value)[1].is_negative
+        (conjugates if is_lower else kept).append(
+            (_conjugate(value), [[_conjugate(e) for e in v] for v in chain])
+            if is_lower
+            else (value, chain)
         )
-    parts = [
-        _column([e.xreplace({sympy.I: sympy.S.Zero}) for e in vectors[0]]),
-        _column([e.coeff(sympy.I) for e in vectors[0]]),
-    ]
-    return parts, Matrix([[real, imaginary], [-imaginary, real]])
+    for value, chain in conjugates:
+        if (value, chain) in kept:
+            continue
+        if any(value == other for other, _ in kept):
+            raise InputError(
+                f"{_conjugate(value)} and {value} have vectors that are not conjugate; give one of "
+                "them, which stands for both, or conjugate vectors"
+            )
+        kept.append((value, chain))
+    return kept
+
+
+def _block(value: Expr, vectors: Chain) -> tuple[list[ImmutableMatrix], Matrix]:
+    """Return real columns and the real Jordan block of one eigenvalue, or of a pair."""
+    real, imaginary = _parts(value)
+    size = len(vectors)
+    above = Matrix(size, size, lambda i, j: int(j == i + 1))
+    if imaginary == 0:
+        return [_column(vector) for vector in vectors], value * sympy.eye(size) + above
+    columns = [_column([_parts(e)[k] for e in vector]) for vector in vectors for k in (0, 1)]
+    pair = Matrix([[real, imaginary], [-imaginary, real]])
+    kronecker = sympy.kronecker_product(above, sympy.eye(2))
+    return columns, sympy.diag(*[pair] * size) + Matrix(kronecker)
+
+
+def _parts(value: Expr) -> tuple[Expr, Expr]:
+    """Real and imaginary part; symbols count as real."""
+    return value.xreplace({sympy.I: sympy.S.Zero}), value.coeff(sympy.I)
+
+
+def _conjugate(value: Expr) -> Expr:
+    real, imaginary = _parts(value)
+    return real - sympy.I * imaginary
 
 
 def _column(entries: list[Expr]) -> ImmutableMatrix:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from dataclasses import replace as dataclass_replace
 from html import escape
@@ -42,12 +42,7 @@ class Value:
     def _repr_html_(self) -> str | None:
         if hasattr(self, "_repr_latex_"):  # a notebook would prefer HTML
             return None
-        rows = "".join(
-            f"<tr><th style='text-align:left'>{escape(name)}</th>"
-            f"<td style='text-align:left'><pre style='margin:0'>{escape(text)}</pre></td></tr>"
-            for name, text in _rows(self, depth=1)
-        )
-        return f"<table><caption>{escape(type(self).__name__)}</caption>{rows}</table>"
+        return html_table(type(self).__name__, _rows(self, depth=1))
 
 
 def equal(a: Any, b: Any) -> bool:
@@ -122,6 +117,16 @@ def overview(value: Any, depth: int = 1) -> str:
     return "\n".join([type(value).__name__, *lines])
 
 
+def html_table(caption: str, rows: Iterable[tuple[str, str]]) -> str:
+    """Names and texts as a notebook shows them, all characters escaped."""
+    cells = "".join(
+        f"<tr><th style='text-align:left'>{escape(name)}</th>"
+        f"<td style='text-align:left'><pre style='margin:0'>{escape(text)}</pre></td></tr>"
+        for name, text in rows
+    )
+    return f"<table><caption>{escape(caption)}</caption>{cells}</table>"
+
+
 def _rows(value: Any, depth: int) -> list[tuple[str, str]]:
     held = ((name, getattr(value, name)) for name in field_names(type(value)))
     rows = [(name, _shown(part, depth)) for name, part in held if not name.startswith("_")]
@@ -133,7 +138,7 @@ def _shown(part: Any, depth: int) -> str:
     if part is None:
         return ""
     if isinstance(part, np.ndarray):
-        return _array(part)
+        return shown_array(part)
     if is_record(part):
         if next(cls for cls in type(part).__mro__ if "__str__" in vars(cls)) not in (Value, object):
             return shortened(" ".join(str(part).split()), WIDTH)
@@ -153,7 +158,8 @@ def _shown(part: Any, depth: int) -> str:
     return shortened(" ".join(str(part).split()), WIDTH)
 
 
-def _array(part: np.ndarray) -> str:
+def shown_array(part: np.ndarray) -> str:
+    """An array in a few words: its entries, or its shape and range where there are many."""
     if not part.size:
         return ""
     if part.size <= MOST:

@@ -21,6 +21,7 @@ COMMANDS = {
         "rcac_numeric.cli.dissertation.errata:errata",
         "List what is wrong in the dissertation's text.",
     ),
+    "explore": ("rcac_numeric.cli.explore:explore", "Write a page on which a loop runs live."),
     "export": ("rcac_numeric.cli.export:export", "Write a controller as C, for a board."),
     "list": ("rcac_numeric.cli.list:list_examples", "List the examples that can be verified."),
     "observer": ("rcac_numeric.cli.observer:observer", "Tell if a compensator is observer-based."),
@@ -40,6 +41,7 @@ COMMANDS = {
     ),
     "store": ("rcac_numeric.cli.studies.store:store", "Check the store of a study; repair it."),
     "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),
+    "tune": ("rcac_numeric.cli.design:tune_command", "rcac design, with settings found by trying."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }
 

@@ -111,3 +111,13 @@ def show(
         raise closed
     if not as_json:
         click.echo("".join(f"\n{line}\n" for line in lines), nl=False)
+
+
+def writable_page(context: click.Context, option: click.Parameter, value: Path | None) -> Any:
+    """A page that is to be written, refused before anything long is run."""
+    name = option.opts[-1]
+    if value is not None and value.suffix.lower() not in (".html", ".htm"):
+        raise InputError(f"{name} {value}: the name must end in .html.")
+    if value is not None and not value.parent.is_dir():
+        raise InputError(f"{name} {value}: there is no folder {value.parent}.")
+    return value

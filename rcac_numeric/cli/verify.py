@@ -19,7 +19,13 @@ from rcac_numeric.cli.cases import (
     read_case_table,
     with_values,
 )
-from rcac_numeric.cli.output import as_json_option, budget_option, picture_option, show
+from rcac_numeric.cli.output import (
+    as_json_option,
+    budget_option,
+    picture_option,
+    show,
+    writable_page,
+)
 from rcac_numeric.dissertation.load import load_example
 from rcac_numeric.dissertation.pages import example_page
 from rcac_numeric.experiments.budgets import Budget
@@ -37,11 +43,7 @@ def _checked_page(context: click.Context, option: click.Parameter, value: Path |
     """The option --page, whose file is refused before anything long is run."""
     if value is not None:
         require_library("matplotlib")
-    if value is not None and value.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"--page {value}: the name must end in .html.")
-    if value is not None and not value.parent.is_dir():
-        raise InputError(f"--page {value}: there is no folder {value.parent}.")
-    return value
+    return writable_page(context, option, value)
 
 
 def _checked_run(context: click.Context, option: click.Parameter, value: Path | None) -> Any:

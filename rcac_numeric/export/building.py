@@ -27,13 +27,14 @@ def compiled(sources: Sequence[Path], program: Path, *flags: str, includes: Sequ
     if cc is None:
         raise InputError("there is no C compiler here: no cc, gcc or clang, and CC is empty.")
     command = [cc, *FLAGS, *flags, *(f"-I{path}" for path in includes)]
-    done = _run([*command, *map(str, sources), "-o", str(program)])
+    done = run_program([*command, *map(str, sources), "-o", str(program)])
     if done.returncode:
         raise InputError(f"{cc} does not compile the export: {done.stderr.strip()[:2000]}")
     return program
 
 
-def _run(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+def run_program(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
+    """What a program of this machine answers."""
     try:
         return subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
     except subprocess.TimeoutExpired:
@@ -58,5 +59,5 @@ def replayed(source: Path, test: Path, name: str) -> tuple[bool, str]:
             Path(folder) / "replay",
             includes=[source, test],
         )
-        done = _run([str(program)])
+        done = run_program([str(program)])
     return done.returncode == 0, done.stdout.strip() or f"it ended with {done.returncode}"

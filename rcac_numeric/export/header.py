@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 
@@ -19,8 +19,9 @@ REALS = ("float64", "float32")
 class _Writer:
     """Lines of C with numbers of one type."""
 
-    def __init__(self, real: str) -> None:
+    def __init__(self, real: str, changing: Collection[str] = ()) -> None:
         self.real = np.dtype(real).type
+        self.changing = changing
         self.suffix = "" if real == "float64" else "f"
         self.largest = float(np.finfo(real).max)
         self.lines: list[str] = []
@@ -56,7 +57,8 @@ class _Writer:
         self.integers(name, [value for pair in pairs for value in pair])
 
     def _array(self, kind: str, name: str, words: list[str]) -> None:
-        self.lines.append(f"static const {kind} rcac_{name}[{len(words)}] = {{")
+        const = "" if name in self.changing else "const "
+        self.lines.append(f"static {const}{kind} rcac_{name}[{len(words)}] = {{")
         line = "   "
         for word in words:
             if len(line) + len(word) > 96:
@@ -66,7 +68,7 @@ class _Writer:
         self.lines += [line, "};"]
 
 
-def config_header(tables: CoreTables, real: str = "float64") -> str:
+def config_header(tables: CoreTables, real: str = "float64", changing: Collection[str] = ()) -> str:
     """The text of rcac_config.h; the same tables give the same bytes.
 
     Parameters
@@ -74,10 +76,16 @@ def config_header(tables: CoreTables, real: str = "float64") -> str:
     tables : CoreTables
     real : {"float64", "float32"}
         float32 gets a carry for each coefficient and, where it forgets, D <= D(0).
+    changing : collection of str
+        Tables that are variables, for who includes rcac.c and writes them before rcac_init: "D_0",
+        "lambda", "numerators", "denominators", and "K_W" and "K_UPDATE" of the sizes.
     """
-    out = _Writer(one_of(real, "real", REALS))
+    out = _Writer(one_of(real, "real", REALS), changing)
     _define_sizes(out, tables, real)
     out.lines += ["", "#ifdef RCAC_TABLES /* which rcac.c defines */"]
+    for name in ("K_W", "K_UPDATE"):
+        if name in changing:
+            out.lines.append(f"static int64_t rcac_{name};")
     _define_tables(out, tables)
     out.lines.append("#endif")
     body = "\n".join(out.lines)
@@ -152,7 +160,7 @@ def _define_sizes(out: _Writer, t: CoreTables, real: str) -> None:
         "SMALLEST_NORMAL": out.number(float(np.finfo(real).tiny)),
     }  # fmt: skip
     for name, value in sizes.items():
-        out.define(name, value)
+        out.define(name, f"rcac_{name}" if name in out.changing else value)
     if targets and t.live:
         raise InputError("a live target model and scheduled ones exclude each other.")
 

@@ -76,6 +76,7 @@ LAYERS = {
         "reports.studies",
         "reports.page",
         "export",
+        "explorer",
         "dissertation.errata.evidence",
         "dissertation.errata",
         "dissertation",

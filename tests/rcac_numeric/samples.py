@@ -375,6 +375,7 @@ SAMPLES = {
     # from a plant to a controller
     rcac.Uncertainty: lambda seed: rcac.Uncertainty(gain=(0.5, 2.0 + seed), delay=0),
     results.Design: design,
+    results.Tuned: lambda seed: rcac.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
     # export
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)

@@ -202,7 +202,7 @@ def case_page(case: Case, *, template: str = "case.html", home: str = HOME, **mo
     """
     title = in_a_line(f"{case.id}: {case.title}".strip(": "))
     lead = case.source or "A case, its claims and what was measured."
-    values = {"title": title, "lead": lead, "case": case, "made": made_with([case])}
+    values: dict[str, Any] = {"title": title, "lead": lead, "case": case, "made": made_with([case])}
     return whole_page(template, home, **values, **more)
 
 

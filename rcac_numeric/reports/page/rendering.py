@@ -42,13 +42,31 @@ def rendered(name: str, /, home: str = HOME, **values: Any) -> Markup:
     return Markup(_environment(home).get_template(name).render(**values))
 
 
-def whole_page(name: str, /, home: str = HOME, **values: Any) -> str:
-    """A whole page from a template that extends ``page.html``, with style, script and policy."""
+def whole_page(
+    name: str, /, home: str = HOME, *, style: str = "", script: str = "", wasm: bool = False,
+    **values: Any,
+) -> str:  # fmt: skip
+    """A whole page from a template that extends ``page.html``, with style, script and policy.
+
+    Parameters
+    ----------
+    name : str
+        Of the template.
+    home : str
+        The package whose templates are looked at first.
+    style, script : str
+        What follows those of every page.
+    wasm : bool
+        Whether the script may compile WebAssembly, which it brings with it.
+    **values
+        What the template says.
+    """
     folder = resources.files(HOME)
     css, js = (folder.joinpath(f"page.{kind}").read_text("utf-8") for kind in ("css", "js"))
-    css, js = f"\n{css}", f"\n{js}"
+    css, js = f"\n{css}{style}", f"\n{js}{script}"
+    compiles = " 'wasm-unsafe-eval'" if wasm else ""
     policy = (
-        f"default-src 'none'; script-src 'sha256-{_digest(js)}'; "
+        f"default-src 'none'; script-src 'sha256-{_digest(js)}'{compiles}; "
         f"style-src-elem 'sha256-{_digest(css)}'; style-src-attr 'unsafe-inline'; "
         "img-src data:; base-uri 'none'; form-action 'none'"
     )

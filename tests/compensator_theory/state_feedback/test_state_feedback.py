@@ -12,6 +12,7 @@ from compensator_theory import (
     InputError,
     assign_eigenstructure,
     brunovsky_form,
+    exact_number,
     observer_gain_family,
     polynomial,
     polynomial_from_roots,
@@ -216,6 +217,47 @@ def test_chains_and_complex_pairs():
         assign_eigenstructure(A, B, [-1, -2], [(1, 0), (0, 1)])
 
 
+def test_a_chain_of_a_complex_pair():
+    """Four integrators: eigenvectors (1, l, l^2, l^3), and its derivative after it in the chain."""
+    A, B = Matrix(4, 4, lambda i, j: int(j == i + 1)), Matrix([0, 0, 0, 1])
+    chain = [("1", "-1+j", "-2j", "2+2j"), ("0", "1", "-2+2j", "-6j")]
+    found = assign_eigenstructure(A, B, ["-1+j"], [chain])
+    assert charpoly(A + B * found.K) == polynomial("(s**2 + 2*s + 2)**2")
+    conjugate = [[sympy.conjugate(exact_number(e)) for e in v] for v in chain]
+    lower = assign_eigenstructure(A, B, ["-1-j"], [conjugate])
+    both = assign_eigenstructure(A, B, ["-1+j", "-1-j"], [chain, conjugate])
+    assert found.K == lower.K == both.K
+
+
+@fewer(4)
+@given(pairs(), st.data())
+def test_complex_eigenvectors_in_reach_are_assigned(pair, data):
+    A, B = pair
+    n = A.rows
+    assume(n >= 2)
+    values = [Rational(-1, 2) + sympy.I * data.draw(st.integers(1, 3))]
+    values += [Rational(-k) for k in range(2, n)]
+    vectors = []
+    for value in values:
+        space = reachable_eigenvectors(A, B, value)
+        assert space.cols == rank(B)
+        v = space * data.draw(matrices(space.cols, 1))
+        vectors.append([sympy.expand(e) for e in v])
+        # It is in reach: (value I - A) v lies in the image of B.
+        wanted = (value * sympy.eye(n) - A) * v
+        assert B.row_join(wanted.applyfunc(sympy.expand)).rank() == rank(B)
+    try:
+        found = assign_eigenstructure(A, B, values, vectors)
+    except NoSolutionError:
+        return  # dependent
+    first = Matrix(vectors[0])
+    assert (
+        ((A + B * found.K - values[0] * sympy.eye(n)) * first)
+        .applyfunc(sympy.expand)
+        .is_zero_matrix
+    )
+
+
 def test_jordan_structures_within_rosenbrocks_inequalities():
     """Indices (2, 1): two blocks of sizes 2 and 1 are in reach, three of size 1 are not."""
     for blocks, reachable in (([2, 1], True), ([3], True), ([1, 1, 1], False)):
@@ -255,9 +297,15 @@ def test_symbols_say_where_they_hold():
         (lambda: assign_eigenstructure([[1]], [[1]], [-1], []), InputError),
         (lambda: assign_eigenstructure([[1]], [[1]], [-1], [(1, 2)]), InputError),
         (lambda: assign_eigenstructure([[1]], [[1]], ["-1-1j"], [("1j",)]), InputError),
+        (
+            lambda: assign_eigenstructure(
+                [[0, 1], [0, 0]], [[0], [1]], ["-1+j", "-1-j"], [("j", "-1-j"), ("j", "-1+j")]
+            ),
+            InputError,
+        ),
         (lambda: assign_eigenstructure([[1]], [[1]], [-1], ["x"]), InputError),
         (lambda: reachable_eigenvectors([[1]], [[1], [2]], -1), InputError),
-        (lambda: reachable_eigenvectors([[1]], [[1]], "1j"), InputError),
+        (lambda: reachable_eigenvectors([[1]], [[1]], "sqrt(2)"), InputError),
     ],
 )
 def test_bad_input(call, error):

@@ -6,8 +6,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rcac_numeric import FigureRequest
+from rcac_numeric import (
+    UD,
+    Controller,
+    ControllerSettings,
+    FigureRequest,
+    TargetModel,
+    iir,
+)
 from rcac_numeric.arrays.values import WIDTH, Value, field_names
+from rcac_numeric.estimation import EKF, Estimator, LinearModel
 from tests.rcac_numeric.samples import SAMPLES, SEEDS
 
 PLAIN = [cls for cls in SAMPLES if issubclass(cls, Value) and cls.__str__ is Value.__str__]
@@ -35,3 +43,13 @@ def test_what_a_notebook_shows_is_escaped(text):
     cells = FigureRequest("responses", text)._repr_html_()
     inside = re.sub(r"</?(table|caption|tr|th|td|pre)( style='[\w:-]*')?>", "", cells)
     assert "<" not in inside and ">" not in inside
+
+
+def test_what_is_live_shows_where_it_stands():
+    settings = ControllerSettings(structure=iir(1), target=TargetModel([0.0, 1.0]), update=UD(1.0))
+    for made, settings_of in (
+        (Controller(settings), "R_theta=1.0"),
+        (Estimator(EKF(LinearModel(A=1, C=1), Q=1, R=1)), "LinearModel"),
+    ):
+        made.step([1.0], *([1.0],) * isinstance(made, Controller))
+        assert "k=1" in repr(made) and settings_of in made._repr_html_()

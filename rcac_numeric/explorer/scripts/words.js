@@ -1,0 +1,70 @@
+// What happened, in one sentence, and what RCAC knows of the plant.
+import { distances, modulus, withConjugates } from "./roots.js";
+import { polesAt } from "./loop.js";
+import { modelling } from "./plan.js";
+import { written } from "./rationals.js";
+
+export const REACHED = 0.01;
+const NEAR_CIRCLE = 1e-9;
+
+export const shown = ([x, y]) => `${text(x)}${y ? ` ± ${text(Math.abs(y))}j` : ""}`;
+const text = x => Number(x.toFixed(Math.abs(x) < 10 ? 3 : 1)).toString().replace("-", "−");
+const raised = digits => [...digits].map(c => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c]).join("");
+const small = x => x < 1e-3 ? x.toExponential(0).replace(/e-(\d+)/, (_, digits) => `·10⁻${raised(digits)}`)
+  : Number(x.toPrecision(2)).toString();
+
+// "lost", "unstable", "still" (nothing acts, nothing is learnt), "stable" or "reached".
+export function outcomeOf(found) {
+  const wanted = withConjugates(found.plan.dials.poles);
+  if (found.lost) return { kind: "lost", poles: polesAt(found, found.done), wanted, far: [] };
+  const poles = polesAt(found, found.done), far = distances(wanted, poles), worst = Math.max(0, ...far);
+  if (found.w.every(value => value === 0)) return { kind: "still", poles, wanted, far, worst };
+  const largest = Math.max(...poles.map(modulus));
+  const kind = largest >= 1 - NEAR_CIRCLE ? "unstable" : worst <= REACHED ? "reached" : "stable";
+  return { kind, poles, wanted, far, worst, largest };
+}
+
+// The first step after which |z| stays below a twentieth of its peak since RCAC began.
+function settled({ z, plan }) {
+  let peak = 0, tail = 0, last = plan.k_w;
+  for (let k = plan.k_w; k < z.length; k += 1) peak = Math.max(peak, Math.abs(z[k]));
+  for (let k = Math.floor(0.9 * z.length); k < z.length; k += 1) tail = Math.max(tail, Math.abs(z[k]));
+  if (tail > 0.2 * peak) return null;
+  for (let k = plan.k_w; k < z.length; k += 1) if (Math.abs(z[k]) > Math.max(1.5 * tail, 0.05 * peak)) last = k + 1;
+  return last - plan.k_w;
+}
+
+// Parts [words, class]; the page makes elements of them, so that nothing is read as HTML.
+export function sentence(found, outcome) {
+  const { plan } = found, { dials } = plan, count = outcome.wanted.length;
+  const untold = plan.zeros.filter(zero => modulus(zero) >= 1 && !withConjugates(dials.told)
+    .some(known => Math.hypot(known[0] - zero[0], known[1] - zero[1]) < 0.05 * modulus(zero)));
+  if (outcome.kind === "still") return [["Nothing acts on the loop, so there is nothing to learn from. "], ["Give it a signal or noise.", "quiet"]];
+  if (outcome.kind === "lost") {
+    const middle = polesAt(found, Math.floor(0.6 * found.done));
+    const cancelled = untold.find(zero => middle.some(pole => Math.hypot(pole[0] - zero[0], pole[1] - zero[1]) < 0.02 * modulus(zero)));
+    const why = cancelled ? `RCAC put a pole on the zero ${shown(cancelled)} that it does not know, and u grows.`
+      : untold.length ? `The plant has a zero at ${shown(untold[0])} that RCAC does not know.`
+        : Number(dials.gain) < 0 ? "RCAC has the sign of the gain wrong."
+          : "What is asked is too much for this plant, too soon or told wrongly.";
+    return [[`Diverged at step ${found.done}. `, "bad"], [why]];
+  }
+  if (outcome.kind === "unstable") return [["Not stable: ", "bad"], [`with theta of the last step the loop has a pole of modulus ${text(outcome.largest)}. More steps, or another R_theta.`]];
+  const steps = settled(found);
+  const calm = steps === null ? "z does not settle" : `z settles ${steps} steps after RCAC starts`;
+  const what = plan.poles.some(pole => modulus(pole) > 1) ? "An unstable plant, stabilised: " : "Stable: ";
+  if (outcome.kind === "reached") return [[what], [calm, "good"], [", and "],
+    [count === 1 ? "the pole asked for is reached" : `all ${count} poles asked for are reached`, "good"], [`, missed by ${small(outcome.worst)} at most.`]];
+  const missed = outcome.far.filter(distance => distance > REACHED).length;
+  const worst = outcome.wanted[outcome.far.indexOf(outcome.worst)];
+  if (!Number.isFinite(outcome.worst)) return [[what], [calm, "good"], [`, but the loop has ${outcome.poles.length} poles and ${count} are asked for: `], ["raise n_c.", "warning"]];
+  return [[what], [calm, steps === null ? "warning" : "good"], [", but "],
+    [`${missed} of ${count} poles ${missed === 1 ? "is" : "are"} missed`, "warning"], [`, ${shown(worst)} by ${small(outcome.worst)}.`]];
+}
+
+export function known(plan) {
+  const { H, d_zu } = modelling(plan.dials), { told } = plan.dials;
+  const unstable = plan.poles.filter(pole => pole[1] >= 0).map(shown).join(", ");
+  return `RCAC knows of the plant: its first coefficient ${Number(written(H)) ? text(Number(written(H))) : written(H)}, its relative degree ${d_zu}`
+    + `${told.length ? ` and its zero${told.length > 1 ? "s" : ""} ${told.map(shown).join(", ")}` : ""}. It does not know the poles ${unstable}.`;
+}
