@@ -172,10 +172,10 @@ from .systems.controllability import uncontrollable_polynomial as uncontrollable
 from .systems.conversions import transfer_function as transfer_function
 from .systems.difference_equations import compensator_polynomials as compensator_polynomials
 from .systems.matrix_conversions import transfer_matrix as transfer_matrix
-from .systems.problems import servo_problem as servo_problem
-from .systems.problems import standard_problem as standard_problem
 from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
+from .systems.standard_problems import servo_problem as servo_problem
+from .systems.standard_problems import standard_problem as standard_problem
 from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
 from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix
 from .youla_kucera.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions
