@@ -253,8 +253,9 @@ def failures(results, names, way):
         if found is None or not is_good(found):
             why = made[way] if isinstance(made[way], str) else ""
             word = failure(found, outcomes.get((way, "nominal"), ""), why)
+            word = f"{word}, {kind}"
             counts[word] += 1
-            examples.setdefault(word, []).append(f"{name} ({kind})")
+            examples.setdefault(word, []).append(name)
     print(f"\nnot good, nominal, {way}:")
     for word, count in counts.most_common():
         print(f"  {count:3}  {word}: {'; '.join(examples[word][:8])}")

@@ -35,8 +35,8 @@ def simc(plant: DesignPlant, *, derivative: bool | None = None) -> FixedControll
     Raises
     ------
     NoSolutionError
-        Where the rules are silent: an unstable plant, an oscillation, two integrators, or a
-        sampled plant that none in continuous time has.
+        Where the rules are silent: an unstable plant, an oscillation, two integrators, no gain at
+        rest, or a sampled plant that none in continuous time has.
 
     Notes
     -----
@@ -62,6 +62,8 @@ def simc(plant: DesignPlant, *, derivative: bool | None = None) -> FixedControll
     response = (C @ np.linalg.solve(at * np.eye(len(A)) - A, B)).item()
     gain = response * np.prod(at - poles) / np.prod(at - zeros)
     gain = gain * np.prod(-zeros) / np.prod(-poles[np.abs(poles) > STILL])
+    if not abs(gain) > STILL * abs(response):
+        raise NoSolutionError("the plant has a zero at rest, where its gain is 0.")
     late = plant.delay + plant.fraction + HELD
     theta, model = late, (0.0, 0.0, 0.0, False)
     for _ in range(ROUNDS):

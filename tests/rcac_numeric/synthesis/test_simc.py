@@ -53,6 +53,7 @@ def test_the_second_lag_is_the_derivative_time():
         ("1/(10*s - 1)", "unstable"),
         ("1/(s**2 + s/50 + 1)", "damping of 0.01"),
         ("1/s**2", "two integrators"),
+        ("s/(s**2 + 5*s + 10)", "zero at rest"),
         ("(3*s + 1)/s**2", "two integrators|no lag"),
     ],
 )
