@@ -123,22 +123,24 @@ def pytest_configure() -> None:
     SourceFileLoader.get_code = get_code  # type: ignore[assignment, method-assign]
 
 
-def survives(module: Path, number: int) -> bool:
-    """Whether the tests of the module's name find nothing."""
+def survives(tests: list[Path], mutant: str, plugin: str = "mutants") -> bool:
+    """Whether the tests find nothing wrong with the mutant that the plugin puts in its place."""
     seen = os.environ.get("PYTHONPATH")
     environment = {
         **os.environ,
-        "MUTANT": f"{module}:{number}",
+        "MUTANT": mutant,
         "HYPOTHESIS_PROFILE": "ci",
         "PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *([seen] if seen else [])]),
     }
-    options = ["-x", "-q", "-n", "0", "--tb=no", "-p", "mutants", "-p", "no:cacheprovider"]
-    command = [sys.executable, "-m", "pytest", *options, str(tests_of(module))]
+    options = ["-x", "-q", "-n", "0", "--tb=no", "-p", plugin, "-p", "no:cacheprovider"]
+    command = [sys.executable, "-m", "pytest", *options, *map(str, tests)]
     try:
         ended = subprocess.run(
             command, cwd=ROOT, env=environment, capture_output=True, timeout=LONGEST, check=False
         )
     except subprocess.TimeoutExpired:
+        return False
+    if ended.returncode < 0:  # a kernel may end its process
         return False
     if ended.returncode not in (0, 1, 2):
         raise SystemExit(ended.stdout.decode() + ended.stderr.decode())
@@ -151,7 +153,7 @@ def main(count: str = "60", seed: str = "0", *chosen: str) -> None:
     drawn = random.Random(int(seed)).sample(every, min(int(count), len(every)))
     killed = 0
     for module, number in sorted(drawn):
-        survived = survives(module, number)
+        survived = survives([tests_of(module)], f"{module}:{number}")
         killed += not survived
         what = mutated(module.read_text(), number)[1]
         print("SURVIVES" if survived else "killed  ", module.relative_to(ROOT), what, flush=True)

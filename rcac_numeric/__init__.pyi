@@ -119,6 +119,7 @@ from .signals.waveforms import Step as Step
 from .signals.waveforms import WhiteNoise as WhiteNoise
 from .synthesis.design import design as design
 from .synthesis.plants import Uncertainty as Uncertainty
+from .synthesis.tuning import tune as tune
 from .targets.data_driven import DataDriven as DataDriven
 from .targets.directions.checks import check_directions as check_directions
 from .targets.directions.from_data import directions_from_data as directions_from_data

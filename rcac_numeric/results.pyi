@@ -51,6 +51,7 @@ from .sweeps.results.overview import SweepOverview as SweepOverview
 from .sweeps.results.replay import ReplayedRun as ReplayedRun
 from .sweeps.results.statistics import SweepSummary as SweepSummary
 from .synthesis.design import Design as Design
+from .synthesis.tuning import Tuned as Tuned
 from .targets.directions.checks import DirectionCheck as DirectionCheck
 from .targets.directions.from_data import DirectionsFromData as DirectionsFromData
 from .targets.output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros

@@ -24,7 +24,7 @@ from compensator_theory.stabilisation.critical_values import (
     real_roots,
     signs_at_real_roots,
 )
-from compensator_theory.stabilisation.stabilising_gains import stabilising_gains
+from compensator_theory.stabilisation.stabilising_gains import intervals_of_gains
 from compensator_theory.stabilisation.stability_intervals import StabilityCell
 
 SQUARE = Symbol("x")
@@ -242,7 +242,7 @@ def stability_margins(
         for factor, index, value in positive_roots(through[0] - through[1])
     ]
     phase_crossovers = _phase_crossovers(real, imaginary, through[1], size, time)
-    cells = stabilising_gains(G, G_c, feedback=feedback).intervals
+    cells = intervals_of_gains(G, G_c, feedback=feedback).intervals
     around = next((cell for cell in cells if 1 in cell), None)
     return StabilityMargins(
         N, D, time, opened, closed, tuple(gain_crossovers), tuple(phase_crossovers), around

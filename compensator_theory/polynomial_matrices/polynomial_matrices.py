@@ -108,6 +108,36 @@ class PolynomialMatrix(ExactValue):
         ring = joint_ring(self, other)
         return written(ring, multiply(ring, read_into(ring, self), read_into(ring, other)))
 
+    def __mul__(self, other: PolynomialMatrix | Poly | Expr | int) -> PolynomialMatrix:
+        """The product, as in SymPy; of a number or a polynomial, of every entry."""
+        if isinstance(other, PolynomialMatrix):
+            return self @ other
+        if not isinstance(other, Poly | Expr | int):
+            return NotImplemented
+        factor = polynomial(other, self.variable)
+        return PolynomialMatrix(
+            tuple(tuple(canonical(factor * entry) for entry in row) for row in self.rows)
+        )
+
+    def __rmul__(self, other: Poly | Expr | int) -> PolynomialMatrix:
+        return self * other
+
+    def __pow__(self, exponent: int) -> PolynomialMatrix:
+        """A product of so many equal square matrices; I for 0."""
+        if not isinstance(exponent, int) or exponent < 0 or self.shape[0] != self.shape[1]:
+            raise InputError(
+                f"a power of a {self.shape[0]} x {self.shape[1]} matrix to {exponent} is not "
+                "polynomial; square matrices have powers 0, 1, 2, ..."
+            )
+        ask("degree", self.degree * exponent, "the power of a polynomial matrix")
+        size = range(self.shape[0])
+        result = PolynomialMatrix(
+            tuple(tuple(polynomial(int(i == j), self.variable) for j in size) for i in size)
+        )
+        for _ in range(exponent):
+            result = result @ self
+        return result
+
     def _entrywise(self, other: PolynomialMatrix, sign: int) -> PolynomialMatrix:
         if not isinstance(other, PolynomialMatrix):
             return NotImplemented

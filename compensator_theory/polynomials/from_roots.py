@@ -23,6 +23,7 @@ SpectrumLike: TypeAlias = PolynomialLike | Iterable[NumberLike]
 """A polynomial in any form but a list, or a collection of roots, or a text with commas."""
 
 SEPARATOR = re.compile("[,;]")
+NAME = re.compile(r"(?<![\d.])[^\W\d]\w*")  # not the e of 1e5, or the j of 0.5j
 """Between the roots in a text; no polynomial contains it."""
 
 
@@ -231,6 +232,8 @@ def lists_roots(value: object) -> bool:
 
 
 def _is_number(value: str) -> bool:
+    if not set(NAME.findall(value)) <= {"sqrt", "I", "i", "j"}:
+        return False  # q - q is a polynomial
     try:
         return bool(exact_number(value).is_number)
     except CompensatorError:

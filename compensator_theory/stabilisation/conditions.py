@@ -10,6 +10,7 @@ from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.polynomials.variables import is_discrete
 from compensator_theory.stabilisation.half_plane import half_plane_polynomial
+from compensator_theory.transfer_functions.transfer_functions import TransferFunction
 
 
 def stability_conditions(
@@ -57,6 +58,11 @@ def stability_conditions(
     >>> stability_conditions("z**2 + a*z + b")
     (-a + b + 1, a + b + 1, 1 - b)
     """
+    if isinstance(poly, TransferFunction):
+        raise InputError(
+            f"{poly} is a transfer function; its poles are the roots of G.denominator, and those "
+            "of a loop the roots of closed_loop_polynomial(standard_problem(G), N_c, D_c)"
+        )
     p = polynomial(poly, variable)
     if p.is_zero:
         raise InputError("every number is a root of the zero polynomial")

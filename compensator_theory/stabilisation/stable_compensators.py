@@ -22,7 +22,7 @@ from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import time_of
 from compensator_theory.roots.counts import count_roots
-from compensator_theory.stabilisation.stabilising_gains import stabilising_gains
+from compensator_theory.stabilisation.stabilising_gains import intervals_of_gains
 from compensator_theory.stabilisation.strong_stabilisability import (
     StrongStabilisability,
     decide_strong_stabilisability,
@@ -140,7 +140,7 @@ def search_by_order(
     ask("degree", highest, "the order of the compensator")
     if not decision.is_strongly_stabilisable:
         return StableCompensator(None, None, decision, 0, str(decision))
-    gains = stabilising_gains(G, feedback=feedback)
+    gains = intervals_of_gains(G, feedback=feedback)
     if gains.intervals:
         gain = min((cell.sample for cell in gains.intervals), key=lambda k: (abs(k), k))
         one = Poly(1, G.variable, domain=QQ)

@@ -309,6 +309,8 @@ class Realisation(ExactValue):
         self._require(other, other.C.rows == self.B.cols, "in series before it")
         return self._like(*in_series(self.matrices, other.matrices), other)
 
+    __mul__ = __matmul__
+
     def _like(
         self, A: MatrixLike, B: MatrixLike, C: MatrixLike, D: MatrixLike,
         other: Realisation | None = None,

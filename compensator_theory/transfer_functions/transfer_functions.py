@@ -200,6 +200,17 @@ class TransferFunction(ExactValue):
         """Return a SymPy expression; SymPy may cancel factors in it."""
         return self.numerator.as_expr() / self.denominator.as_expr()
 
+    def evalf(self, digits: int = 15) -> Expr:
+        """Return a SymPy expression with floats of so many digits, to look at.
+
+        Examples
+        --------
+        >>> from compensator_theory import transfer_function
+        >>> transfer_function("(s + 1/3)/(s + sqrt(2))").evalf(4)
+        (s + 0.3333)/(s + 1.414)
+        """
+        return self.numerator.as_expr().evalf(digits) / self.denominator.as_expr().evalf(digits)
+
     def to_sympy(self) -> SympyTransferFunction:
         """Return the class of sympy.physics.control, numerator and denominator as they are."""
         from sympy.physics.control import TransferFunction as Sympys  # slow to import

@@ -238,8 +238,9 @@ def numeric_observer_forms(
         inputs = np.broadcast_to(B_c / other[:, None], (len(T), *B_c.shape))
         F = own[:, None] * solved(T, inputs)
     left = loop[n:, :n] + loop[n:, n:] @ T
-    right = T @ (loop[:n, :n] + loop[:n, n:] @ T)
-    terms = np.linalg.norm(loop[n:, :n]) + norms(loop[n:, n:] @ T) + norms(right)
+    drift, feedback = T @ loop[:n, :n], T @ loop[:n, n:] @ T  # both are large where A + BK = 0
+    right = drift + feedback
+    terms = np.linalg.norm(loop[n:, :n]) + norms(loop[n:, n:] @ T) + norms(drift) + norms(feedback)
     T = other[:, None] * T / own
     residual = norms(left - right) / np.where(terms > 0, terms, 1.0)
     with np.errstate(all="ignore"):

@@ -1,17 +1,23 @@
-"""Data that compare by what they hold: equality, and a short name that equal data share."""
+"""Data by what they hold: equality, a short name that equal data share, and how they are shown."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from dataclasses import replace as dataclass_replace
+from html import escape
 from typing import Any, TypeVar
 
 import attrs
 import numpy as np
 
+from rcac_numeric.arrays.wording import shortened
+
 T = TypeVar("T")
+
+MOST = 9  # entries of an array that is written out
+WIDTH = 90  # characters of a field
 
 
 class Value:
@@ -28,6 +34,15 @@ class Value:
 
     def __hash__(self) -> int:
         return hash((type(self).__qualname__, fingerprint(self)))
+
+    def __str__(self) -> str:
+        text = repr(self)
+        return text if len(text) <= WIDTH and "\n" not in text else overview(self)
+
+    def _repr_html_(self) -> str | None:
+        if hasattr(self, "_repr_latex_"):  # a notebook would prefer HTML
+            return None
+        return html_table(type(self).__name__, _rows(self, depth=1))
 
 
 def equal(a: Any, b: Any) -> bool:
@@ -79,6 +94,83 @@ def replaced(value: T, **changes: Any) -> T:
         made: T = attrs.evolve(value, **changes)  # type: ignore[misc]
         return made
     return dataclass_replace(value, **changes)  # type: ignore[type-var]
+
+
+def overview(value: Any, depth: int = 1) -> str:
+    """The class and its fields, one in a line: large arrays by size and range, None left out.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Saturation
+    >>> from rcac_numeric.arrays.values import overview
+    >>> print(overview(Saturation(low=-1.0, high=2.0)))
+    Saturation
+      low   [-1.]
+      high  [2.]
+    """
+    rows = _rows(value, depth)
+    width = max((len(name) for name, _ in rows), default=0)
+    lines = [
+        f"  {name:<{width}}  " + text.replace("\n", "\n  " + " " * (width + 2))
+        for name, text in rows
+    ]
+    return "\n".join([type(value).__name__, *lines])
+
+
+def html_table(caption: str, rows: Iterable[tuple[str, str]]) -> str:
+    """Names and texts as a notebook shows them, all characters escaped."""
+    cells = "".join(
+        f"<tr><th style='text-align:left'>{escape(name)}</th>"
+        f"<td style='text-align:left'><pre style='margin:0'>{escape(text)}</pre></td></tr>"
+        for name, text in rows
+    )
+    return f"<table><caption>{escape(caption)}</caption>{cells}</table>"
+
+
+def _rows(value: Any, depth: int) -> list[tuple[str, str]]:
+    held = ((name, getattr(value, name)) for name in field_names(type(value)))
+    rows = [(name, _shown(part, depth)) for name, part in held if not name.startswith("_")]
+    return [(name, text) for name, text in rows if text]
+
+
+def _shown(part: Any, depth: int) -> str:
+    """A few words; empty where there is nothing to show."""
+    if part is None:
+        return ""
+    if isinstance(part, np.ndarray):
+        return shown_array(part)
+    if is_record(part):
+        if next(cls for cls in type(part).__mro__ if "__str__" in vars(cls)) not in (Value, object):
+            return shortened(" ".join(str(part).split()), WIDTH)
+        if "\n" not in (text := repr(part)) and len(text) <= WIDTH:
+            return text
+        return overview(part, depth - 1) if depth else type(part).__name__
+    if isinstance(part, str):
+        return shortened(part, WIDTH)
+    if isinstance(part, float | complex):
+        return f"{part:.6g}"
+    if isinstance(part, Mapping):
+        return shortened(", ".join(map(str, part)), WIDTH)
+    if isinstance(part, list | tuple):
+        return shortened(", ".join(filter(None, (_shown(item, 0) for item in part))), WIDTH)
+    if callable(part) and hasattr(part, "__name__"):
+        return str(part.__name__)
+    return shortened(" ".join(str(part).split()), WIDTH)
+
+
+def shown_array(part: np.ndarray) -> str:
+    """An array in a few words: its entries, or its shape and range where there are many."""
+    if not part.size:
+        return ""
+    if part.size <= MOST:
+        return np.array2string(
+            part, precision=6, suppress_small=False, separator=", ", max_line_width=WIDTH
+        ).replace("\n ", " ")
+    shape = " x ".join(map(str, part.shape))
+    if part.dtype.kind not in "iuf" or not (finite := part[np.isfinite(part)]).size:
+        return shape
+    unknown = f", {part.size - finite.size} not finite" if finite.size < part.size else ""
+    return f"{shape}, from {finite.min():.6g} to {finite.max():.6g}{unknown}"
 
 
 def _contents(value: Any) -> dict[str, Any]:

@@ -1,8 +1,9 @@
-"""The command `rcac design`: from a plant to an experiment file with reasons."""
+"""The commands `rcac design` and `rcac tune`: from a plant to an experiment file with reasons."""
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,12 @@ import click
 from compensator_theory.errors import InputError
 from rcac_numeric.cli.check import is_transfer_function, read_case
 from rcac_numeric.cli.output import as_json_option, picture_option, show
-from rcac_numeric.reports.design import design_sheet
+from rcac_numeric.reports.design import design_sheet, tuned_sheet
 from rcac_numeric.signals.waveforms import Step
 from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.design import design as designed
 from rcac_numeric.synthesis.files import design_arguments
+from rcac_numeric.synthesis.tuning import Tuned, tune
 
 # What only the owner of the plant knows: the option, the question, and what is taken unasked.
 ASKED = {
@@ -25,37 +27,43 @@ ASKED = {
 }
 
 
-@click.command("design")
-@click.argument("plant", metavar="FILE")
-@click.option(
-    "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
-    help="Write the experiment file here; rcac verify runs it.",
+# What both commands read: the plant, and what its owner knows of what acts on it.
+PLANT = (
+    click.argument("plant", metavar="FILE"),
+    click.option(
+        "-o", "--output", type=click.Path(dir_okay=False, path_type=Path),
+        help="Write the experiment file here; rcac verify runs it.",
+    ),
+    click.option("--disturbance", help='Its size in units of u, or "unknown".'),
+    click.option(
+        "--noise", help='Standard deviation of the sensor, in units of y, or "unknown".'
+    ),
+    click.option("--command", "height", type=float, help="A step of the command, in units of y."),
+    click.option("--u-limits", help='LOW,HIGH of the actuator, or "none".'),
+    click.option("--sample-time", type=float, help="In seconds; a plant in s needs it."),
+    click.option(
+        "--dead-time", type=float, default=0.0, help="In seconds, or steps without them."
+    ),
+    click.option("--assume", is_flag=True,
+                 help="Ask nothing: assume what is not said, and say so."),
 )  # fmt: skip
-@click.option("--disturbance", help='Its size in units of u, or "unknown".')
-@click.option("--noise", help='Standard deviation of the sensor, in units of y, or "unknown".')
-@click.option("--command", "height", type=float, help="A step of the command, in units of y.")
-@click.option("--u-limits", help='LOW,HIGH of the actuator, or "none".')
-@click.option("--sample-time", type=float, help="In seconds; a plant in s needs it.")
-@click.option("--dead-time", type=float, default=0.0, help="In seconds, or steps without them.")
+
+
+def plant_options(command: Callable[..., None]) -> Callable[..., None]:
+    """A command that reads a plant, with what acts on it."""
+    for option in reversed(PLANT):
+        command = option(command)
+    return command
+
+
+@click.command("design")
+@plant_options
 @click.option("--seeds", type=click.IntRange(min=1), default=6, show_default=True,
               help="Held-out runs on each plant.")  # fmt: skip
-@click.option("--assume", is_flag=True, help="Ask nothing: assume what is not said, and say so.")
 @picture_option("Draw a nominal run and the rms on every plant into this file.")
 @as_json_option
 def design(
-    *,
-    plant: str,
-    output: Path | None,
-    disturbance: str | None,
-    noise: str | None,
-    height: float | None,
-    u_limits: str | None,
-    sample_time: float | None,
-    dead_time: float,
-    seeds: int,
-    assume: bool,
-    picture: Path | None,
-    as_json: bool,
+    *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **said: Any
 ) -> None:
     """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
 
@@ -63,6 +71,37 @@ def design(
     file with A, B and C, or a transfer function such as "1/(10*s + 1)". What nobody said is asked
     at a terminal; in a pipe it is refused by name, or assumed with --assume.
     """
+    found = designed(**_known(**said), seeds=seeds)
+    show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+
+
+@click.command("tune")
+@plant_options
+@click.option("--budget", type=click.IntRange(min=1, max=4096), default=40, show_default=True,
+              help="Settings to try beside those of rcac design.")  # fmt: skip
+@click.option("--held-out", type=click.IntRange(min=1), default=8, show_default=True,
+              help="Plants to judge the best on.")  # fmt: skip
+@click.option("--seed", type=int, default=0, show_default=True, help="Of points and plants.")
+@picture_option("Draw cost against robustness of all that was tried into this file.")
+@as_json_option
+def tune_command(
+    *, budget: int, held_out: int, seed: int, output: Path | None, picture: Path | None,
+    as_json: bool, **said: Any,
+) -> None:  # fmt: skip
+    """From a plant to a controller as rcac design, with settings found by trying.
+
+    The best of many settings is judged on plants and noise that chose nothing; those of rcac design
+    and the fixed controller are among them.
+    """
+    found = tune(designed(**_known(**said), seeds=1), budget, held_out=held_out, seed=seed)
+    show(tuned_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+
+
+def _known(
+    *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
+    u_limits: str | None, sample_time: float | None, dead_time: float, assume: bool,
+) -> dict[str, Any]:  # fmt: skip
+    """The arguments of `design`, those that nobody gave asked for."""
     known: dict[str, Any] = {"sample_time": sample_time}
     if is_transfer_function(plant):
         known["plant"] = plant
@@ -88,8 +127,7 @@ def design(
             known[name] = _numbers(name, value)
     if height is not None:
         known["command"] = Step(height)
-    found = designed(**known, dead_time=dead_time, seeds=seeds)
-    show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
+    return known | {"dead_time": dead_time}
 
 
 def at_a_terminal() -> bool:
@@ -110,7 +148,7 @@ def _numbers(name: str, text: str) -> float | tuple[float, ...]:
     return values if name == "u_limits" else values[0]
 
 
-def _written(found: Design, output: Path | None) -> list[str]:
+def _written(found: Design | Tuned, output: Path | None) -> list[str]:
     if output is None:
         return []
     found.save(output)

@@ -24,6 +24,7 @@ from rcac_numeric.engine.runs import Run, load_run
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.experiments.experiment import Experiment
 from rcac_numeric.experiments.files.builder import build, load_experiment
+from rcac_numeric.export.fmu import VERSIONS, export_fmu
 from rcac_numeric.export.folder import LAYOUTS, Export, export_controller
 from rcac_numeric.export.header import REALS
 from rcac_numeric.export.recording import STEPS
@@ -32,9 +33,12 @@ from rcac_numeric.reports.sheets.sheet import Fact, Section, Sheet, Text
 
 @click.command("export")
 @click.argument("case", shell_complete=complete_case)
-@click.option("-o", "--output", "folder", required=True,
-              type=click.Path(file_okay=False, path_type=Path),
-              help="The folder that is written; it is made where it is not there.")  # fmt: skip
+@click.option("-o", "--output", "folder", required=True, type=click.Path(path_type=Path),
+              help="The folder that is written, or a file that ends in .fmu.")  # fmt: skip
+@click.option("--sample-time", type=float, metavar="SECONDS",
+              help="Of an FMU; default: that of the plant, where CASE says it.")  # fmt: skip
+@click.option("--fmi", type=click.Choice(VERSIONS), default="2.0", show_default=True,
+              help="The version of the interface of an FMU.")  # fmt: skip
 @click.option("--real", type=click.Choice(REALS), default="float64", show_default=True,
               help="The type of every number.")  # fmt: skip
 @click.option("--layout", "layouts", type=click.Choice(LAYOUTS), multiple=True, default=("c",),
@@ -57,6 +61,8 @@ def export(
     *,
     case: str,
     folder: Path,
+    sample_time: float | None,
+    fmi: str,
     real: str,
     layouts: tuple[str, ...],
     prefix: str,
@@ -68,25 +74,66 @@ def export(
     as_json: bool,
     budget: Budget,
 ) -> None:
-    """Write the controller of CASE as C, and replay it where there is a compiler.
+    """Write the controller of CASE as C or as an FMU, and replay it where there is a compiler.
 
     CASE is the number of an example (see `rcac list`), the path of a TOML file, or a run that
     `rcac verify CASE --save RUN.npz` kept.
     """
+    supervision = Supervision() if supervised else None
     with np.errstate(all="ignore"):
         run = _run(case, values, budget, name, whole=fixed)
+        controller = FixedController(run.compensator, run.settings.l_r) if fixed else run
+        if folder.suffix == ".fmu":
+            _require_defaults(real, layouts, prefix, live_order)
+            period = run.sample_time if sample_time is None else sample_time
+            if period is None:
+                raise InputError(f"an FMU needs a sample time: --sample-time 0.01 for {folder}.")
+            file = export_fmu(
+                controller, folder, sample_time=period, version=fmi,
+                saturation=run.saturation, supervision=supervision,
+            )  # fmt: skip
+            show(_fmu_sheet(file, fmi, period), as_json)
+            return
+        if folder.is_file():
+            raise InputError(f"{folder} is a file; -o names a folder, or an FMU that ends in .fmu.")
         found = export_controller(
-            FixedController(run.compensator, run.settings.l_r) if fixed else run,
+            controller,
             folder,
             real=real,
             layout=layouts,
             prefix=prefix,
             live_order=live_order,
             saturation=run.saturation,
-            supervision=Supervision() if supervised else None,
+            supervision=supervision,
             run=run,
         )
     show(_sheet(found), as_json)
+
+
+def _require_defaults(
+    real: str, layouts: tuple[str, ...], prefix: str, live_order: int | None
+) -> None:
+    given = {
+        "--real": real != "float64",
+        "--layout": layouts != ("c",),
+        "--prefix": prefix != "rcac",
+        "--live-order": live_order is not None,
+    }
+    if wrong := [option for option, is_given in given.items() if is_given]:
+        raise InputError(f"{' and '.join(wrong)} belong to a folder in C, not to an FMU.")
+
+
+def _fmu_sheet(file: Path, version: str, sample_time: float) -> Sheet:
+    facts = (
+        Fact("file", str(file)),
+        Fact("interface", f"FMI {version}, co-simulation"),
+        Fact("sample time", f"{sample_time:g} s"),
+        Fact("numbers", "float64"),
+    )
+    record = {"file": str(file), "fmi": version, "sample_time": sample_time}
+    return Sheet(
+        "A controller as an FMU", sections=(Section(blocks=facts, record={"export": record}),)
+    )
 
 
 def _run(case: str, values: tuple[str, ...], budget: Budget, name: str | None, whole: bool) -> Run:

@@ -41,6 +41,7 @@ COMMANDS = {
     ),
     "store": ("rcac_numeric.cli.studies.store:store", "Check the store of a study; repair it."),
     "sweep": ("rcac_numeric.cli.studies.sweep:sweep", "Run a study: many runs of one experiment."),
+    "tune": ("rcac_numeric.cli.design:tune_command", "rcac design, with settings found by trying."),
     "verify": ("rcac_numeric.cli.verify:verify", "Hold a case against the exact prediction."),
 }
 

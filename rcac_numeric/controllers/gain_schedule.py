@@ -183,7 +183,7 @@ class ScheduledSteps:
 
     It pickles and copies, and goes on bit for bit.
 
-    Parameters
+    Attributes
     ----------
     schedule : GainSchedule
     """

@@ -93,9 +93,12 @@ class ControllerSettings(Value):
         as R(k, y, z, u) at every update and returns a number or a matrix; u is u(k), or u(k-1) in
         the filter form.
     k_w : int, optional
-        First step with u = Phi theta; u = 0 before. At least max(n_c, n_f), the default.
+        First step with u = Phi theta; u = 0 before. max(n_c, n_f) by default, and at least that
+        where the update begins with it.
     k_update : int, optional
-        First step of the update; k_w by default.
+        First step of the update; k_w by default. With ``k_w=0`` and a k_update of at least
+        max(n_c, n_f) the controller theta_0 has the loop from its first step on, as one that is
+        good already should: to wait while y moves gives it a past that it never had.
     k_filter : int
         First step that the target-model filter sees; 0 by default.
     theta_0 : array, shape (l_theta,), optional
@@ -232,13 +235,14 @@ class ControllerSettings(Value):
                 f"k_w = {k_w}: until step start = {self.learning.start} of DataDriven u is the "
                 "dither alone. Use a later k_w, or an earlier start."
             )
-        if self.k_w < shortest:
+        set_("k_update", self.k_w if k_update is None else integer(k_update, "k_update"))
+        if self.k_w < shortest and self.k_update < shortest:
             raise InputError(
                 f"k_w = {k_w} is shorter than max(n_c, n_f) = max({self.structure.n_c}, "
                 f"{longest}) = {shortest}: the regressor and the target-model filter would not "
-                f"be filled with data. Use k_w >= {shortest}."
+                f"be filled with data. Use k_w >= {shortest}, or k_update >= {shortest} where "
+                "theta_0 is a controller already."
             )
-        set_("k_update", self.k_w if k_update is None else integer(k_update, "k_update"))
         set_("k_filter", integer(k_filter, "k_filter"))
 
     @property

@@ -20,7 +20,7 @@ from compensator_theory.errors import (
 )
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, number, vector
-from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.arrays.values import fingerprint, html_table, shown_array
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.limits import ControlLimits
 from rcac_numeric.controllers.settings import ControllerSettings
@@ -470,6 +470,19 @@ class Controller:
     def compensator(self) -> Compensator:
         """The present controller as a fixed compensator from [y; r] to u."""
         return self.settings.compensator_of(self.theta)
+
+    def __repr__(self) -> str:
+        return f"Controller(k={self.k}, theta={shown_array(self.theta)})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: settings, where it stands, and what was noted."""
+        rows = [
+            ("k", str(self.k)),
+            ("theta", shown_array(self.theta)),
+            ("settings", str(self.settings)),
+            ("record", str(self.record)),
+        ]
+        return html_table("Controller", rows)
 
     @contextmanager
     def _alone(self) -> Iterator[None]:

@@ -140,6 +140,8 @@ def fit_noises(
     outputs, inputs = record_of(settings.model, y, u)
     if len(outputs) < 2:
         raise InputError(f"y has {len(outputs)} steps; noises need at least two.")
+    if np.isfinite(outputs).any(axis=1).sum() < 2:
+        raise InputError("y is NaN in all steps but one at most; noises need two measurements.")
     model = compiled_model(settings.model)
     begins = settings.x_0, square_root(settings.P_0)
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar, Generic, TypeVar
 
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.values import fingerprint
+from rcac_numeric.arrays.values import fingerprint, html_table
 from rcac_numeric.engine.states import SavedState, saved_state
 
 S = TypeVar("S")
@@ -24,6 +24,15 @@ class Resumable(ABC, Generic[S]):
     @abstractmethod
     def k(self) -> int:
         """Number of steps taken."""
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}(k={self.k}, {type(self.settings).__name__})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how far it is, and its settings."""
+        return html_table(
+            type(self).__name__, [("k", str(self.k)), ("settings", str(self.settings))]
+        )
 
     @abstractmethod
     def save(self) -> Array:

@@ -16,6 +16,7 @@ from rcac_numeric.arrays.validation import number, one_of
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.supervision import Supervision
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.export.building import compiled
 from rcac_numeric.export.folder import core_texts, export_controller
@@ -34,12 +35,17 @@ def export_fmu(
     sample_time: float,
     version: str = "2.0",
     saturation: Saturation | None = None,
+    supervision: Supervision | None = None,
 ) -> Path:
     """Write a controller as an FMU: y, z and r in, u and theta out, one sample for each step.
 
     u(k) is there before y(k) comes, so that a loop around it has no delay but its own: the
     controller must be strictly proper. Its numbers are float64, and its bits those of the engine
     under RCAC_INSTRUCTION_SET=plain. The state can be saved and restored.
+
+    With `supervision` a sample that is NaN is missed: theta waits, what was measured last stands in
+    the regressor, and the output `status` says so, in the bits that rcac.h names. u(k) has gone out
+    by then, so that it is not held as in `Controller.step`.
 
     Parameters
     ----------
@@ -51,6 +57,8 @@ def export_fmu(
     version : {"2.0", "3.0"}
         Of the Functional Mock-up Interface. 2.0 has scalars, y[1], y[2], ...; 3.0 has arrays.
     saturation : Saturation, optional
+    supervision : Supervision, optional
+        With the policy "warn", as `Controller` has by default.
 
     Raises
     ------
@@ -77,7 +85,7 @@ def export_fmu(
     if isinstance(controller, Run):
         saturation = controller.saturation if saturation is None else saturation
         source = controller.settings
-    tables = core_tables(source, saturation=saturation)
+    tables = core_tables(source, saturation=saturation, supervision=supervision)
     if tables.measures_first:
         raise InputError(
             "u(k) uses y(k), and an FMU gives u(k) before y(k) comes. Use k_c = 1 and the "
@@ -85,7 +93,8 @@ def export_fmu(
         )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        export_controller(controller, folder, saturation=saturation)  # which holds it to its source
+        # Which holds it to its source.
+        export_controller(controller, folder, saturation=saturation, supervision=supervision)
         members = _members(tables, folder, version, float(sample_time))
     with replacing(target) as new, zipfile.ZipFile(new, "w", zipfile.ZIP_DEFLATED) as archive:
         for member, content in sorted(members.items()):

@@ -194,7 +194,7 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
         reached = "leaves float64" if not np.isfinite(kick.adapting) else f"{kick.adapting:.3g}"
         yield HealthWarning(
             "windup",
-            _capital(f"{grown}the next disturbance, a tenth of what w was, takes z to {reached}, "
+            _capital(f"{grown}the next disturbance, a fifth of w at most, may take z to {reached}, "
                      f"and to {kick.frozen:.3g} with theta held."),
             mend,
             is_grave=kick.ratio > FAR,

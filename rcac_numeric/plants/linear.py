@@ -191,7 +191,8 @@ class Plant(Value):
             if letter in sizes and sizes[letter] != 1:
                 raise InputError(
                     f"G_{name} is not scalar: l_{letter} = {sizes[letter]}. Polynomials exist "
-                    "for scalar maps; pass the modelling information or a TargetModel yourself."
+                    "for scalar maps; zero_direction_target and high_authority_target make targets "
+                    "for several signals, or pass a TargetModel yourself."
                 )
         return self.problem.numerator(name), self.problem.denominator
 

@@ -1,4 +1,4 @@
-"""A picture of a design: one nominal run of each controller, and the rms on every plant."""
+"""Pictures of a design: a nominal run of each controller, the rms on every plant; and of tuning."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from rcac_numeric.plots.library import Figure
 from rcac_numeric.plots.style import line_style
 from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.trials import FIXED
+from rcac_numeric.synthesis.tuning import ROUNDS, RULE, Tuned
 
 
 def plot_design(design: Design) -> Figure:
@@ -54,4 +55,37 @@ def plot_design(design: Design) -> Figure:
     below.set_ylabel("rms of $e_0$, last quarter")
     for axis in figure.axes:
         axis.grid(alpha=0.25)
+    return figure
+
+
+def plot_tuned(tuned: Tuned) -> Figure:
+    """The cost of every candidate against its robustness, those of the last round filled.
+
+    Examples
+    --------
+    >>> from rcac_numeric import design, tune
+    >>> found = design("1/(q - 0.9)", disturbance=1.0, noise=0.1, seeds=1, steps=300)
+    >>> len(tune(found, budget=2, held_out=1, seeds=1).plot().axes)
+    1
+    """
+    figure = Figure(figsize=(7, 4.5), layout="constrained")
+    axis = figure.subplots()
+    lost = [one for one in tuned.candidates if not np.isfinite(one.Ms + one.beside.ratio)]
+    for one in tuned.candidates:
+        if one in lost:
+            continue
+        is_last, is_named = one.rounds == ROUNDS, one.name in (FIXED, RULE)
+        colour = line_style(1 if is_named else 0)["color"]
+        face = colour if is_last else "none"
+        axis.plot(one.Ms, one.beside.ratio, "o", color=colour, markerfacecolor=face, markersize=5)
+        if is_named or one == tuned.chosen:
+            words = "chosen" if one == tuned.chosen else one.name
+            axis.annotate(words, (one.Ms, one.beside.ratio), (5, 4), textcoords="offset points")
+    axis.set(
+        xscale="log", yscale="log", xlabel="largest peak of the sensitivity, of all plants",
+        ylabel="rms of $e_0$ over that of the fixed controller",
+    )  # fmt: skip
+    title = f"{len(tuned.candidates)} candidates"
+    axis.set_title(f"{title}, {len(lost)} of them lost" if lost else title, fontsize=9, loc="left")
+    axis.grid(alpha=0.25)
     return figure

@@ -1,8 +1,8 @@
-"""What is said of a design: the verdict, what was assumed, the evidence, the reasons."""
+"""What is said of a design, and of a tuned one: verdict, assumptions, evidence, reasons."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Section, Sheet, Table, Text, cells
 from rcac_numeric.synthesis.design import ADAPTED, Design, compared
 from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial
+from rcac_numeric.synthesis.tuning import RULE, Candidate, Tuned
 
 
 def design_sheet(design: Design) -> Sheet:
@@ -20,6 +21,16 @@ def design_sheet(design: Design) -> Sheet:
         Text(str(verdict), "good" if verdict.use == RCAC else "plain"),
         Text(f"Held out: RCAC {rcac}.", "plain" if rcac.stable[0] == rcac.stable[1] else "warning"),
     ]
+    if rcac.fixed_stable[0] < rcac.fixed_stable[1]:
+        plants = [
+            t.variation.name for t in design.evidence
+            if t.controller == FIXED and not all(t.stable)
+        ]  # fmt: skip
+        words = (
+            f"The fixed controller is lost with {', '.join(plants)}: none on the ladder holds "
+            "over the uncertainty. Say less of it, shorten the dead time, or sample otherwise."
+        )
+        lines.append(Text(words, "bad"))
     if PID in design.runs:
         beside = compared(design.evidence, PID)
         better = " It is the better one here." if beside.is_better else ""
@@ -30,7 +41,8 @@ def design_sheet(design: Design) -> Sheet:
     lines += [
         Text(f"Assumed: {q.name}: {q.assumed}; {q.words}.", "warning") for q in design.questions
     ]
-    lines += [Text(f"RCAC: {warning}", "quiet") for warning in design.health.warnings]
+    if verdict.use == RCAC:
+        lines += [Text(f"RCAC: {warning}", "quiet") for warning in design.health.warnings]
     return Sheet(
         "From a plant to a controller",
         f": e = r - y_0 - v, {design.settings.structure.name} of order "
@@ -95,3 +107,48 @@ def _alternatives(design: Design) -> Section:
         blocks.append(Fact(name, f"a fixed controller of order {G_c.n_c}"))
     blocks.append(Fact(FIXED, "design.fixed, where the verdict is RCAC the way back"))
     return Section("Beside it", tuple(blocks), {"alternatives": record})
+
+
+BEST = 8  # candidates in the table of a report
+
+
+def tuned_sheet(tuned: Tuned) -> Sheet:
+    """What tuning brought, then the tuned design on plants and draws that chose nothing."""
+    sheet, beside = design_sheet(tuned.design), tuned.beside_rule
+    (k, n), (low, high) = beside.stable, beside.interval
+    words = (
+        f"Held out, the chosen settings have {beside.ratio:.3g} of the rms of the rule's "
+        f"({low:.3g} to {high:.3g}); {k} of {n} runs stable, the rule {beside.fixed_stable[0]}."
+    )
+    if tuned.chosen.name == RULE:
+        words = f"None of {len(tuned.candidates) - 2} points was surely better than the rule."
+    ranked = sorted(tuned.candidates, key=lambda one: (-one.rounds, one.order))
+    rows = tuple(cells(*_candidate(one)) for one in ranked[:BEST])
+    head = ("candidate", "rounds", "rms/fixed", "lost", "Ms", "N_0", "nu", "width", "order +",
+            "lambda")  # fmt: skip
+    record = [
+        {"name": one.name, "rounds": one.rounds, "ratio": one.beside.ratio, "Ms": one.Ms,
+         "stable": list(one.beside.stable), "knobs": asdict(one.knobs) if one.knobs else None}
+        for one in ranked
+    ]  # fmt: skip
+    tried = Section(
+        "What was tried",
+        (Table(head, rows), Text("On the plants at the corners of the uncertainty.")),
+        {"candidates": record, "chosen": tuned.chosen.name},
+    )
+    verdict, *rest = sheet.health
+    return replace(
+        sheet, title="A tuned controller", health=(verdict, Text(words), *rest),
+        sections=(*sheet.sections, tried),
+    )  # fmt: skip
+
+
+def _candidate(one: Candidate) -> tuple[str, ...]:
+    (k, n), knobs = one.beside.stable, one.knobs
+    found = (one.name, str(one.rounds), f"{one.beside.ratio:.3g}", f"{n - k} of {n}",
+             f"{one.Ms:.3g}")  # fmt: skip
+    if knobs is None:
+        return *found, "", "", "", "", ""
+    samples = "as it is" if knobs.samples is None else f"{knobs.samples:.3g}"
+    return (*found, samples, f"{knobs.nu:.3g}", f"{knobs.width:.3g}", str(knobs.spare),
+            f"{knobs.forgetting:.6g}")  # fmt: skip

@@ -22,6 +22,7 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.experiment import JUDGING
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
@@ -36,14 +37,14 @@ from rcac_numeric.synthesis.plants import (
     variations,
 )
 from rcac_numeric.synthesis.reference import MOST, Reference, reference_loop
-from rcac_numeric.synthesis.road import KNOWN, settings_of
-from rcac_numeric.synthesis.road import UNKNOWN as FEWER
+from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.simc import simc
 from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
 
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
-FAST = 1e-2  # first Markov parameter over the largest: sampled faster than it is good for
+FAST = 1e-2  # first response of e over the largest: sampled faster than it is good for
+RESPONSE = 500  # steps of that response
 ADAPTED = 3.0  # Ms of an adapted controller that is warned of
 
 
@@ -319,16 +320,11 @@ def design(
     cases = variations(model, uncertain)
     reference = reference_loop(model, expected, _range(saturation), cases)
     settings = settings_of(model, reference, expected)
-    fixed, k_w = FixedController(reference.compensator), settings.k_w
-    # All begin with RCAC, so that what differs is the adaptation.
-    controllers: dict[str, AnyController] = {
-        RCAC: settings,
-        FIXED: FixedController(fixed.compensator, k_w=k_w),
-    }
+    fixed = FixedController(reference.compensator)
+    controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
     alternatives: dict[str, FixedController | str] = {}
     try:
-        alternatives[PID] = beside = simc(model)
-        controllers[PID] = FixedController(beside.compensator, k_w=k_w)
+        alternatives[PID] = controllers[PID] = simc(model)
     except NoSolutionError as error:
         alternatives[PID] = str(error)
     evidence = run_trials(
@@ -339,8 +335,9 @@ def design(
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
-        questions=_questions(model, expected, assumed, saturation, uncertain),
-        reasons=_reasons(model, reference, expected, settings), alternatives=alternatives,
+        questions=_questions(model, fixed, expected, assumed, saturation, uncertain),
+        reasons=reasons_of(model, reference, expected, settings, Knobs()),
+        alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
         uncertainty=uncertain, saturation=saturation,
         runs=dict(zip(controllers, runs, strict=True)), steps=steps,
@@ -376,10 +373,10 @@ def verdict_of(evidence: tuple[Trial, ...]) -> Verdict:
     return Verdict(use, why, found, float(np.median(nominal.Ms)))
 
 
-def compared(evidence: tuple[Trial, ...], name: str) -> Comparison:
-    """A controller beside the fixed one, over all plants and draws."""
+def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comparison:
+    """A controller beside the fixed one, or another, over all plants and draws."""
     ours = [t for t in evidence if t.controller == name]
-    theirs = [t for t in evidence if t.controller == FIXED]
+    theirs = [t for t in evidence if t.controller == other]
     logs: dict[str, float] = {}
     peaks, wins, losses = [], 0, 0
     for a, b in zip(ours, theirs, strict=True):
@@ -410,16 +407,18 @@ def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
         return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
     if found.losses > found.wins:
         return FIXED, (
-            f"RCAC loses {found.losses} held-out runs that it keeps stable, and saves {found.wins} "
-            f"that it loses; where both are stable {brings}."
+            f"of {found.stable[1]} held-out runs RCAC alone loses {found.losses}, and it alone "
+            f"{found.wins}; where both are stable {brings}."
         )
     if found.peak > PEAK:
         return FIXED, f"{brings}, but its peaks are {found.peak:.2g} times as large."
     if found.interval[1] < WORTH:
         return RCAC, f"{brings} over the uncertainty."
+    saved = f"RCAC saves {found.wins} of {found.stable[1]} held-out runs that it loses"
     if found.wins > found.losses and found.interval[1] < 1 / WORTH:
-        saved = f"it saves {found.wins} held-out runs that the fixed controller loses"
         return RCAC, f"{saved}, and {brings}."
+    if found.wins > found.losses:
+        return FIXED, f"{saved}, but {brings}, with confidence in neither direction."
     return FIXED, f"{brings}, which is not enough to be told from none or to be worth adapting."
 
 
@@ -436,8 +435,17 @@ def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
     return mean, (float(np.exp(interval.low)), float(np.exp(interval.high)))
 
 
+def _first_response(model: DesignPlant, fixed: FixedController) -> float:
+    """The first response of e to an impulse of d over the largest, in the reference loop."""
+    w = np.zeros((RESPONSE, 3))
+    w[0, 1] = 1.0
+    e = np.abs(simulate(model.servo(), fixed, w).z.ravel())
+    answered = e[e > np.finfo(float).eps * e.max()]
+    return float(answered[0] / e.max()) if len(answered) else 1.0
+
+
 def _questions(
-    model: DesignPlant, expected: Expected, assumed: tuple[str, ...],
+    model: DesignPlant, fixed: FixedController, expected: Expected, assumed: tuple[str, ...],
     saturation: Saturation | None, uncertainty: Uncertainty,
 ) -> tuple[Question, ...]:  # fmt: skip
     """What only the owner of the plant knows."""
@@ -460,10 +468,10 @@ def _questions(
         found.append(("noise", f"{expected.noise:.3g}, in units of y", words))
     if saturation is None:
         found.append(("u_limits", "none", "an actuator that saturates is simulated so"))
-    if model.first_tap < FAST:
+    if (first := _first_response(model, fixed)) < FAST:
         found.append((
             "sample_time", "kept",
-            f"the first response is {model.first_tap:.1e} of the largest: the plant is sampled "
+            f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
             "faster than it is good for",
         ))  # fmt: skip
     if not model.is_stable:
@@ -474,32 +482,38 @@ def _questions(
     return tuple(Question(*one) for one in found)
 
 
-def _reasons(
-    model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings
-) -> tuple[Reason, ...]:
+def reasons_of(
+    model: DesignPlant, reference: Reference, expected: Expected, settings: ControllerSettings,
+    knobs: Knobs,
+) -> tuple[Reason, ...]:  # fmt: skip
     """Each setting, and why it is what it is."""
     n_c = reference.compensator.n_c
     models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids[:1]]
     models += ["an integrator"] if reference.lqg.plant.n > model.servo().n + 2 * len(models) else []
     parts = " and ".join(models)
     robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
-    samples = round(KNOWN if expected.is_known else FEWER)
+    order = "the order of the fixed controller: more costs robustness"
+    if knobs.spare:
+        order = f"the order of the fixed controller and {knobs.spare} more"
+    forgets = "" if knobs.forgetting == 1 else f"; lambda = {knobs.forgetting:.6g}"
     return (
         Reason("fixed", f"LQG of order {n_c}, Ms = {reference.peak:.3g}",
                f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}: the least cost on the ladder"
                + robust + (f"; with {parts} for the disturbance" if parts else "")),
-        Reason("structure", f"iir(n_c={n_c})", "the order of the fixed controller: more costs "
-               "robustness"),
+        Reason("structure", f"iir(n_c={settings.structure.n_c})", order),
         Reason("target", f"of order {settings.target.n_f}",
                "(4.18) of the fixed controller's loop: its delay, zeros and poles are reachable"),
         Reason("theta_0", "the fixed controller", "from zero the start is as violent as the prior "
                "is weak"),
-        Reason("R_theta", f"{samples} samples",
-               f"N_0 mean(Phi_f' Phi_f): the prior is worth N_0 = {samples} samples"),
-        Reason("k_w", f"{settings.k_w} steps", "u = 0 until regressor and filter are full; "
-               "on a plant that does not wait, let the fixed controller run until then and "
-               "Controller.take_over"),
-        Reason("R_z", "1/(1 + nu abs(z))^2", "a step with a large z weighs less"),
-        Reason("bounds", "theta_0 +- a fifth of its rms", "an actuator or a delay that is not as "
-               "expected moves theta no further"),
+        Reason("R_theta", f"{knobs.worth(expected):.3g} samples",
+               "N_0 mean(Phi_f' Phi_f) in the fixed controller's loop: the prior is worth N_0 "
+               f"samples{forgets}"),
+        Reason("k_w", "0 steps", "theta_0 is a controller already: to wait with u = 0 while y "
+               "moves gives it a past that it never had"),
+        Reason("k_update", f"{settings.k_update} steps",
+               "max(n_c, n_f), where regressor and filter are full"),
+        Reason("R_z", f"1/(1 + nu abs(z))^2, nu = {knobs.nu:.3g} over the size of z",
+               "a step with a large z weighs less"),
+        Reason("bounds", f"theta_0 +- {knobs.width:.3g} of its rms", "an actuator or a delay that "
+               "is not as expected moves theta no further"),
     )  # fmt: skip

@@ -148,16 +148,6 @@ class DesignPlant(Value):
         return float(np.abs(self.response(LOW))[0])
 
     @property
-    def first_tap(self) -> float:
-        """The first Markov parameter over the largest of 200: small where sampled fast."""
-        x, taps = self.B, []
-        for _ in range(200):
-            taps.append(abs((self.C @ x).item()))
-            x = self.A @ x
-        largest = max(taps)
-        return next((tap for tap in taps if tap > 1e-9 * largest), largest) / largest
-
-    @property
     def sign(self) -> str:
         """Which way y_0 goes in the end after a step of u: as it rests, or as it runs away."""
         if self.is_stable:

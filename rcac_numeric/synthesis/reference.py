@@ -32,6 +32,7 @@ DRIFT = 1e-2  # of the disturbance: how far it moves in a step
 LEAST_NOISE = 1e-5  # of what the disturbance makes of y: LQG without noise has no margins
 LEAST_LEFT = 0.1  # of the actuator's range, whatever lasts of the disturbance
 NEAR = 1e-6  # rad/step beside the pole of a disturbance model
+SLOWEST = 1 - 1e-4  # spectral radius: one beside a zero at 1 is a hair from unstable
 OUT_OF_REACH = 1e-4  # of the plant's gain: what a zero leaves there
 
 Models = dict[str, tuple[float, float]]
@@ -73,8 +74,8 @@ def reference_loop(
 ) -> Reference:  # fmt: skip
     """The LQG controller of least cost on a ladder of weights whose loop is robust.
 
-    Robust is: Ms <= 2, and stable with every other plant. Where none is, the one that loses the
-    fewest of them, and of those the one with the smallest peak.
+    Robust is: Ms <= 2, all poles inside 1 - 1e-4, and stable with every other plant. Where none is,
+    the one that fails with the fewest of them, and of those the one with the smallest peak.
 
     z = [e; sqrt(R_2) (u + b)] with b what of d is not white: then the Riccati equation itself has
     the controller cancel b, whatever R_2 is.
@@ -113,6 +114,7 @@ def reference_loop(
             if not np.isfinite(peak):
                 continue
             lost = sum(not _radius(other, parts) < 1 for other in instead)
+            lost += not _radius(scaled, parts) < SLOWEST
             robust = peak <= MOST and not lost
             e, u = _powers(scaled, models, parts, {**noise, "v": V})
             wide = u > most_u**2

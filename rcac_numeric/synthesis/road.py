@@ -34,12 +34,31 @@ SLOWER = 1.0  # nu times the size of z
 
 @dataclass(frozen=True)
 class Knobs:
-    """What of the settings is a choice: samples of the prior, weight, bounds, spare order."""
+    """What of the settings is a choice, and what the road chooses.
+
+    Attributes
+    ----------
+    samples : float or None
+        N_0, what the prior is worth; None: 1000 where the spectrum of d is known, else 300.
+    nu : float
+        Of R_z = 1/(1 + nu abs(z))^2, times the size of z.
+    width : float
+        Of the bounds, over the rms of the coefficients of u or of y.
+    spare : int
+        Order beyond that of the reference.
+    forgetting : float
+        lambda of the update.
+    """
 
     samples: float | None = None
     nu: float = SLOWER
     width: float = WIDTH
     spare: int = 0
+    forgetting: float = 1.0
+
+    def worth(self, expected: Expected) -> float:
+        """N_0, in samples."""
+        return self.samples or (KNOWN if expected.is_known else UNKNOWN)
 
 
 def settings_of(
@@ -64,12 +83,13 @@ def settings_of(
     target = intercalated_target(servo, G_c)
     theta_0 = np.concatenate([G_c.past_u.ravel(), G_c.past_y[1:].ravel()])
     run = simulate(servo, FixedController(G_c), expected.prior_w(STEPS))
-    samples = knobs.samples or (KNOWN if expected.is_known else UNKNOWN)
     information = mean_information(structure, target, run.u, run.y)
     size = float(np.sqrt(np.mean(run.z**2)))
     return ControllerSettings(
-        structure=structure, target=target, update=UD(R_theta=samples * information),
-        R_z=SignalWeight(constant=1.0, nu=knobs.nu / size), theta_0=theta_0,
+        structure=structure, target=target, theta_0=theta_0,
+        update=UD(R_theta=knobs.worth(expected) * information, lambda_=knobs.forgetting),
+        R_z=SignalWeight(constant=1.0, nu=knobs.nu / size),
+        k_w=0, k_update=max(structure.n_c, target.n_f),
         bounds=_box(theta_0, G_c.n_c, knobs.width),
     )  # fmt: skip
 

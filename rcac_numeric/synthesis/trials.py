@@ -48,11 +48,18 @@ class Trial(Value):
     peak: tuple[float, ...]
     Ms: tuple[float, ...]
 
+    def with_draws(self, more: Trial) -> Trial:
+        """The same controller on the same plant, with further draws."""
+        return Trial(
+            self.controller, self.variation, self.stable + more.stable, self.rms + more.rms,
+            self.peak + more.peak, self.Ms + more.Ms,
+        )  # fmt: skip
+
 
 def run_trials(
     controllers: Mapping[str, AnyController], plant: DesignPlant, expected: Expected,
     variations: Sequence[Variation], *, steps: int, seeds: int,
-    saturation: Saturation | None = None,
+    saturation: Saturation | None = None, first: int = JUDGING,
 ) -> tuple[Trial, ...]:  # fmt: skip
     """Every controller on every plant with the same draws, in one batch.
 
@@ -63,12 +70,14 @@ def run_trials(
     expected : Expected
     variations : sequence of Variation
     steps, seeds : int
-        Length and number of the draws; their seeds are those that judge.
+        Length and number of the draws.
     saturation : Saturation, optional
+    first : int
+        The first seed: by default of those that judge, and that no setting is chosen by.
     """
     servos = [plant.servo(one) for one in variations]
     draws = [
-        [expected.w(steps, JUDGING + seed, one.noise) for seed in range(seeds)]
+        [expected.w(steps, seed, one.noise) for seed in range(first, first + seeds)]
         for one in variations
     ]
     options = {"stride": steps, "saturation": saturation}

@@ -38,6 +38,14 @@ def test_a_list_of_roots_in_a_text(text):
     assert placed.target == exact.polynomial("(s + 1)*(s + 2)")
 
 
+@pytest.mark.parametrize("number", ["-3", "-1/2", "-1e-3", "-sqrt(2)", "0"])
+def test_one_number_is_a_list_of_one_root(number):
+    placed = exact.place_poles("1/(s - 1)", number, feedback=-1)
+    assert placed.target == exact.polynomial(f"s - ({number})", "s")
+    with pytest.raises(InputError):  # a polynomial, and zero
+        exact.place_poles("1/(s - 1)", f"s - s + 0*({number})", feedback=-1)
+
+
 @pytest.mark.parametrize("text", ["-1 - 2", "-1 -2, -3", "-1,,-2", "", ",", "-1,", "-1; x y"])
 def test_a_list_that_is_not_clear(text):
     with pytest.raises(InputError):

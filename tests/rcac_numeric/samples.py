@@ -114,6 +114,11 @@ def settings(seed):
     return rcac.ControllerSettings(structure=structure(seed), target=target(seed), **more)
 
 
+def design(seed):
+    certain = rcac.Uncertainty(gain=(1, 1), delay=0, time=1, noise=1)
+    return rcac.design(f"1/(q - {fraction(seed)})", uncertainty=certain, seeds=2, steps=300)
+
+
 def bounds(seed):
     return rcac.CoefficientBounds(-1 - seed, [2.0] * 4, gains={"Q": (-3, None)}, sweeps=7)
 
@@ -367,6 +372,9 @@ SAMPLES = {
     results.StabilisingSolution: lambda seed: rcac.solve_dare(
         [[2.0]], [[1.0]], [[1.0 + seed]], [[1.0]]
     ),
+    # from a plant to a controller
+    rcac.Uncertainty: lambda seed: rcac.Uncertainty(gain=(0.5, 2.0 + seed), delay=0),
+    results.Design: design,
     # export
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)

@@ -20,7 +20,7 @@ from rcac_numeric import (
 )
 from rcac_numeric.arrays.values import replaced as replace
 from tests.support import textbook as book
-from tests.support.strategies import seeds, targets
+from tests.support.strategies import seeds, starts, targets
 
 KINDS = ("iir", "fir", "quasi_fir", "pid", "fir_integrator", "centralised", "fb_fir", "ff", "table")
 
@@ -107,8 +107,7 @@ def settings_for(draw, structure, l_z, strictly_proper=False, update=UD, **fixed
         "update": update((R_theta + R_theta.T) / 2),
         "R_z": np.eye(l_z) + positive(rng, l_z) / 4,
         "R_u": draw(st.sampled_from([0.0, 0.5])) * positive(rng, l_z),
-        "k_w": k_w,
-        "k_update": draw(st.integers(0, k_w + 2)),
+        **draw(starts(k_w)),
         "k_filter": draw(st.sampled_from([0, 0, 1, k_w])),
         "theta_0": 0.1 * rng.standard_normal(size),
     }

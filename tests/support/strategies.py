@@ -43,6 +43,13 @@ def targets(draw, l_z, l_u):
     return TargetModel(numerator, denominator)
 
 
+def starts(filled):
+    """Control and update in any order, where one of them waits until the regressor is filled."""
+    waits = st.fixed_dictionaries({"k_w": st.just(filled), "k_update": st.integers(0, filled + 2)})
+    at_once = {"k_w": st.integers(0, filled), "k_update": st.just(filled)}
+    return waits | st.fixed_dictionaries(at_once)
+
+
 @st.composite
 def controllers(draw, l_u, l_y, l_z, k_c=st.integers(0, 1)):
     """Settings with every weight, forgetting and any start-up."""
@@ -61,8 +68,7 @@ def controllers(draw, l_u, l_y, l_z, k_c=st.integers(0, 1)):
         ),
         R_z=np.eye(l_z) + root @ root.T / 4,
         R_u=draw(st.sampled_from([0.0, 0.5])),
-        k_w=k_w,
-        k_update=draw(st.integers(0, k_w + 2)),
+        **draw(starts(k_w)),
         k_filter=draw(st.sampled_from([0, 0, 1, k_w])),
         theta_0=0.1 * rng.standard_normal(structure.l_theta),
     )

@@ -9,6 +9,7 @@ import sympy
 
 import compensator_theory as exact
 from compensator_theory.errors import InputError
+from compensator_theory.results import StabilityIntervals
 from rcac_numeric.arrays.validation import instance_of
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.style import INK, REACHED
@@ -39,7 +40,7 @@ def plot_stability_region(
     Raises
     ------
     InputError
-        If a range is no pair of finite numbers in ascending order.
+        If a range is no pair of finite numbers in ascending order, or there are more parameters.
 
     Examples
     --------
@@ -51,12 +52,17 @@ def plot_stability_region(
     (1, '$k_{p}$')
     """
     region = instance_of(region, "a stability region", exact.results.StabilityRegion)
+    if len(region.parameters) > 2:
+        raise InputError(
+            f"the parameters are {', '.join(map(str, region.parameters))}; draw a section "
+            f"of it, region.section(value of {region.parameters[0]}), down to two."
+        )
     low, high = _range(first, "first")
     bottom, top = _range(second, "second")
     figure = Figure(figsize=(6, 4.5), layout="constrained")
     axis = figure.subplots()
     for slab in region.slabs:
-        if slab.section.intervals:
+        if not slab.is_empty:
             left, right = max(low, float(slab.lower)), min(high, float(slab.upper))
             if left < right:
                 _draw_slab(axis, region, (left, right), (bottom, top))
@@ -79,7 +85,8 @@ def _draw_slab(
     """Fill between the ends of each interval; in a slab there are as many everywhere."""
     margin = (across[1] - across[0]) * 1e-6
     places = np.linspace(across[0] + margin, across[1] - margin, COLUMNS)
-    columns = [region.section(Fraction(float(place))).intervals for place in places]
+    sections = (region.section(Fraction(float(place))) for place in places)
+    columns = [one.intervals for one in sections if isinstance(one, StabilityIntervals)]
     for ends in zip(*columns, strict=True):
         lower = [max(float(cell.lower), shown[0]) for cell in ends]
         upper = [min(float(cell.upper), shown[1]) for cell in ends]

@@ -48,6 +48,7 @@ PICTURES = {
     ),
     "rcac_numeric.sweeps.results.statistics:SweepSummary": "rcac_numeric.plots.sweep:plot_summary",
     "rcac_numeric.synthesis.design:Design": "rcac_numeric.plots.design:plot_design",
+    "rcac_numeric.synthesis.tuning:Tuned": "rcac_numeric.plots.design:plot_tuned",
 }
 
 # From a type to the function that writes its report.
@@ -67,6 +68,7 @@ SHEETS = {
         "rcac_numeric.reports.studies.replay:replay_sheet"
     ),
     "rcac_numeric.synthesis.design:Design": "rcac_numeric.reports.design:design_sheet",
+    "rcac_numeric.synthesis.tuning:Tuned": "rcac_numeric.reports.design:tuned_sheet",
 }
 
 # From a type to the function that draws it as several small pictures for a page.

@@ -41,6 +41,7 @@ def test_sums_and_products(sizes, data):
     assert value(G + H, point) == value(G, point) + value(H, point)
     assert value(G - H, point) == value(G, point) - value(H, point)
     assert value(G @ L, point) == value(G, point) * value(L, point)
+    assert G * L == G @ L
     assert value(G.dual(), point) == value(G, point).T
     assert (G + H).n == G.n + H.n and (G @ L).n == G.n + L.n
 

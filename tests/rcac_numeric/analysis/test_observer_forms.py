@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     InputError,
+    Realisation,
     observer_based_compensator,
     observer_forms,
     polynomial_from_roots,
@@ -100,6 +101,15 @@ def test_hidden_modes_are_rejected_as_the_exact_rule_says(data):
         assert decision.number_of_forms == "a continuum" or decision.number_of_forms in (0, None)
         return
     assert decision.number_of_forms == len(found)
+
+
+def test_a_regulator_that_stands_still_has_its_form():
+    """A + BK = 0: both sides of T^-1 A_c T = A + BK - FC are zero, and so is not what they sum."""
+    matrices = [[-2]], [[1]], [[1]]
+    (found,) = numeric_observer_forms(
+        Realisation(*matrices, variable="s"), Realisation([[0]], [[0]], [[1]], variable="s")
+    ).T
+    assert np.allclose(found, 2)
 
 
 def test_repeated_roots_keep_their_digits():

@@ -74,3 +74,15 @@ def test_a_file_answers_what_it_can(tmp_path):
     result = run(file)
     assert result.exit_code == 2 and "--disturbance, --u-limits," in result.stderr
     assert run(file, "--assume", "--seeds", "1").exit_code == 0
+
+
+def test_tune_writes_what_it_found(tmp_path):
+    path = tmp_path / "tuned.toml"
+    result = CliRunner().invoke(
+        main,
+        ["tune", "1/(q - 0.9)", "--disturbance", "1", "--noise", "0.05", "--u-limits", "none",
+         "--budget", "2", "--held-out", "1", "-o", str(path)],
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("A tuned controller") and "What was tried" in result.output
+    assert set(load_experiment(path).runs) == {"RCAC", "fixed"}

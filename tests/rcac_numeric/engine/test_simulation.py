@@ -15,6 +15,7 @@ from rcac_numeric import (
     Controller,
     ControllerSettings,
     Covariance,
+    FixedController,
     Plant,
     Simulator,
     Step,
@@ -114,6 +115,18 @@ def test_start_up():
     assert not run.u[:7].any() and run.u[7:].all()
     assert not run.theta[:5].any()  # theta(4 + 1) is the first that an update made
     assert run.theta[5:].any(axis=1).all()
+
+
+def test_a_controller_that_is_good_already_does_not_wait():
+    plant = standard_plant("1/(q - 0.5)")
+    settings = ControllerSettings(
+        structure=iir(1), target=fir_target(plant), update=UD(R_theta=1e-3), theta_0=[0.2, -0.3],
+        k_w=0, k_update=4,
+    )  # fmt: skip
+    run = simulate(plant, settings, exogenous([Step()], 12))
+    fixed = simulate(plant, FixedController(settings.compensator_of([0.2, -0.3])), run.w)
+    assert run.u[2:].all() and np.allclose(run.u[:5], fixed.u[:5])
+    assert (run.theta[:5] == settings.theta_0).all() and (run.theta[5:] != settings.theta_0).all()
 
 
 def test_divergence_keeps_what_came_before():

@@ -412,6 +412,7 @@ LEVEL = EKF(LinearModel(A=1, C=1), 1.0, 1.0)
         (lambda: estimate(AdaptiveNoises(LEVEL), [1, 2], R=[1, 1]), "AdaptiveNoises has its own"),
         (lambda: fit_noises(IMM([LEVEL], 1), [1, 2]), "is not a EKF"),
         (lambda: fit_noises(LEVEL, [1]), "y has 1 steps; noises need at least two"),
+        (lambda: fit_noises(LEVEL, [1, np.nan, np.nan]), "NaN in all steps but one"),
         (lambda: fit_noises(LEVEL, [1, np.inf]), "y has the entry inf"),
         (lambda: fit_noises(EKF(LEVEL.model, 1, 0), [1, 2]), "R is zero"),
         (lambda: fit_noises(EKF(LinearModel(1, 1, B=1), 1, 1), [1, 2]), "1 known inputs"),

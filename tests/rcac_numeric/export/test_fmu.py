@@ -5,6 +5,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from compensator_theory.errors import InputError
 from rcac_numeric import (
@@ -12,12 +13,14 @@ from rcac_numeric import (
     Compensator,
     Controller,
     ControllerSettings,
+    Supervision,
     TargetModel,
     export_fmu,
     iir,
     simulate,
     standard_plant,
 )
+from rcac_numeric.cli.main import main
 from tests.support import core_builds
 from tests.support.core_cases import Loop
 from tests.support.signals import noise
@@ -78,6 +81,11 @@ class Slave:
         self.write("z", z)
         self.fmu.doStep(currentCommunicationPoint=0.1 * k, communicationStepSize=0.1)
 
+    def status(self):
+        reference = [v.valueReference for v in self.model.modelVariables if v.name == "status"]
+        get = self.fmu.getInt32 if self.version == "3.0" else self.fmu.getInteger
+        return get(reference)[0]
+
     def close(self):
         self.fmu.terminate()
         self.fmu.freeInstance()
@@ -130,6 +138,48 @@ def test_fmpy_runs_it_with_the_signals_of_a_run(tmp_path, version):
     )  # fmt: skip
     u = out["u[1]" if version == "2.0" else "u"].reshape(-1)
     assert len(u) == 200 and u.tobytes() == run.u[:, 0].tobytes()
+
+
+@pytest.mark.parametrize("version", ["2.0", "3.0"])
+def test_a_supervised_one_goes_on_without_samples_and_says_so(tmp_path, version):
+    """Where z is missed it is `Controller` bit for bit; where y is, u stays finite."""
+    supervision = Supervision(limit=2.0)
+    file = export_fmu(
+        SETTINGS, tmp_path / "c.fmu", sample_time=0.1, version=version, supervision=supervision
+    )
+    slave, controller = Slave(str(file), version), Controller(SETTINGS, supervision)
+    loop, rng, noted = Loop(PLANT, 0, 600, 1), np.random.default_rng(0), 0
+    for k in range(500):
+        u = slave.read("u")
+        y, z, _ = loop.signals(k)
+        if rng.random() < 0.1:
+            z = np.array([np.nan])
+        assert u.tobytes() == controller.step(y, z).tobytes()
+        slave.step(k, y, z)
+        noted |= slave.status()
+        loop.move(k, u)
+    assert slave.read("theta", 4).tobytes() == controller.theta.tobytes()
+    assert "missed sample" in controller.record.troubles and noted & core_builds.MISSED
+    assert ("large z" in controller.record.troubles) == bool(noted & core_builds.LARGE_Z)
+    for k in range(500, 600):
+        slave.step(k, np.array([np.nan]), np.array([np.inf]))
+        assert np.isfinite(slave.read("u")).all()
+    slave.close()
+
+
+def test_an_fmu_from_a_shell(tmp_path):
+    file = tmp_path / "c.fmu"
+    run = CliRunner().invoke
+    done = run(main, ["export", "4.7", "-o", str(file), "--sample-time", "0.1", "--supervised"])
+    assert done.exit_code == 0 and "FMI 2.0" in done.output
+    assert fmpy.read_model_description(str(file)).modelName == "rcac"
+    for more, words in (
+        ([], "sample time"),
+        (["--sample-time", "-1"], "positive"),
+        (["--sample-time", "1", "--real", "float32"], "--real belong"),
+    ):
+        wrong = run(main, ["export", "4.7", "-o", str(file), *more])
+        assert wrong.exit_code == 2 and words in wrong.output
 
 
 def test_the_same_settings_give_the_same_bytes(tmp_path):

@@ -62,6 +62,26 @@ def test_directions_of_plants_are_the_eigenvectors(kind, size):
             assert np.abs(wanted @ value).max() < 1e-7 * np.abs(target.numerator).max()
 
 
+@pytest.mark.parametrize(
+    ("X", "zeros"),
+    [
+        ([[1.0, 0.5], [0.0, 0.25]], [1]),
+        ([[0.5, 0.25], [0.0, -1.0]], [-1]),
+        ([[0.0, -1.0], [1.0, 0.0]], [1j]),
+        ([[1.0, 0.5], [0.0, 2.0]], [1, 2]),
+        ([[1 - 2.0**-40, 0.5], [0.0, 0.25]], []),
+    ],
+)
+def test_a_zero_exactly_on_the_unit_circle_counts_as_nmp(X, zeros):
+    """All numbers are dyadic, so that det(qI - X) has its root on the circle and not beside it."""
+    X, poles = np.array(X), [(0.5, 0.75), (0.25, -0.5)]
+    known = direction_information(plant_of_fractions(poles, np.eye(2), X)).zeros
+    assert sorted(abs(z) for z, _ in known) == pytest.approx(sorted(abs(z) for z in zeros))
+    for zero, eta in known:
+        assert min(abs(zero - z) for z in zeros) < 1e-12
+        assert abs(abs(np.vdot(directions(poles, X, zero), eta)) - 1) < 1e-10
+
+
 @pytest.mark.parametrize("name", PLANTS)
 def test_four_plants(name):
     plant, _, _, largest = case(name)

@@ -1,0 +1,311 @@
+"""Settings found by trying: Sobol's points of the knobs, halved on plants of the uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import qmc
+
+from rcac_numeric.arrays import figures
+from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays.validation import instance_of, integer
+from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.engine.compatibility import AnyController
+from rcac_numeric.engine.simulation import simulate
+from rcac_numeric.experiments.experiment import JUDGING
+from rcac_numeric.synthesis.design import (
+    PEAK,
+    Comparison,
+    Design,
+    Verdict,
+    compared,
+    reasons_of,
+    verdict_of,
+)
+from rcac_numeric.synthesis.expected import KINDS
+from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, Variation, continuous_of
+from rcac_numeric.synthesis.plants import variations as corners
+from rcac_numeric.synthesis.road import Knobs, settings_of
+from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
+
+RULE = "rule"
+# The unit cube's edges: the base-10 logarithms of N_0, nu, width and 1 - lambda; the spare order.
+SAMPLES, NU, WIDTH, FORGETTING, SPARE = (1.0, 5.5), (-1.5, 1.0), (-1.5, 0.3), (-5.0, -2.5), 3
+HALF = 0.5  # of the points have lambda = 1
+KEPT = 0.5  # of the candidates: those that go on to the next round, with twice the draws
+ROUNDS = 4
+LEARNING = 1_000  # the first seed that settings are chosen by
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Settings that were tried, beside the fixed controller on the same draws.
+
+    Attributes
+    ----------
+    name : str
+        "rule", "fixed", or the number of the point.
+    knobs : Knobs or None
+        None of the fixed controller.
+    beside : Comparison
+    Ms : float
+        Largest of the medians over the draws, of all plants: what is left of the robustness.
+    rounds : int
+        How many it took part in.
+    """
+
+    name: str
+    knobs: Knobs | None
+    beside: Comparison
+    Ms: float
+    rounds: int
+
+    @property
+    def order(self) -> tuple[int, float]:
+        """What is chosen by: runs that are lost, then rms, more where the peaks are too high."""
+        k, n = self.beside.stable
+        ratio = self.beside.ratio * max(1.0, self.beside.peak / PEAK)
+        return n - k, ratio if np.isfinite(ratio) else np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Tuned(Value):
+    """A design with the settings that did best, judged on plants and draws that chose nothing.
+
+    Attributes
+    ----------
+    design : Design
+        With the chosen settings; its evidence is held out.
+    chosen : Candidate
+    candidates : tuple of Candidate
+        The rule, the fixed controller, and every point, on the plants that it was chosen by.
+    beside_rule : Comparison
+        The chosen settings beside the rule's, held out; the "fixed" of its fields is the rule.
+    """
+
+    design: Design
+    chosen: Candidate
+    candidates: tuple[Candidate, ...]
+    beside_rule: Comparison
+
+    @property
+    def settings(self) -> ControllerSettings:
+        """Of RCAC, as chosen."""
+        return self.design.settings
+
+    @property
+    def verdict(self) -> Verdict:
+        """RCAC as chosen, or the fixed controller, held out."""
+        return self.design.verdict
+
+    def to_toml(self) -> str:
+        """The experiment file of the tuned design."""
+        return self.design.to_toml()
+
+    def save(self, path: str | Path) -> None:
+        """Write `to_toml()` into a file, whole or not at all."""
+        self.design.save(path)
+
+    def report(self) -> str:
+        """The held-out verdict, what tuning brought over the rule, and the best candidates."""
+        return report_of(self)
+
+    def plot(self) -> figures.Figure:
+        """The cost of every candidate against its robustness."""
+        return picture_of(self)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and the picture."""
+        return notebook_of(self, self.plot)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        return (
+            f"Tuned({self.chosen.name}, {self.verdict.use}, over the rule "
+            f"{self.beside_rule.ratio:.3g})"
+        )
+
+
+def tune(
+    design: Design,
+    budget: int = 40,
+    *,
+    held_out: int = 8,
+    seeds: int = 3,
+    steps: int | None = None,
+    seed: int = 0,
+) -> Tuned:
+    """Try other settings than the rule's, and judge the best on plants that chose nothing.
+
+    The points of a Sobol sequence over (N_0, nu, width of the bounds, spare order, lambda) run on
+    the plants at the corners of the uncertainty. In each round the better half goes on, with twice
+    the draws. The rule's settings and the fixed controller are candidates from the first round to
+    the last; what is left then is judged on plants drawn from inside the uncertainty, with draws
+    of their own.
+
+    Parameters
+    ----------
+    design : Design
+    budget : int
+        Points beside the rule's.
+    held_out : int
+        Plants to judge on; several things differ at once in each.
+    seeds : int
+        Draws on each of those.
+    steps : int, optional
+        Of each run; by default those of the design.
+    seed : int
+        Of the sequence and of the plants.
+
+    Raises
+    ------
+    InputError
+        Where this is no design, or a number is out of range.
+
+    Examples
+    --------
+    >>> from rcac_numeric import design, tune
+    >>> found = design("1/(q - 0.9)", disturbance=1.0, noise=0.05, seeds=1, steps=300)
+    >>> tuned = tune(found, budget=4, held_out=2, seeds=1)
+    >>> len(tuned.candidates), tuned.chosen in tuned.candidates
+    (6, True)
+    """
+    instance_of(design, "design", Design)
+    integer(budget, "budget", at_least=1, at_most=4096)
+    integer(held_out, "held_out", at_least=1)
+    integer(seeds, "seeds", at_least=1)
+    steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
+    knobs = {RULE: Knobs()} | {str(i + 1): one for i, one in enumerate(_points(budget, seed))}
+    made: dict[str, AnyController] = {FIXED: design.fixed}
+    for name, one in knobs.items():
+        made[name] = settings_of(design.model, design.reference, design.expected, one)
+    candidates, chosen = _halved(design, made, knobs, steps)
+    return _judged(design, made, chosen, candidates, steps, (held_out, seeds, seed))
+
+
+def _points(budget: int, seed: int) -> list[Knobs]:
+    """Sobol's points of the knobs."""
+    sobol = qmc.Sobol(5, rng=np.random.default_rng([seed, 5]))
+    points = sobol.random_base2(int(np.ceil(np.log2(budget))))[:budget]
+    return [_knobs(point) for point in points]
+
+
+def _knobs(point: Array) -> Knobs:
+    def between(x: float, low: float, high: float) -> float:
+        return float(10 ** (low + x * (high - low)))
+
+    samples, nu, width, forgets, spare = point
+    rate = between((forgets - HALF) / (1 - HALF), *FORGETTING)
+    return Knobs(
+        samples=between(samples, *SAMPLES), nu=between(nu, *NU), width=between(width, *WIDTH),
+        spare=int(spare * (SPARE + 1)), forgetting=1.0 if forgets < HALF else 1 - rate,
+    )  # fmt: skip
+
+
+def _halved(
+    design: Design, made: dict[str, AnyController], knobs: dict[str, Knobs], steps: int
+) -> tuple[tuple[Candidate, ...], Candidate]:
+    """Every candidate, by the last round that it took part in; and the best, the rule in doubt."""
+    plants = corners(design.model, design.uncertainty)
+    # A disturbance of unknown kind is each of its kinds in turn, and all are needed to compare.
+    draws = 1 if design.expected.is_known else len(KINDS)
+    seen: dict[str, list[Trial]] = {}
+    found: dict[str, Candidate] = {}
+    alive, first = list(made), LEARNING
+    for i in range(ROUNDS):
+        batch = {name: made[name] for name in alive}
+        trials = run_trials(
+            batch, design.model, design.expected, plants, steps=steps, seeds=draws,
+            saturation=design.saturation, first=first,
+        )  # fmt: skip
+        for name in alive:
+            new = [one for one in trials if one.controller == name]
+            old = seen.get(name, [])
+            seen[name] = [a.with_draws(b) for a, b in zip(old, new, strict=True)] if old else new
+        for name in alive:
+            Ms = max(float(np.median(one.Ms)) for one in seen[name])
+            found[name] = Candidate(name, knobs.get(name), _beside(seen, name, FIXED), Ms, i + 1)
+        first, draws = first + draws, draws if i == 0 else 2 * draws
+        always = [FIXED, RULE]
+        points = sorted((n for n in alive if n not in always), key=lambda n: found[n].order)
+        alive = always + points[: int(np.ceil(KEPT * len(points)))]
+    best = min(
+        (one for one in found.values() if one.rounds == ROUNDS and one.knobs is not None),
+        key=lambda one: one.order,
+    )
+    over_rule = _beside(seen, best.name, RULE)
+    surely = over_rule.losses < over_rule.wins or over_rule.interval[1] < 1
+    return tuple(found.values()), best if surely else found[RULE]
+
+
+def _beside(seen: dict[str, list[Trial]], name: str, other: str) -> Comparison:
+    """A candidate beside another one, on the draws that it has seen."""
+    trials = seen[name] if name == other else [*seen[name], *seen[other]]
+    return compared(tuple(trials), name, other)
+
+
+def _judged(
+    design: Design, made: dict[str, AnyController], chosen: Candidate,
+    candidates: tuple[Candidate, ...], steps: int, held_out: tuple[int, int, int],
+) -> Tuned:  # fmt: skip
+    """The chosen settings beside the rule's and the fixed controller, on held-out plants."""
+    count, seeds, seed = held_out
+    settings = made[chosen.name]
+    assert isinstance(settings, ControllerSettings) and chosen.knobs is not None
+    controllers: dict[str, AnyController] = {
+        RCAC: settings, FIXED: design.fixed, RULE: made[RULE]
+    }  # fmt: skip
+    beside = design.alternatives.get(PID)
+    if beside is not None and not isinstance(beside, str):
+        controllers[PID] = beside
+    plants = (Variation(), *drawn(design.model, design.uncertainty, count, seed))
+    trials = run_trials(
+        controllers, design.model, design.expected, plants, steps=steps, seeds=seeds,
+        saturation=design.saturation,
+    )  # fmt: skip
+    evidence = tuple(one for one in trials if one.controller != RULE)
+    w = design.expected.w(design.steps, JUDGING)
+    run = simulate(design.plant, settings, w, saturation=design.saturation)
+    reasons = reasons_of(design.model, design.reference, design.expected, settings, chosen.knobs)
+    tuned = replace(
+        design, settings=settings, evidence=evidence, verdict=verdict_of(evidence),
+        runs={**design.runs, RCAC: run}, reasons=reasons,
+    )  # fmt: skip
+    return Tuned(tuned, chosen, candidates, compared(trials, RCAC, RULE))
+
+
+def drawn(
+    plant: DesignPlant, uncertainty: Uncertainty, count: int, seed: int = 0
+) -> tuple[Variation, ...]:
+    """Plants drawn from inside an uncertainty, everything different at once.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Uncertainty
+    >>> from rcac_numeric.synthesis.plants import read_plant
+    >>> from rcac_numeric.synthesis.tuning import drawn
+    >>> plants = drawn(read_plant("1/(q - 0.9)", None, 0), Uncertainty(), 3)
+    >>> [0.8 <= one.gain <= 1.25 for one in plants]
+    [True, True, True]
+    """
+    rng = np.random.default_rng([seed, JUDGING])
+    found = []
+    varies = continuous_of(plant) is not None
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    for i in range(count):
+        gain = between(*uncertainty.gain)
+        least = -min(uncertainty.delay, plant.delay)
+        delay = int(rng.integers(least, uncertainty.delay + 1))
+        time = between(1 / uncertainty.time, uncertainty.time) if varies else 1.0
+        noise = between(1.0, uncertainty.noise)
+        found.append(Variation(f"drawn {i + 1}", gain, delay, time, noise))
+    return tuple(found)

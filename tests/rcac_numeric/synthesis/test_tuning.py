@@ -1,0 +1,109 @@
+"""Tuning: what is tried, what is chosen, what is judged on what."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from compensator_theory.errors import InputError
+from rcac_numeric import Uncertainty, design, load_experiment, tune
+from rcac_numeric.arrays.values import equal
+from rcac_numeric.synthesis.design import compared
+from rcac_numeric.synthesis.plants import read_plant
+from rcac_numeric.synthesis.road import Knobs, settings_of
+from rcac_numeric.synthesis.trials import FIXED, RCAC, run_trials
+from rcac_numeric.synthesis.tuning import LEARNING, RULE, drawn
+
+PLANT = "1/(q - 0.9)"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return design(PLANT, disturbance=1.0, noise=0.05, seeds=1, steps=300)
+
+
+@pytest.fixture(scope="module")
+def tuned(found):
+    return tune(found, 8, held_out=2, seeds=3)
+
+
+def test_the_best_goes_on_and_rule_and_fixed_are_always_there(tuned):
+    by_name = {one.name: one for one in tuned.candidates}
+    assert set(by_name) == {FIXED, RULE, *map(str, range(1, 9))}
+    rounds = [one.rounds for one in tuned.candidates]
+    assert sorted(rounds) == [1] * 4 + [2] * 2 + [3] + [4] * 3
+    last = [one for one in tuned.candidates if one.rounds == 4 and one.name != FIXED]
+    assert tuned.chosen in last
+    better = [one for one in last if one.order < tuned.chosen.order]
+    assert not better or tuned.chosen.name == RULE
+    assert by_name[FIXED].beside.ratio == 1 and by_name[FIXED].beside.stable[1] == 24 * 7
+    assert by_name[RULE].knobs == Knobs()
+
+
+def test_a_candidate_is_what_its_knobs_make_on_the_draws_of_learning(found, tuned):
+    one = next(c for c in tuned.candidates if c.rounds == 1)
+    settings = settings_of(found.model, found.reference, found.expected, one.knobs)
+    plants = [t.variation for t in found.evidence if t.controller == RCAC]
+    trials = run_trials({"it": settings, FIXED: found.fixed}, found.model, found.expected, plants,
+                        steps=300, seeds=3, first=LEARNING)  # fmt: skip
+    assert compared(trials, "it") == one.beside
+
+
+def test_the_judgement_is_on_other_plants_and_draws(found, tuned):
+    trained = {t.variation for t in found.evidence}
+    judged = {t.variation for t in tuned.design.evidence}
+    assert {one.name for one in judged & trained} == {"nominal"} and len(judged) == 3
+    assert tuned.verdict.rcac == compared(tuned.design.evidence, RCAC)
+    made = settings_of(found.model, found.reference, found.expected, tuned.chosen.knobs)
+    assert equal(tuned.settings, made)
+    rule = {RCAC: tuned.settings, RULE: found.settings}
+    plants = [t.variation for t in tuned.design.evidence if t.controller == RCAC]
+    trials = run_trials(rule, found.model, found.expected, plants, steps=300, seeds=3)
+    assert compared(trials, RCAC, RULE) == tuned.beside_rule
+
+
+def test_the_seed_repeats_it(found):
+    one, again, other = (tune(found, 2, held_out=1, seeds=1, seed=seed) for seed in (0, 0, 1))
+    assert again.candidates == one.candidates and equal(again.settings, one.settings)
+    assert {c.knobs for c in other.candidates} & {c.knobs for c in one.candidates} == {
+        None, Knobs()
+    }  # fmt: skip
+
+
+def test_the_file_and_the_report_are_of_the_tuned_design(tuned, tmp_path):
+    tuned.save(tmp_path / "tuned.toml")
+    assert equal(load_experiment(tmp_path / "tuned.toml").runs[RCAC].settings, tuned.settings)
+    lines = tuned.report().splitlines()
+    assert lines[0].startswith("A tuned controller") and lines[1].startswith("  Use ")
+    assert len(tuned.plot().axes) == 1
+
+
+@given(
+    gain=st.tuples(st.floats(0.1, 1), st.floats(1, 10)), late=st.integers(0, 3),
+    more=st.integers(0, 3), time=st.floats(1, 3), noise=st.floats(1, 10), seed=st.integers(0, 99),
+)  # fmt: skip
+def test_drawn_plants_are_inside_the_uncertainty(gain, late, more, time, noise, seed):
+    plant = read_plant(PLANT, None, late)
+    within = Uncertainty(gain=gain, delay=more, time=time, noise=noise)
+    plants = drawn(plant, within, 5, seed)
+    for one in plants:
+        assert gain[0] * (1 - 1e-12) <= one.gain <= gain[1] * (1 + 1e-12)
+        assert -min(more, late) <= one.delay <= more
+        assert abs(np.log(one.time)) <= np.log(time) + 1e-12
+        assert 1 <= one.noise <= noise * (1 + 1e-12)
+    assert plants == drawn(plant, within, 5, seed)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"design": "1/(q - 0.9)"}, "Design"),
+        ({"budget": 0}, "budget"),
+        ({"held_out": 0}, "held_out"),
+        ({"seeds": 0}, "seeds"),
+        ({"steps": 5}, "steps"),
+    ],
+)
+def test_bad_arguments_are_named(found, arguments, words):
+    with pytest.raises(InputError, match=words):
+        tune(**({"design": found} | arguments))
