@@ -144,7 +144,8 @@ def main(count: str = "20", seed: str = "0", *chosen: str) -> None:
             (folder / file).write_text(text)
             verdict = "no C++  " if not compiles else "SURVIVES" if survived else "killed  "
             line = text.count("\n", 0, start)
-            where = f"{file}:{line + 1}: {text.splitlines()[line].strip()}"
+            column = start - text.rfind("\n", 0, start)
+            where = f"{file}:{line + 1}:{column}: {text.splitlines()[line].strip()}"
             print(f"{verdict} {where}    {before} -> {after or 'nothing'}", flush=True)
     print(f"{killed} of {judged} killed, drawn among {len(every)} with seed {seed}.")
 

@@ -156,6 +156,7 @@ from .structure.hankel_matrices import mcmillan_degree as mcmillan_degree
 from .structure.kalman import kalman_decomposition as kalman_decomposition
 from .structure.minimal_realisations import minimal_realisation as minimal_realisation
 from .structure.zero_order_hold import first_order_hold as first_order_hold
+from .structure.zero_order_hold import matched as matched
 from .structure.zero_order_hold import sampling_zero_polynomial as sampling_zero_polynomial
 from .structure.zero_order_hold import tustin as tustin
 from .structure.zero_order_hold import zero_order_hold as zero_order_hold
@@ -171,10 +172,10 @@ from .systems.controllability import uncontrollable_polynomial as uncontrollable
 from .systems.conversions import transfer_function as transfer_function
 from .systems.difference_equations import compensator_polynomials as compensator_polynomials
 from .systems.matrix_conversions import transfer_matrix as transfer_matrix
-from .systems.problems import servo_problem as servo_problem
-from .systems.problems import standard_problem as standard_problem
 from .systems.realisations import Realisation as Realisation
 from .systems.standard_problems import StandardProblem as StandardProblem
+from .systems.standard_problems import servo_problem as servo_problem
+from .systems.standard_problems import standard_problem as standard_problem
 from .transfer_functions.transfer_functions import TransferFunction as TransferFunction
 from .transfer_functions.transfer_matrices import TransferMatrix as TransferMatrix
 from .youla_kucera.doubly_coprime import doubly_coprime_fractions as doubly_coprime_fractions

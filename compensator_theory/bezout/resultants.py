@@ -18,6 +18,7 @@ from compensator_theory.matrices.flint_polynomials import kept_in_flint, to_flin
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.generic_answers import generic_answer_of
+from compensator_theory.polynomials.multivariate import coefficients_of, flint_domain, to_flint
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.reading import PolynomialLike
 
@@ -163,27 +164,12 @@ def _by_flint(a: Poly, b: Poly) -> Expr | None:
     """Return the resultant of polynomials whose coefficients are polynomials in symbols over QQ."""
     if a.is_zero or b.is_zero:
         return None
-    a, b = a.unify(b)
-    domain = a.domain
-    if not (domain.is_PolynomialRing and domain.domain.is_QQ):
+    domain = flint_domain(a, b)
+    if domain is None:
         return None
-    names = [f"x{i}" for i in range(1 + len(domain.symbols))]
-    context = flint.fmpq_mpoly_ctx.get(names, flint.Ordering.lex)
-
-    def converted(poly: Poly) -> flint.fmpq_mpoly:
-        return context.from_dict({
-            (power, *map(int, others)): flint.fmpq(int(c.numerator), int(c.denominator))
-            for (power,), coefficient in poly.rep.to_dict().items()
-            for others, c in coefficient.items()
-        })  # fmt: skip
-
-    found = converted(a).resultant(converted(b), "x0")
-    ring = domain.ring
-    terms = {
-        tuple(map(int, powers[1:])): ring.domain(int(c.p), int(c.q))
-        for powers, c in found.to_dict().items()
-    }
-    return domain.to_sympy(ring.from_dict(terms))
+    first, second = to_flint(domain, a, b)
+    found = coefficients_of(domain, first.resultant(second, "x0"))
+    return domain.to_sympy(found.get(0, domain.zero))
 
 
 def _require_leading(poly: Poly, degree: int) -> None:

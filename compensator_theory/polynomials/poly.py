@@ -13,6 +13,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.polynomials.algebraic import rationalised
 from compensator_theory.polynomials.budget import ask, quoted, shown, unlimited
 from compensator_theory.polynomials.formatting import in_least_domain, require_real
+from compensator_theory.polynomials.multivariate import common_divisor_by_flint
 from compensator_theory.polynomials.numbers import exact_number
 from compensator_theory.polynomials.quotients import Quotient, multiplied_out
 from compensator_theory.polynomials.sympy_trees import (
@@ -170,6 +171,9 @@ def common_divisor(first: Poly, *others: Poly) -> Poly:
     Poly(s - 1, s, domain='QQ')
     """
     first, *others = over_one_field(first, *others)  # type: ignore[assignment]
+    found = common_divisor_by_flint(first, *others)
+    if found is not None:
+        return monic(canonical(found))
     for other in others:
         first = first.gcd(other)
     return monic(canonical(first))

@@ -1,8 +1,12 @@
-"""Exact sampling with holds and by Tustin's rule; exponentials of the poles stay symbols."""
+"""Exact sampling with holds, by Tustin's rule, and with matched poles and zeros.
+
+Exponentials of the poles stay symbols.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import sympy
 from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
@@ -233,9 +237,91 @@ def tustin(
     certificate = certificate_of(
         "(I - Ah/2) A_d = I + Ah/2, (I - Ah/2) B_d = B h, C_d (I - Ah/2) = C", left, "sampling"
     )
-    result = Realisation(A, B, C, D, z, sample_time=h if h.is_Rational else None)
+    result = Realisation(A, B, C, D, z, sample_time=_period(h))
     exceptional = exceptional_factors(sympy.fraction(e)[1] for m in (A, B, C, D) for e in m)
     return SampledPlant(result, h, (), exceptional, certificate)
+
+
+def matched(
+    plant: RealisationLike,
+    step: NumberLike = "h",
+    variable: str | Symbol | None = None,
+    *,
+    discrete_variable: str | Symbol = "z",
+) -> SampledPlant:
+    r"""Map poles and zeros by z = e^(sh), those at infinity to -1, and keep the gain at rest.
+
+    .. math:: G_d = k\,(z + 1)^{r - 1} \frac{\prod_j (z - e^{\zeta_j h})}{\prod_i (z - e^{p_ih})}
+
+    with r the relative degree: one zero stays at infinity, so that y(k) does not wait for u(k).
+
+    Parameters
+    ----------
+    plant, step, variable, discrete_variable
+        As for :func:`zero_order_hold`, with one input and one output; what is asked of its
+        denominator there is asked of its numerator, too.
+
+    Returns
+    -------
+    SampledPlant
+        In controllable canonical form; what cancels in the plant is left out.
+
+    Raises
+    ------
+    InputError
+        As for :func:`zero_order_hold`, or if the plant is 0 or not scalar.
+
+    Notes
+    -----
+    Where the plant has integrators or zeros at 0, what is kept is the limit of s^i G(s), with
+    (z - 1)/h in the place of s. Source: G. F. Franklin, J. D. Powell and M. L. Workman, Digital
+    Control of Dynamic Systems (1998), Section 6.2.
+
+    Examples
+    --------
+    >>> from sympy import log
+    >>> from compensator_theory import matched
+    >>> print(matched("(s + 1)/(s + 2)", log(2)).transfer_function())
+    (3*z/4 - 3/8)/(z - 1/4)
+    >>> print(matched("1/(s*(s + 1))").transfer_function())
+    ((-h*x/2 + h/2)*z + (-h*x/2 + h/2))/(z**2 + (-x - 1)*z + x)
+    """
+    given, z, h = _read(plant, step, variable, discrete_variable)
+    if given.D.shape != (1, 1):
+        raise InputError("poles and zeros are matched for one input and one output")
+    G = given.transfer_function().reduced()
+    if G.numerator.is_zero:
+        raise InputError("the plant is 0: it has no zeros to be matched")
+    polynomials = [p.monic() for p in (G.numerator, G.denominator)]
+    companions = [
+        sympy.Matrix.companion(p) if p.degree() > 0 else sympy.zeros(0, 0) for p in polynomials
+    ]
+    M = ImmutableMatrix(sympy.diag(*companions))
+    ask("entries", M.rows**2 * (M.rows + 1), "the matrix exponential")
+    annihilator = canonical(polynomials[0] * polynomials[1])
+    E, meaning, certificate = _exponential_of(M, annihilator, given, h, z)
+    m = companions[0].rows
+    N, D = (characteristic_polynomial(part, z) for part in (E[:m, :m], E[m:, m:]))
+    unit, rule = Poly(z + 1, z), Poly(z - 1, z)
+    N *= unit ** max(M.rows - 2 * m - 1, 0)
+    at_rest, rest = sympy.S.One, sympy.S.One  # the first coefficients of G and of N/D there
+    for sign, before, after in ((1, G.numerator, N), (-1, G.denominator, D)):
+        zeros = next(i for i, c in enumerate(reversed(before.all_coeffs())) if c != 0)
+        at_rest *= before.all_coeffs()[-1 - zeros] ** sign / h ** (sign * zeros)
+        rest *= canonical(after).exquo(rule**zeros).eval(1) ** sign
+    if rest.has(sympy.zoo, sympy.nan) or sympy.cancel(rest) == 0:
+        raise InputError(f"with the step {shown(h)} a zero or a pole is mapped to 1; take another")
+    k = sympy.cancel(at_rest / rest)
+    found = TransferFunction(canonical(N * k), canonical(D), sample_time=_period(h))
+    exceptional = exceptional_factors(
+        sympy.fraction(sympy.cancel(c))[1] for c in (*found.numerator.all_coeffs(), k)
+    )
+    exceptional = tuple(factor for factor in exceptional if factor != h)
+    return SampledPlant(realisation(found), h, meaning, exceptional, certificate)
+
+
+def _period(h: Expr) -> Expr | None:
+    return h if h.is_Rational else None
 
 
 def _simple(matrix: ImmutableMatrix) -> ImmutableMatrix:
@@ -274,9 +360,6 @@ def _sampled(
     n, m = given.B.shape
     size = n + order * m
     ask("entries", size**2 * (given.n + 1), "the matrix exponential")
-    used = {str(x) for x in given.A.free_symbols | given.B.free_symbols | given.C.free_symbols}
-    used |= {str(x) for x in given.D.free_symbols | h.free_symbols} | {z.name}
-    t = h if isinstance(h, Symbol) else fresh_symbol("h", used)
     rows = [given.A.row_join(given.B).row_join(ImmutableMatrix.zeros(n, size - n - m))]
     if order == 2:
         rows.append(ImmutableMatrix.zeros(m, n + m).row_join(sympy.eye(m)))
@@ -284,6 +367,31 @@ def _sampled(
     M = ImmutableMatrix.vstack(*rows)
     poles = characteristic_polynomial(given.A, given.variable)
     annihilator = canonical(poles * Poly(given.variable**order, given.variable, domain=QQ))
+    sampled, meaning, certificate = _exponential_of(M, annihilator, given, h, z)
+    B, D = sampled[:n, n : n + m], given.D
+    if order == 2:
+        slope = (sampled[:n, n + m :] / h).applyfunc(sympy.cancel)
+        B = _simple(B - slope + sampled[:n, :n] * slope)
+        D = _simple(given.D + given.C * slope)
+    with unlimited():
+        result = Realisation(sampled[:n, :n], B, given.C, D, z, sample_time=_period(h))
+    divisors = [*sampled, *B, *D]
+    exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in divisors)
+    exceptional = tuple(factor for factor in exceptional if factor != h)
+    return SampledPlant(result, h, meaning, exceptional, certificate)
+
+
+Meaning: TypeAlias = tuple[tuple[Symbol, Expr], ...]
+
+
+def _exponential_of(
+    M: ImmutableMatrix, annihilator: Poly, given: Realisation, h: Expr, z: Symbol
+) -> tuple[ImmutableMatrix, Meaning, Certificate]:
+    """exp(M h), what its new symbols stand for, and the certificate."""
+    matrices = (given.A, given.B, given.C, given.D)
+    used = {str(x) for matrix in matrices for x in matrix.free_symbols}
+    used |= {str(x) for x in h.free_symbols} | {z.name}
+    t = h if isinstance(h, Symbol) else fresh_symbol("h", used)
     found = matrix_exponential(M, annihilator, t, used)
     E = found.value
     values = {x: _exponential(rate * h) for x, rate in found.rates}
@@ -302,20 +410,8 @@ def _sampled(
             f"with multiple poles the step {shown(h)} itself, an irrational number, is in the "
             "matrices; leave it a symbol"
         )
-    B, D = sampled[:n, n : n + m], given.D
-    if order == 2:
-        slope = (sampled[:n, n + m :] / h).applyfunc(sympy.cancel)
-        B = _simple(B - slope + sampled[:n, :n] * slope)
-        D = _simple(given.D + given.C * slope)
-    with unlimited():
-        result = Realisation(
-            sampled[:n, :n], B, given.C, D, z, sample_time=h if h.is_Rational else None
-        )
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
-    divisors = [*sampled, *B, *D]
-    exceptional = exceptional_factors(sympy.fraction(entry)[1] for entry in divisors)
-    exceptional = tuple(factor for factor in exceptional if factor != h)
-    return SampledPlant(result, h, meaning, exceptional, found.certificate)
+    return sampled, meaning, found.certificate
 
 
 def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z") -> Poly:

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.closed_loop import ClosedLoop, linear_states
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.recursions import linear_states
 from rcac_numeric.arrays.validation import signal_array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator

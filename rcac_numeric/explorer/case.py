@@ -209,7 +209,9 @@ def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
             _refuse(f"{name} of the update", "leave it out")
     n_c = settings.structure.n_c
     if settings.structure != iir(n_c):
-        _refuse(f"the structure {settings.structure.name!r}", 'it has structure = "iir", k_c = 1')
+        same = settings.structure.name == iir(n_c).name
+        what = "another k_c" if same else f"the structure {settings.structure.name!r}"
+        _refuse(what, 'it has structure = "iir" with k_c = 1')
     if n_c > LARGEST_N_C:
         _refuse(f"n_c = {n_c}", f"it takes orders up to {LARGEST_N_C}")
     plain = ControllerSettings(

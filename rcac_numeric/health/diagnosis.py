@@ -10,8 +10,7 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.checks.analyses import channel_margins
-from rcac_numeric.checks.check import ControllerCheck
+from rcac_numeric.checks.check import ControllerCheck, channel_margins
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.controller import Controller

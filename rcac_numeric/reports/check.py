@@ -13,9 +13,14 @@ from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins
 from rcac_numeric.margins.disk import DiskMargin
-from rcac_numeric.reports.comparison import missed_poles
 from rcac_numeric.reports.health import health_lines, health_record
-from rcac_numeric.reports.loop import joined, match_section, split_section, zeros_facts
+from rcac_numeric.reports.loop import (
+    joined,
+    match_section,
+    missed_poles,
+    split_section,
+    zeros_facts,
+)
 from rcac_numeric.reports.sheets.sheet import (
     Block,
     Fact,

@@ -23,9 +23,16 @@ from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis, attemp
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
-from rcac_numeric.reports.comparison import comparison_section, missed_poles, poles_section
 from rcac_numeric.reports.health import health_lines, health_record
-from rcac_numeric.reports.loop import fitted_section, joined, match_section, split_section
+from rcac_numeric.reports.loop import (
+    comparison_section,
+    fitted_section,
+    joined,
+    match_section,
+    missed_poles,
+    poles_section,
+    split_section,
+)
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
 LEVELS: dict[str, Level] = {REPRODUCED: "good", MISPRINT: "good", HOLDS: "plain", FAILS: "plain"}

@@ -132,8 +132,8 @@ def plant_from_log(
         except InputError:
             parts.append(None)
     e = model.residual
-    noise = float(min(np.std(np.diff(e)) / np.sqrt(2), np.std(e)))
-    rest = float(np.sqrt(max(np.var(e) - noise**2, 0.0)))
+    noise = min(float(np.std(np.diff(e)) / np.sqrt(2)), float(np.std(e)))
+    rest = float(np.sqrt(max(float(np.var(e)) - noise**2, 0.0)))
     size = max(rest, noise) / plant.low_gain
     limits = float(log.u.min()), float(log.u.max())
     return LoggedPlant(plant, model, tuple(parts), noise, size, limits)

@@ -77,10 +77,12 @@ SETTINGS = [np.zeros((2, 2, 2)), scipy.sparse.eye(2), {1: 2}, [10**5000], 10**30
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_bad_settings_end_in_no_foreign_error(name):
     door, (arguments, keywords) = getattr(exact, name), GOOD[name]
-    settings = list(inspect.signature(door).parameters)[len(arguments) :]
-    for setting in settings:
+    for setting, parameter in list(inspect.signature(door).parameters.items())[len(arguments) :]:
         for value in random.Random(name + setting).sample(SETTINGS, 3):
-            refuses(door, arguments, keywords | {setting: value})
+            if parameter.kind is parameter.VAR_POSITIONAL:
+                refuses(door, [*arguments, value], keywords)
+            else:
+                refuses(door, arguments, keywords | {setting: value})
 
 
 @pytest.mark.parametrize(("name", "argument"), sorted(LAST_ARGUMENTS))

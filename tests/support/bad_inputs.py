@@ -157,6 +157,7 @@ GOOD = {
         [_R, [-1, -1], [-1, -1]], {"feedback": 1, "variable": "s"}
     ),
     "zero_order_hold": ([_R, "h"], {}),
+    "matched": ([_R, "h"], {}),
     "sampling_zero_polynomial": ([3], {}),
     "canonical": ([_G], {}),
     "controllability_matrix": ([_A, _B], {}),

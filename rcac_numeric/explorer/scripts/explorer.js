@@ -16,6 +16,7 @@ const data = {
 const COLOURS = ["ink", "quiet", "line", "shade", "bad", "good", "warning", "c1", "c4", "c5"];
 const power = v => `1e${v}`;
 const SLOW = 120;  // ms after the last change until tracks are painted
+const SLICE = 6;  // ms of painting between two chances for a hand to be heard
 const PLACES = 61;  // of a track, at most
 
 // id, the least, the most, the step, from the slider to the dial and back, what is shown.
@@ -138,24 +139,28 @@ function complain(words) {
 
 // ---- under each slider what each of its values would come to, in idle moments
 
+const OUTCOMES = { reached: "--good", stable: "--warning", unstable: "--bad", lost: "--bad" };
+
 function paint() {
-  const job = painting, at = dials;
-  const list = DIALS.filter(dial => dial.painted && !get(dial.key).disabled);
-  (function next(i) {
-    if (job !== painting || at !== dials || i >= list.length) return;
-    const { key, to } = list[i], { min, max, step } = get(key);
-    const places = Math.min(PLACES, Math.round((max - min) / step) + 1), kinds = [];
-    for (let place = 0; place < places; place += 1) {
-      const exact = Number(min) + Math.round((max - min) * place / Math.max(1, places - 1) / step) * step;
+  const job = painting, at = dials, list = DIALS.filter(dial => dial.painted && !get(dial.key).disabled);
+  let number = 0, kinds = [];
+  (function next() {
+    const end = performance.now() + SLICE;
+    while (job === painting && at === dials && number < list.length && performance.now() < end) {
+      const { key, to } = list[number], slider = get(key);
+      const [min, max, step] = [slider.min, slider.max, slider.step].map(Number);
+      const places = Math.min(PLACES, Math.round((max - min) / step) + 1);
+      const exact = min + Math.round((max - min) * kinds.length / Math.max(1, places - 1) / step) * step;
       kinds.push(kindWith({ ...dials, [key]: to(Number(exact.toFixed(6))) }));
+      if (kinds.length < places) continue;
+      get(`${key}-track`).style.background = `linear-gradient(90deg, ${kinds.map((kind, i) =>
+        `var(${OUTCOMES[kind] ?? "--line"}) ${100 * i / places}% ${100 * (i + 1) / places}%`).join(", ")})`;
+      const reached = kinds.filter(kind => kind === "reached").length;
+      slider.setAttribute("aria-description", `reaches the poles in ${reached} of ${places} places of the track`);
+      [number, kinds] = [number + 1, []];
     }
-    const colourOf = { reached: "--good", stable: "--warning", unstable: "--bad", lost: "--bad", still: "--line" };
-    get(`${key}-track`).style.background = `linear-gradient(90deg, ${kinds.map((kind, j) =>
-      `var(${colourOf[kind] ?? "--line"}) ${100 * j / places}% ${100 * (j + 1) / places}%`).join(", ")})`;
-    const reached = kinds.filter(kind => kind === "reached").length;
-    get(key).setAttribute("aria-description", `reaches the poles in ${reached} of ${places} places of the track`);
-    setTimeout(next, 0, i + 1);
-  })(0);
+    if (job === painting && at === dials && number < list.length) setTimeout(next, 0);
+  })();
 }
 
 function kindWith(others) {

@@ -34,6 +34,8 @@ function settled({ z, plan }) {
   return last - plan.k_w;
 }
 
+const late = ({ z }) => z.subarray(Math.floor(z.length / 2)).reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+
 // Parts [words, class]; the page makes elements of them, so that nothing is read as HTML.
 export function sentence(found, outcome) {
   const { plan } = found, { dials } = plan, count = outcome.wanted.length;
@@ -51,15 +53,17 @@ export function sentence(found, outcome) {
   }
   if (outcome.kind === "unstable") return [["Not stable: ", "bad"], [`with theta of the last step the loop has a pole of modulus ${text(outcome.largest)}. More steps, or another R_theta.`]];
   const steps = settled(found);
-  const calm = steps === null ? "z does not settle" : `z settles ${steps} steps after RCAC starts`;
+  const calm = steps === null ? `|z| stays below ${small(late(found))}` : `z settles ${steps} steps after RCAC starts`;
   const what = plan.poles.some(pole => modulus(pole) > 1) ? "An unstable plant, stabilised: " : "Stable: ";
   if (outcome.kind === "reached") return [[what], [calm, "good"], [", and "],
     [count === 1 ? "the pole asked for is reached" : `all ${count} poles asked for are reached`, "good"], [`, missed by ${small(outcome.worst)} at most.`]];
   const missed = outcome.far.filter(distance => distance > REACHED).length;
   const worst = outcome.wanted[outcome.far.indexOf(outcome.worst)];
   if (!Number.isFinite(outcome.worst)) return [[what], [calm, "good"], [`, but the loop has ${outcome.poles.length} poles and ${count} are asked for: `], ["raise n_c.", "warning"]];
-  return [[what], [calm, steps === null ? "warning" : "good"], [", but "],
-    [`${missed} of ${count} poles ${missed === 1 ? "is" : "are"} missed`, "warning"], [`, ${shown(worst)} by ${small(outcome.worst)}.`]];
+  const few = 2 * dials.n_c < count ? ` n_c = ${dials.n_c} has ${2 * dials.n_c} coefficients for ${count} poles.` : "";
+  const which = count === 1 ? "the pole asked for is missed"
+    : missed === count ? `all ${count} poles asked for are missed` : `${missed} of ${count} poles ${missed === 1 ? "is" : "are"} missed`;
+  return [[what], [calm, "good"], [", but "], [which, "warning"], [`, ${shown(worst)} by ${small(outcome.worst)}.${few}`]];
 }
 
 export function known(plan) {

@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 import os
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, wait
 from itertools import groupby
 from pathlib import Path
 
 import numpy as np
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
+from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.sweeps.chunks.chunk import ChunkResult, ChunkTask
 from rcac_numeric.sweeps.chunks.measuring import KeyWatch
 from rcac_numeric.sweeps.chunks.worker import run_chunk
@@ -25,15 +26,18 @@ from rcac_numeric.sweeps.store.claims import Claim, Claims
 from rcac_numeric.sweeps.store.problems import StoreError
 from rcac_numeric.sweeps.store.store import DONE, JOURNALS, Store
 from rcac_numeric.sweeps.store.versions import differing, versions
-from rcac_numeric.sweeps.study.cells import Cell
-from rcac_numeric.sweeps.study.study import Study, require_meant
-from rcac_numeric.sweeps.study.trials import tried
+from rcac_numeric.sweeps.study.canonical import canonical_json
+from rcac_numeric.sweeps.study.cells import Cell, Cells
+from rcac_numeric.sweeps.study.study import Coordinates, Study, require_meant
 
 # A chunk takes about so many seconds, and its runs so many bytes.
 CHUNK_SECONDS, CHUNK_BYTES, LARGEST_CHUNK = 0.3, 3e7, 512
 # Chunks under way for each worker: one that runs, one that waits, and a little more; and over an
 # executor of others, whose workers nobody counts.
 WINDOW, WINDOW_OF_OTHERS = 3, 64
+
+# Values of one axis that are tried; of a longer one the first, the last, and some between.
+TRIED = 40
 
 
 class StudyInterrupted(KeyboardInterrupt):
@@ -340,3 +344,37 @@ def _require_same(store: Store, mixed: bool) -> list[str]:
 
 def _silence(progress: Progress) -> None:
     """Say nothing of how far it is."""
+
+
+def tried(study: Study) -> Cell:
+    """The first cell, after every value of every axis was tried once, the others at their first.
+
+    A combination of values that cannot be made shows only where it is run, as an outcome.
+    """
+    try:
+        pickle.dumps(study)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        raise InputError(f"the study cannot be sent to another process: {error}.") from None
+    cells = Cells(study)
+    first = {axis.name: axis.values[0] for axis in study.axes}
+    if isinstance(study.base, dict):
+        # The whole file once: keys that no run reads, and what one run takes.
+        build(study.document(first), study.file)
+    for name, coordinates in _trials(study, first):
+        try:
+            cells.cell(coordinates).case(0)
+        except CompensatorError as error:
+            raise type(error)(
+                f"the axis {name!r} at {coordinates[name]!r}: {error}" if name else str(error)
+            ) from None
+    cell = cells.cell(first)
+    canonical_json(study.resolved)
+    return cell
+
+
+def _trials(study: Study, first: Coordinates) -> Iterator[tuple[str, Coordinates]]:
+    yield "", first
+    for axis in study.axes:
+        step = max(1, -(-len(axis) // TRIED))
+        for i in sorted({*range(0, len(axis), step), len(axis) - 1} - {0}):
+            yield axis.name, {**first, axis.name: axis.values[i]}

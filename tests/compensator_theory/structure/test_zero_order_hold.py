@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.signal
 import sympy
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy import Matrix, Rational, Symbol, log
 
@@ -14,6 +14,7 @@ import compensator_theory as exact
 from compensator_theory import (
     Realisation,
     first_order_hold,
+    matched,
     polynomial,
     sampling_zero_polynomial,
     tustin,
@@ -136,6 +137,51 @@ def test_other_rules_against_scipy(function, name, plant, step):
         np.testing.assert_allclose(mine, theirs, rtol=1e-8, atol=1e-8)
 
 
+ROOTS = st.lists(
+    st.one_of(
+        st.sampled_from([-3, -1, 0, Rational(-1, 2), Rational(1, 3)]).map(lambda p: (p,)),
+        st.tuples(st.sampled_from([-1, 0]), st.integers(1, 2)).map(
+            lambda c: (c[0] + sympy.I * c[1], c[0] - sympy.I * c[1])
+        ),
+    ),
+    max_size=2,
+).map(lambda groups: [root for group in groups for root in group])
+
+
+@fewer(4)
+@given(ROOTS, ROOTS, st.sampled_from([Rational(1, 10), Rational(2, 3)]))
+def test_matched_poles_and_zeros_are_exponentials(zeros, poles, step):
+    """And what the plant does at rest is kept: s^i G(s) at 0, ((z - 1)/h)^i G_d(z) at 1."""
+    assume(len(zeros) <= len(poles) and poles and not set(zeros) & set(poles))
+    s = Symbol("s")
+    N, D = (sympy.expand(sympy.prod(s - r for r in roots)) for roots in (zeros, poles))
+    found = matched(2 * N / D, step)
+    values = dict(found.exponentials)
+    G = found.transfer_function()
+    numerator, denominator = (
+        np.array([complex(sympy.sympify(c).subs(values).evalf(30)) for c in p.all_coeffs()])
+        for p in (G.numerator, G.denominator)
+    )
+    at_infinity = max(len(poles) - len(zeros) - 1, 0)
+    wanted = (
+        [sympy.exp(r * step) for r in zeros] + [-1] * at_infinity,
+        [sympy.exp(r * step) for r in poles],
+    )
+    for found_, roots in zip((numerator / numerator[0], denominator), wanted, strict=True):
+        assert np.allclose(found_, np.poly([complex(r) for r in roots]), rtol=1e-9, atol=1e-9)
+    order = poles.count(0) - zeros.count(0)
+    at_rest = complex(sympy.limit(2 * s**order * N / D, s, 0))
+    for p in (numerator, denominator):
+        assert np.allclose(p.imag, 0, atol=1e-12)
+    n, d = numerator, denominator
+    for _ in range(zeros.count(0)):
+        n = np.polydiv(n, [1, -1])[0]
+    for _ in range(poles.count(0)):
+        d = np.polydiv(d, [1, -1])[0]
+    there = np.polyval(n, 1) / np.polyval(d, 1) / float(step) ** order
+    assert np.isclose(there, at_rest, rtol=1e-7)
+
+
 def test_the_rules_of_integrators():
     """h (z + 1)/(2 (z - 1)) is both the line's and Tustin's."""
     expected = exact.transfer_function("h*(z + 1)/(2*(z - 1))", "z")
@@ -255,6 +301,11 @@ def test_a_name_that_is_taken():
         lambda: zero_order_hold("s"),
         lambda: zero_order_hold(None),
         lambda: zero_order_hold("1/((s + 1)*(s + 1000000007))"),
+        lambda: matched("(s**3 - 2)/(s + 1)**4"),
+        lambda: matched("0/(s + 1)"),
+        lambda: matched([["1/s", "1/(s + 1)"]]),
+        lambda: matched("1/(z + 1)"),
+        lambda: matched("s**2/(s + 1)"),
         lambda: sampling_zero_polynomial(0),
         lambda: sampling_zero_polynomial(True),
         lambda: sampling_zero_polynomial(10**6),

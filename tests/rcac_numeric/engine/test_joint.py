@@ -45,10 +45,11 @@ def outcome(update, seed, steps=100_000, n_c=15):
     return float(h2_cost(PLANT, c)) / lqg(PLANT).cost.value, np.abs(c.poles()).max()
 
 
+@pytest.mark.parametrize("n_d", [1, 2, 3])
 @pytest.mark.parametrize("steps", [30, 300])
-def test_the_recursion_is_the_batch_minimiser(steps):
+def test_the_recursion_is_the_batch_minimiser(steps, n_d):
     """(theta, d) by one dense least squares problem on the recorded u and z."""
-    n_c, n_d, rho, R = 3, 2, 0.7, 0.05
+    n_c, rho, R = 3, 0.7, 0.05
     plant = standard_plant("(q - 1.4)/(q**2 - 0.9*q + 0.3)")
     update = JointUD(R, n_d=n_d, rho=rho)
     chosen = settings(update, n_c, plant)
@@ -79,7 +80,7 @@ def test_the_recursion_is_the_batch_minimiser(steps):
     assert np.allclose(run.theta_final, wanted, rtol=1e-7, atol=1e-9)
     assert run.D_f[0] == 1 and np.allclose(run.D_f[1:], both[2 * n_c :], rtol=1e-7, atol=1e-9)
     controller = Controller(chosen)
-    assert controller.D_f.tolist() == [1.0, 0.0, 0.0]
+    assert controller.D_f.tolist() == [1.0, *[0.0] * n_d]
     for y, z_k in zip(run.y, run.z, strict=True):
         controller.step(y, z_k)
     assert np.array_equal(controller.D_f, run.D_f)

@@ -100,6 +100,7 @@ CHOICES = {
         "R": np.diag([1, 2, 3, 4]),
     },
     "regularised": {"delays": (1, 3), "eta_bar": 0.1, "lambda_": 0.95},
+    "regularised and stacked": {"delays": (1, 3), "stack": (0, 1), "eta_bar": 0.1},
     "direct": {"delays": (1, 2), "method": "direct", "lambda_": 0.98},
     "direct and stacked": {"delays": (1, 2, 4), "stack": (0, 2), "method": "direct"},
 }
