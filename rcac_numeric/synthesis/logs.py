@@ -118,7 +118,8 @@ def plant_from_log(
     if log.u.shape[1] != 1 or log.y.shape[1] != 1:
         raise InputError(
             f"{log.source} has {log.u.shape[1]} controls and {log.y.shape[1]} measurements; "
-            "design takes one of each."
+            "a log takes one of each. Give design a model: identification.eigensystem_realisation "
+            "makes one of Markov parameters."
         )
     late = round(dead_time / (sample_time or 1.0))
     known = {"delays": (late,)} if late else {}
