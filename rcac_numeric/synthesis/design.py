@@ -46,6 +46,11 @@ from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
 FAST = 1e-2  # first response of e over the largest: sampled faster than it is good for
+INTEGRATES = (
+    "its model has a pole that a log of this length does not tell from 1; give design the model "
+    "with its integrator instead, such as k/(s*(T*s + 1)) with sample_time, k the slope of y after "
+    "a step of u"
+)
 RESPONSE = 500  # steps of that response
 ADAPTED = 3.0  # Ms of an adapted controller that is warned of
 
@@ -332,7 +337,12 @@ def design(
     uncertain = uncertainty or usual
     expected, assumed = _expected(logged, disturbance, noise, command, _range(saturation), model)
     cases = variations(model, uncertain)
-    reference = reference_loop(model, expected, _range(saturation), cases)
+    try:
+        reference = reference_loop(model, expected, _range(saturation), cases)
+    except NoSolutionError as error:
+        if logged is None or not logged.integrates:
+            raise
+        raise NoSolutionError(f"the plant of the log integrates: {INTEGRATES}. {error}") from None
     settings = settings_of(model, reference, expected)
     fixed = FixedController(reference.compensator)
     controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
@@ -511,6 +521,8 @@ def _questions(
             f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
             "faster than it is good for",
         ))  # fmt: skip
+    if logged is not None and logged.integrates:
+        found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
     if not model.is_stable:
         found.append((
             "plant", "unstable or integrating, and known as well as said",

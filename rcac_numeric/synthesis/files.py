@@ -217,7 +217,7 @@ def design_arguments(path: str | Path) -> DesignArguments:
     except CompensatorError as error:
         raise named(error, file) from None
     for name in "rdv":
-        own = getattr(signals, name) or ()
+        own = list(getattr(signals, name) or [])
         if any(not equal(one, own[0]) for one in own[1:]):
             raise InputError(
                 f"{file}: the components of [signals] {name} differ, and design gives each the "
