@@ -216,8 +216,8 @@ def design_arguments(path: str | Path) -> DesignArguments:
             limits = Table(Saturation).read(table["saturation"], Place(file, "saturation"))
     except CompensatorError as error:
         raise named(error, file) from None
-    for name in "rdv":
-        own = list(getattr(signals, name) or [])
+    for name, given in (("r", signals.r), ("d", signals.d), ("v", signals.v)):
+        own = list(given or [])
         if any(not equal(one, own[0]) for one in own[1:]):
             raise InputError(
                 f"{file}: the components of [signals] {name} differ, and design gives each the "
