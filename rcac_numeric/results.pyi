@@ -41,6 +41,7 @@ from .identification.data_targets import DataTarget as DataTarget
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.online.zeros import OnlineZeros as OnlineZeros
+from .identification.output_error import OutputErrorModel as OutputErrorModel
 from .identification.zeros import IdentifiedZeros as IdentifiedZeros
 from .margins.boundaries import StabilityBoundary as StabilityBoundary
 from .margins.classical import Margins as Margins
@@ -51,6 +52,7 @@ from .sweeps.results.overview import SweepOverview as SweepOverview
 from .sweeps.results.replay import ReplayedRun as ReplayedRun
 from .sweeps.results.statistics import SweepSummary as SweepSummary
 from .synthesis.design import Design as Design
+from .synthesis.logs import LoggedPlant as LoggedPlant
 from .synthesis.tuning import Tuned as Tuned
 from .targets.directions.checks import DirectionCheck as DirectionCheck
 from .targets.directions.from_data import DirectionsFromData as DirectionsFromData

@@ -10,9 +10,11 @@ from typing import Any
 import click
 
 from compensator_theory.errors import InputError
+from rcac_numeric.checks.logs import read_log
 from rcac_numeric.cli.check import is_transfer_function, read_case
 from rcac_numeric.cli.output import as_json_option, picture_option, show
 from rcac_numeric.reports.design import design_sheet, tuned_sheet
+from rcac_numeric.signals.data_files import read_variables
 from rcac_numeric.signals.waveforms import Step
 from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.design import design as designed
@@ -68,7 +70,8 @@ def design(
     """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
-    file with A, B and C, or a transfer function such as "1/(10*s + 1)". What nobody said is asked
+    file with A, B and C, a transfer function such as "1/(10*s + 1)", or a log: a .csv, .mat or .npz
+    file with u and y of an open loop. What nobody said is asked
     at a terminal; in a pipe it is refused by name, or assumed with --assume.
     """
     found = designed(**_known(**said), seeds=seeds)
@@ -108,8 +111,10 @@ def _known(
     elif Path(plant).suffix.lower() == ".toml":
         read = design_arguments(plant)
         known |= {name: value for name, value in read.items() if value is not None}
-    else:
+    elif set(read_variables(plant)) >= {"A", "B", "C"}:
         known["plant"] = read_case(plant, "standard")[0]
+    else:
+        known["plant"] = read_log(plant)
     said = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
     missing = [name for name, value in said.items() if value is None and name not in known]
     if missing and not assume:

@@ -4,6 +4,7 @@ from .mu_markov import identify_markov_parameters as identify_markov_parameters
 from .noise_models import NeweyWest as NeweyWest
 from .online.arx import RecursiveARX as RecursiveARX
 from .online.mu_markov import RecursiveMuMarkov as RecursiveMuMarkov
+from .output_error import identify_output_error as identify_output_error
 from .recursive import RecursiveMarkov as RecursiveMarkov
 from .windows import IdentifiedWindow as IdentifiedWindow
 from .windows import identify_windows as identify_windows

@@ -17,6 +17,7 @@ from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
@@ -30,6 +31,7 @@ from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.synthesis.expected import LONGEST, UNKNOWN, Expected, read_expected
 from rcac_numeric.synthesis.files import experiment_file
+from rcac_numeric.synthesis.logs import LoggedPlant, plant_from_log
 from rcac_numeric.synthesis.plants import (
     DesignPlant,
     Uncertainty,
@@ -175,6 +177,8 @@ class Design(Value):
     runs : mapping from names to Run
         One of the nominal plant for each controller.
     steps : int
+    logged : LoggedPlant or None
+        What the log showed, where the plant came from one.
     """
 
     plant: Plant
@@ -192,6 +196,7 @@ class Design(Value):
     saturation: Saturation | None
     runs: Mapping[str, Run]
     steps: int
+    logged: LoggedPlant | None = None
 
     @cached_property
     def health(self) -> LoopHealth:
@@ -266,9 +271,11 @@ def design(
 
     Parameters
     ----------
-    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str
+    plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, ControllerLog
         Linear, scalar, strictly proper; all that `plant_of` reads. A `Plant` counts as its map
-        from u to y.
+        from u to y. Of a log u and y count, in an open loop: `identify_output_error` makes a model
+        of them, what it leaves of y is noise and disturbance unless they are given, and the gain
+        is as uncertain as parts of the log disagree.
     disturbance : "unknown", number or Signal
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
         the size of one that is not known otherwise.
@@ -309,13 +316,20 @@ def design(
     >>> print(str(found.verdict).partition(":")[0])
     Use the fixed controller
     """
-    uncertain = instance_of(uncertainty or Uncertainty(), "uncertainty", Uncertainty)
+    if uncertainty is not None:
+        instance_of(uncertainty, "uncertainty", Uncertainty)
     integer(seeds, "seeds", at_least=1)
     integer(steps, "steps", at_least=100, at_most=LONGEST)
     saturation = _limits(u_limits)
-    model = read_plant(plant, sample_time, dead_time)
-    expected, assumed = read_expected(
-        disturbance, noise, command, _range(saturation), model.low_gain
+    logged = None
+    if isinstance(plant, ControllerLog):
+        logged = plant_from_log(plant, sample_time, dead_time)
+        model, usual = logged.plant, logged.uncertainty
+    else:
+        model, usual = read_plant(plant, sample_time, dead_time), Uncertainty()
+    uncertain = uncertainty or usual
+    expected, assumed = _expected(
+        logged, disturbance, noise, command, _range(saturation), model.low_gain
     )
     cases = variations(model, uncertain)
     reference = reference_loop(model, expected, _range(saturation), cases)
@@ -335,13 +349,27 @@ def design(
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
-        questions=_questions(model, fixed, expected, assumed, saturation, uncertain),
+        questions=_questions(model, fixed, expected, assumed, saturation, uncertain, logged),
         reasons=reasons_of(model, reference, expected, settings, Knobs()),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
-        uncertainty=uncertain, saturation=saturation,
+        uncertainty=uncertain, saturation=saturation, logged=logged,
         runs=dict(zip(controllers, runs, strict=True)), steps=steps,
     )  # fmt: skip
+
+
+def _expected(
+    logged: LoggedPlant | None, disturbance: Any, noise: float | None, command: Any,
+    u_range: float, gain: float,
+) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
+    """As `read_expected`; what nobody said is read from the log, if there is one."""
+    if logged is None:
+        return read_expected(disturbance, noise, command, u_range, gain)
+    is_unsaid = isinstance(disturbance, str) and disturbance == UNKNOWN
+    size = logged.disturbance if is_unsaid else disturbance
+    sensor = logged.noise if noise is None else noise
+    expected, assumed = read_expected(size, sensor, command, u_range, gain)
+    return expected, (*assumed, *(["size"] if is_unsaid else []), *(["noise"] * (noise is None)))
 
 
 def _limits(u_limits: Any) -> Saturation | None:
@@ -446,12 +474,17 @@ def _first_response(model: DesignPlant, fixed: FixedController) -> float:
 
 def _questions(
     model: DesignPlant, fixed: FixedController, expected: Expected, assumed: tuple[str, ...],
-    saturation: Saturation | None, uncertainty: Uncertainty,
+    saturation: Saturation | None, uncertainty: Uncertainty, logged: LoggedPlant | None,
 ) -> tuple[Question, ...]:  # fmt: skip
     """What only the owner of the plant knows."""
     late = model.delay + model.fraction
     least, most = max(late - uncertainty.delay, 0), late + uncertainty.delay
-    found = [
+    found = []
+    if logged is not None:
+        found.append((
+            "plant", f"the model of the log, {logged.model}", logged.evidence(fixed.compensator)
+        ))  # fmt: skip
+    found += [
         ("plant", f"sign {model.sign}",
          "more u drives y this way in the end; with the other sign every loop diverges"),
         ("dead_time", f"{late:.4g} steps, {least:.4g} to {most:.4g}",
@@ -467,7 +500,8 @@ def _questions(
         words = "standard deviation of the sensor"
         found.append(("noise", f"{expected.noise:.3g}, in units of y", words))
     if saturation is None:
-        found.append(("u_limits", "none", "an actuator that saturates is simulated so"))
+        seen = "" if logged is None else f"; in the log u is {logged.u[0]:.3g} to {logged.u[1]:.3g}"
+        found.append(("u_limits", "none", f"an actuator that saturates is simulated so{seen}"))
     if (first := _first_response(model, fixed)) < FAST:
         found.append((
             "sample_time", "kept",

@@ -2,8 +2,10 @@
 
 import json
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.signal import lfilter
 
 from rcac_numeric import load_experiment
 from rcac_numeric.cli import design as command
@@ -86,3 +88,14 @@ def test_tune_writes_what_it_found(tmp_path):
     assert result.exit_code == 0, result.output
     assert result.output.startswith("A tuned controller") and "What was tried" in result.output
     assert set(load_experiment(path).runs) == {"RCAC", "fixed"}
+
+
+def test_a_log_is_a_plant(tmp_path):
+    rng = np.random.default_rng(2)
+    u = rng.standard_normal(600)
+    y = lfilter([0, 0, 0.2], [1, -0.8], u) + 0.02 * rng.standard_normal(600)
+    path = tmp_path / "log.csv"
+    np.savetxt(path, np.stack([u, y], axis=1), delimiter=",", header="u,y", comments="")
+    result = run(path, "--assume", "--seeds", "1")
+    assert result.exit_code == 0, result.output
+    assert "the model of the log, order 1, delay 1" in result.output

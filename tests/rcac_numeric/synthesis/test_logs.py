@@ -1,0 +1,81 @@
+"""From a log to a controller: for the plant that made the log, and with what was not told asked."""
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from compensator_theory.errors import InputError
+from rcac_numeric import ClosedLoop, ControllerLog, Step, design, load_experiment
+from rcac_numeric.synthesis.logs import PARTS, plant_from_log
+from rcac_numeric.synthesis.plants import read_plant
+from rcac_numeric.synthesis.reference import sensitivity_peak
+
+TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
+QUICK = {"seeds": 1, "steps": 300}
+
+
+def log_of(steps=1500, noise=0.05, seed=4, u_unit=1.0, y_unit=1.0, offset=3.0):
+    rng = np.random.default_rng(seed)
+    u = rng.standard_normal(steps)
+    y = lfilter([0, 0, 0, -0.1, -0.05], np.poly([0.9, 0.6]), u)
+    e = noise * lfilter([1.0], [1.0, -0.8], rng.standard_normal(steps))
+    return ControllerLog(u_unit * u, y_unit * (y + e + offset))
+
+
+@pytest.fixture(scope="module")
+def found():
+    return design(log_of(), sample_time=0.5, **QUICK)
+
+
+def test_the_controller_is_one_for_the_plant_of_the_log(found):
+    true = read_plant(TRUE, None, 2)
+    assert (found.model.delay, found.model.sign) == (2, "-") and found.plant.sample_time == 0.5
+    assert found.model.low_gain == pytest.approx(true.low_gain, rel=0.05)
+    assert sensitivity_peak(ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
+
+
+def test_what_the_log_shows_of_itself_is_evidence(found):
+    logged = found.logged
+    assert logged.held(found.fixed.compensator) == PARTS and len(logged.gains) == PARTS
+    assert all(0.7 < gain < 1.4 for gain in logged.gains)
+    low, high = found.uncertainty.gain
+    assert low <= min(0.8, *logged.gains) and high >= max(1.25, *logged.gains)
+    names = [question.name for question in found.questions]
+    assert names[:3] == ["plant", "plant", "dead_time"]
+    assert {"disturbance", "noise", "u_limits"} <= set(names)
+    assert f"{PARTS} of {PARTS} parts" in found.questions[0].words
+    # AR(1) at 0.8: the variance of its differences is 2 (1 - 0.8) of its own.
+    size = 0.05 / np.sqrt(1 - 0.8**2)
+    assert logged.noise == pytest.approx(size * np.sqrt(1 - 0.8), rel=0.1)
+
+
+def test_what_is_told_is_not_asked():
+    told = design(log_of(), disturbance=Step(0.2), noise=0.01, u_limits=(-3, 3), **QUICK)
+    assert [question.name for question in told.questions] == ["plant", "plant", "dead_time"]
+    assert told.expected.noise == 0.01
+
+
+def test_units_change_nothing_but_units():
+    one, other = (plant_from_log(log_of(u_unit=u, y_unit=y)) for u, y in ((1, 1), (1e-6, 1e6)))
+    assert (one.model.order, one.model.delay) == (other.model.order, other.model.delay)
+    assert np.allclose(other.model.numerator / 1e12, one.model.numerator, rtol=1e-6)
+    assert np.allclose(other.model.denominator, one.model.denominator, rtol=1e-6)
+    assert other.noise == pytest.approx(1e6 * one.noise, rel=1e-6)
+    assert other.disturbance == pytest.approx(1e-6 * one.disturbance, rel=1e-6)
+
+
+def test_a_dead_time_that_is_known_is_kept():
+    assert plant_from_log(log_of(), 0.5, 0.5).plant.delay == 1
+
+
+def test_a_log_of_two_inputs_or_of_none_is_refused():
+    two = np.random.default_rng(1).standard_normal((500, 2))
+    with pytest.raises(InputError, match="2 controls"):
+        design(ControllerLog(two, two[:, 0]), **QUICK)
+    with pytest.raises(InputError, match="does not show"):
+        design(ControllerLog(two[:, 0], two[:, 1]), **QUICK)
+
+
+def test_its_file_says_the_same(found, tmp_path):
+    found.save(tmp_path / "log.toml")
+    assert set(load_experiment(tmp_path / "log.toml").runs) == {"RCAC", "fixed"}
