@@ -21,8 +21,8 @@ from .estimation.consistency import Consistency as Consistency
 from .estimation.estimates import AdaptedEstimates as AdaptedEstimates
 from .estimation.estimates import ModeEstimates as ModeEstimates
 from .estimation.estimates import StateEstimates as StateEstimates
+from .estimation.identifiability import NoiseInformation as NoiseInformation
 from .estimation.local_observability import Observability as Observability
-from .estimation.noise_information import NoiseInformation as NoiseInformation
 from .estimation.noises import FittedNoises as FittedNoises
 from .estimation.refinement.evidence import Evidence as Evidence
 from .estimation.refinement.refinement import RefinementRun as RefinementRun

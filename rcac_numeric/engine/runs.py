@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -243,9 +245,21 @@ class Run(Value):
             raise InputError(f"a {type(self).__name__} cannot be saved; a Run can.")
         write_record(path, "run", {f.name: getattr(self, f.name) for f in fields(self)}, RECORDS)
 
-    def plot(self) -> figures.Figure:
-        """The signals z and u and the coefficients theta over the step k."""
-        return picture_of(self)
+    def plot(
+        self,
+        *,
+        signals: Sequence[str] = ("z", "u", "theta"),
+        width: float = 9.0,
+        ax: Any = None,
+    ) -> figures.Figure:
+        """The signals z and u and the coefficients theta over the step k, or in seconds.
+
+        Parameters
+        ----------
+        signals, width, ax
+            As for `plot_runs`: what is drawn, how wide, and in which axes.
+        """
+        return picture_of(self, signals=signals, width=width, ax=ax)
 
     def _repr_html_(self) -> str:
         """What a notebook shows: how it ended, and its pictures."""

@@ -2,13 +2,13 @@ from .consistency import nees_consistency as nees_consistency
 from .consistency import nis_consistency as nis_consistency
 from .estimates import estimate as estimate
 from .estimator import Estimator as Estimator
+from .identifiability import noise_information as noise_information
 from .local_observability import UnidentifiableWarning as UnidentifiableWarning
 from .local_observability import UnobservableWarning as UnobservableWarning
 from .local_observability import observability as observability
 from .models.linear import LinearModel as LinearModel
 from .models.nonlinear import NonlinearModel as NonlinearModel
 from .models.symbolic import SymbolicModel as SymbolicModel
-from .noise_information import noise_information as noise_information
 from .noises import fit_noises as fit_noises
 from .refinement.refinement import ModelRefinement as ModelRefinement
 from .refinement.refinement import refine as refine

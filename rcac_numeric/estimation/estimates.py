@@ -22,6 +22,7 @@ from rcac_numeric.estimation.estimator import (
     noises_in_use,
     noises_of_steps,
 )
+from rcac_numeric.estimation.identifiability import NoiseInformation, noise_information
 from rcac_numeric.estimation.local_observability import (
     Observability,
     UnidentifiableWarning,
@@ -30,7 +31,6 @@ from rcac_numeric.estimation.local_observability import (
 )
 from rcac_numeric.estimation.models.any_model import AnyModel
 from rcac_numeric.estimation.models.linear import LinearModel
-from rcac_numeric.estimation.noise_information import NoiseInformation, noise_information
 from rcac_numeric.estimation.settings import EKF, IMM, UKF, AdaptiveNoises, AnyFilter
 
 

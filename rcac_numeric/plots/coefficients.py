@@ -58,17 +58,18 @@ def structure_names(structure: Structure) -> list[str]:
 
 def draw_theta(
     axis: Axes, run: Run, title: str = "", shown: np.ndarray | None = None, *,
-    legend: bool = True, above: float = 0.0,
+    legend: bool = True, above: float = 0.0, period: float = 1.0,
 ) -> None:  # fmt: skip
-    """Theta over the step, or at those of its rows that are shown, named by `coefficient_names`.
+    """Theta over the step times a period, or at those of its rows that are shown.
 
+    Its lines are named by `coefficient_names`.
     The legend stands beside the axes or, in a picture that is `above` inches wide, above them.
     """
     k = run.first_step + np.arange(len(run.theta)) * run.stride
     every = max(len(run.theta) // LONG, 1)
     rows = slice(None, None, every) if shown is None else shown
     draw_coefficients(
-        axis, k[rows], run.theta[rows], coefficient_names(run), legend=legend and not above
+        axis, k[rows] * period, run.theta[rows], coefficient_names(run), legend=legend and not above
     )
     if above:
         legend_above(axis, above, title)

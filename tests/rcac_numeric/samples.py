@@ -7,6 +7,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+from scipy.signal import lfilter
 
 import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results, sweeps
@@ -14,6 +15,7 @@ from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.signals.signal import Scaled, Sum
+from rcac_numeric.synthesis.logs import plant_from_log
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
 
 SEEDS = 100_000  # seeds are below
@@ -117,6 +119,12 @@ def settings(seed):
 def design(seed):
     certain = rcac.Uncertainty(gain=(1, 1), delay=0, time=1, noise=1)
     return rcac.design(f"1/(q - {fraction(seed)})", uncertainty=certain, seeds=2, steps=300)
+
+
+def answered(seed):
+    """u, and the y of a lag with noise."""
+    u, v = random(seed, 2, 400)
+    return u, lfilter([0, 1], [1, -0.5], u) + 0.01 * v
 
 
 def bounds(seed):
@@ -375,6 +383,10 @@ SAMPLES = {
     # from a plant to a controller
     rcac.Uncertainty: lambda seed: rcac.Uncertainty(gain=(0.5, 2.0 + seed), delay=0),
     results.Design: design,
+    results.LoggedPlant: lambda seed: plant_from_log(rcac.ControllerLog(*answered(seed))),
+    results.OutputErrorModel: lambda seed: identification.identify_output_error(
+        *answered(seed), orders=(1,), delays=(0,)
+    ),
     results.Tuned: lambda seed: rcac.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
     # export
     results.Export: lambda seed: results.Export(

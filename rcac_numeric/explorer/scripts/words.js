@@ -48,7 +48,7 @@ export function sentence(found, outcome) {
     const why = cancelled ? `RCAC put a pole on the zero ${shown(cancelled)} that it does not know, and u grows.`
       : untold.length ? `The plant has a zero at ${shown(untold[0])} that RCAC does not know.`
         : Number(dials.gain) < 0 ? "RCAC has the sign of the gain wrong."
-          : "What is asked is too much for this plant, too soon or told wrongly.";
+          : "What is asked is too much for this plant, too soon, or what RCAC assumes is wrong.";
     return [[`Diverged at step ${found.done}. `, "bad"], [why]];
   }
   if (outcome.kind === "unstable") return [["Not stable: ", "bad"], [`with theta of the last step the loop has a pole of modulus ${text(outcome.largest)}. More steps, or another R_theta.`]];

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays.validation import instance_of, number
+from rcac_numeric.arrays.validation import instance_of, number, one_of
 from rcac_numeric.arrays.wording import shortened
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plots.coefficients import draw_theta, legend_above
@@ -18,6 +19,12 @@ from rcac_numeric.plots.style import INK, draw_over_decades, label_words, line_s
 NARROW = 6.0  # inches: below, legends stand above their axes and letters are smaller
 NARROWEST = 3.0
 LONG = 200_000  # steps, above which a line has a point for the extremes of each block of them
+SIGNALS = {
+    "w": "exogenous $w$",
+    "y": "measurement $y$",
+    "z": "performance $z$",
+    "u": "control $u$",
+}
 LETTER, MOST_LEGEND = 0.07, 0.3  # inches of a letter; the share of the width that names may take
 
 
@@ -26,8 +33,12 @@ def plot_runs(
     labels: Sequence[str] | None = None,
     *,
     width: float = 9.0,
+    signals: Sequence[str] = ("z", "u", "theta"),
+    ax: Axes | Sequence[Axes] | None = None,
 ) -> Figure:
     """Several runs in one figure: their z and u in common axes, their theta one below the other.
+
+    Over the step k, or in seconds where all runs have one sample time.
 
     A signal whose peak is a thousand times its usual size is drawn over decades (linear near
     zero, logarithmic beyond), so that both a burst and what comes after it are seen.
@@ -39,6 +50,10 @@ def plot_runs(
         A name for each; "run 1", "run 2", ... by default, or the names of the dict.
     width : float
         Of the figure in inches; 3.5 fits the column of a journal, 7 its page.
+    signals : sequence of {"w", "y", "z", "u", "theta"}
+        What is drawn, from top to bottom; theta takes axes for each run that adapts.
+    ax : Axes or sequence of Axes, optional
+        Where it is drawn instead, in the same order; the rest of their figure is left as it is.
 
     Returns
     -------
@@ -48,7 +63,8 @@ def plot_runs(
     Raises
     ------
     InputError
-        Where there is no run, or not a label for each, or the figure is narrower than 3 inches.
+        Where there is no run, or not a label for each, the figure is narrower than 3 inches, a
+        signal is unknown, or there are not as many axes as are needed.
 
     Examples
     --------
@@ -73,25 +89,28 @@ def plot_runs(
     if not number(width, "width") >= NARROWEST:
         raise InputError(f"width = {width} inches is too narrow; {NARROWEST} are needed.")
     narrow = width < NARROW
+    panels: list[tuple[str, tuple[Run, str] | None]] = []
+    for signal in signals:
+        one_of(signal, "an entry of signals", (*SIGNALS, "theta"))
+        panels += [(signal, None)] if signal in SIGNALS else [("theta", one) for one in adapting]
+    if not panels:
+        raise InputError("signals is empty, or no run adapts: there is nothing to draw.")
+    period = _period(runs)
+    if ax is not None:
+        axes = list(np.ravel(np.array(ax, dtype=object)))
+        if len(axes) != len(panels):
+            raise InputError(f"ax has {len(axes)} axes; {len(panels)} are drawn, one for each.")
+        _draw_panels(axes, panels, runs, names, period, 0.0)
+        figure = axes[0].get_figure(root=True)
+        assert isinstance(figure, Figure)
+        return figure
     longest = max(map(len, names)) if len(runs) > 1 else 0
     above = width if narrow or LETTER * longest > MOST_LEGEND * width else 0.0
-    rows = 2 + len(adapting)
+    rows = len(panels)
     height = 0.6 + 1.75 * rows if narrow else 2.3 + 1.9 * rows
     figure = Figure(figsize=(width, height), layout="constrained")
-    axes = np.ravel(figure.subplots(rows, 1, sharex=True, squeeze=False))
-    for i, (signal, label) in enumerate((("z", "performance $z$"), ("u", "control $u$"))):
-        _draw_signals(axes[i], runs, names, signal)
-        axes[i].set_ylabel(label)
-        said = axes[i].get_legend_handles_labels()[1]
-        if i and said == axes[0].get_legend_handles_labels()[1]:
-            continue  # the same lines under the same names
-        if above:
-            legend_above(axes[i], width)
-        elif said:
-            axes[i].legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
-    for axis, (run, name) in zip(axes[2:], adapting, strict=True):
-        draw_theta(axis, run, name if len(runs) > 1 else "", above=above)
-    axes[-1].set_xlabel("step $k$")
+    axes = list(np.ravel(figure.subplots(rows, 1, sharex=True, squeeze=False)))
+    _draw_panels(axes, panels, runs, names, period, above)
     for axis in axes:
         axis.grid(alpha=0.25)
         axis.spines[["top", "right"]].set_visible(False)
@@ -105,12 +124,48 @@ def plot_runs(
     return figure
 
 
-def plot_run(run: Run) -> Figure:
-    """The signals z and u and the coefficients theta over the step k."""
-    return plot_runs([run])
+def plot_run(run: Run, **options: Any) -> Figure:
+    """The signals z and u and the coefficients theta; options as for `plot_runs`."""
+    return plot_runs([run], **options)
 
 
-def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal: str) -> None:
+def _period(runs: Sequence[Run]) -> float | None:
+    """The sample time that all runs have; None where they have none, or different ones."""
+    periods = {run.sample_time for run in runs}
+    return periods.pop() if len(periods) == 1 else None
+
+
+def _draw_panels(
+    axes: Sequence[Axes],
+    panels: Sequence[tuple[str, tuple[Run, str] | None]],
+    runs: Sequence[Run],
+    names: Sequence[str],
+    period: float | None,
+    above: float,
+) -> None:
+    """Draw each panel in its axes, legends `above` in a picture of that width, or beside."""
+    shown: list[list[str]] = []
+    for axis, (signal, one) in zip(axes, panels, strict=True):
+        if one is not None:
+            title = one[1] if len(runs) > 1 else ""
+            draw_theta(axis, one[0], title, above=above, period=period or 1.0)
+            continue
+        _draw_signals(axis, runs, names, signal, period or 1.0)
+        axis.set_ylabel(SIGNALS[signal])
+        written = axis.get_legend_handles_labels()[1]
+        if written in shown:
+            continue  # the same lines under the same names
+        shown.append(written)
+        if above:
+            legend_above(axis, above)
+        elif written:
+            axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False)
+    axes[-1].set_xlabel("step $k$" if period is None else "time $t$, s")
+
+
+def _draw_signals(
+    axis: Axes, runs: Sequence[Run], names: Sequence[str], signal: str, period: float
+) -> None:
     index = 0
     parts: list[np.ndarray] = []
     for run, name in zip(runs, names, strict=True):
@@ -123,11 +178,11 @@ def _draw_signals(axis: Axes, runs: Sequence[Run], names: Sequence[str], signal:
                 own = name if len(runs) > 1 else ""
                 label = " ".join(filter(None, (own, component, remark)))
                 k, shown = thinned(run.k, column) if len(column) > LONG else (run.k, column)
-                axis.step(k, shown, where="post", linewidth=1.1, label=label or None,
+                axis.step(k * period, shown, where="post", linewidth=1.1, label=label or None,
                           **line_style(index))  # fmt: skip
                 index += 1
             parts.append(values)
         if run.outcome != "completed" and run.steps:
-            axis.plot(run.k[-1], getattr(run, signal)[-1, 0], "X", color=INK, ms=8,
+            axis.plot(run.k[-1] * period, getattr(run, signal)[-1, 0], "X", color=INK, ms=8,
                       label=f"{name}: {run.outcome}" if len(runs) > 1 else run.outcome)  # fmt: skip
     draw_over_decades(axis, parts)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from compensator_theory import place_poles
 from compensator_theory.errors import InputError
@@ -11,7 +12,10 @@ from rcac_numeric import (
     loop_health,
     lqg,
     numeric_observer_forms,
+    plant_of,
     plot_runs,
+    servo_plant,
+    simulate,
     stability_margins,
     standard_plant,
     verify,
@@ -42,6 +46,34 @@ def test_several_runs_share_their_axes(compared):
         ]
         assert np.array_equal(axis.lines[0].get_ydata(), run.theta[:, 0])
     assert z.get_yscale() == "symlog" and u.get_yscale() == "linear"
+
+
+def test_signals_are_chosen_and_drawn_in_axes_of_ones_own(compared):
+    run = next(iter(compared.values()))
+    figure = Figure(figsize=(8, 5))
+    axes = figure.subplots(2, 2)
+    assert run.plot(signals=["u", "theta"], ax=axes[:, 0]) is figure
+    assert np.array_equal(axes[0, 0].lines[0].get_ydata(), run.u[:, 0])
+    assert np.array_equal(axes[1, 0].lines[0].get_ydata(), run.theta[:, 0])
+    assert axes[1, 0].get_xlabel() == "step $k$" and not axes[0, 1].lines
+    alone = run.plot(signals=["y"], width=3.5)
+    assert len(alone.axes) == 1 and alone.get_figwidth() == 3.5
+    for wrong, words in (
+        ({"signals": ["x"]}, "choose one of w, y"),
+        ({"signals": []}, "nothing to draw"),
+        ({"ax": axes[0, 0]}, "3 are drawn"),
+    ):
+        with pytest.raises(InputError, match=words):
+            run.plot(**wrong)
+
+
+def test_a_sample_time_makes_seconds():
+    plant = servo_plant(plant_of("1/(10*s + 1)", sample_time=0.5))
+    run = simulate(plant, samples.adaptive(1), np.ones((20, 3)))
+    figure = run.plot(signals=["z", "theta"])
+    for axis in figure.axes:
+        assert np.array_equal(axis.lines[0].get_xdata(), 0.5 * np.arange(20))
+    assert figure.axes[-1].get_xlabel() == "time $t$, s"
 
 
 def test_names_of_coefficients_are_what_they_multiply():

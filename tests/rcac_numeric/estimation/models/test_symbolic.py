@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 import sympy
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from rcac_numeric.estimation import EKF, UKF, SymbolicModel, estimate, observability
@@ -64,10 +64,12 @@ def run(program, values):
 @given(formulas=st.lists(expressions, min_size=1, max_size=3))
 def test_a_tape_is_its_formulas(formulas):
     formulas = [sympy.sympify(f) for f in formulas]
+    assume(not any(f.has(sympy.I) for f in formulas))  # SymPy writes some atan2 with logarithms
     values = {X: 0.7, Y: -1.3, U: 0.4, K: 3.0}
     found = run(tape(formulas, [X, Y, U, K]), values.values())
-    exact = [float(sympy.N(f.subs(values), 30)) for f in formulas]
-    assert np.allclose(found, exact, rtol=1e-12, atol=1e-12)
+    exact = np.array([complex(sympy.N(f.subs(values), 30)) for f in formulas])
+    assert np.abs(exact.imag).max() < 1e-20  # of those logarithms, once values are in
+    assert np.allclose(found, exact.real, rtol=1e-12, atol=1e-12)
 
 
 @few
