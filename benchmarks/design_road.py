@@ -11,6 +11,11 @@ abs(e_0) likewise. good: stable, tail < 2, peak < 10. Ms: of the last controller
 quantiles; "lost" is infinite.
 
     .venv/bin/python benchmarks/design_road.py [random plants] [first seed] [verdicts]
+
+The same of plants with two inputs and outputs, and with three: lags, oscillations, integrators,
+zeros outside the unit circle, outputs that run away, strong coupling; and one input weaker.
+
+    .venv/bin/python benchmarks/design_road.py several [random plants] [first seed]
 """
 
 import sys
@@ -48,6 +53,11 @@ TRUE = (
     Variation("time constants x 1.5", time=1.5), Variation("delay + 1", delay=1),
     Variation("noise x 3", noise=3),
 )  # fmt: skip
+SEVERAL_KINDS = ("lags", "oscillating", "integrating", "nonminimum phase", "unstable", "coupled")
+ONE_INPUT = (
+    Variation("input 1 x 0.6", gain=(0.6, 1.0)),
+    Variation("input 1 x 0.6", gain=(0.6, 1, 1)),
+)
 WAYS = (
     "road, signals known", "road, size known", "fixed, signals known", "fixed, size known",
     "SIMC", "fir_target, R_theta = 1",
@@ -129,6 +139,41 @@ def random_plant(seed):
     return kind, f"{'*'.join(above)}/({'*'.join(below)})", float(late)
 
 
+def plants_of(model):
+    """The variations that a plant is judged on."""
+    return TRUE if model.m == 1 else (*TRUE, ONE_INPUT[model.m - 2])
+
+
+def random_plant_of_several(seed):
+    """As `random_plant`, with two inputs and outputs or three, as rows of entries."""
+    rng = np.random.default_rng([seed, 11])
+    kind, m = SEVERAL_KINDS[seed % len(SEVERAL_KINDS)], 2 + seed // len(SEVERAL_KINDS) % 2
+
+    def between(low, high):
+        return float(f"{np.exp(rng.uniform(np.log(low), np.log(high))):.3g}")
+
+    least, most = (0.6, 0.8) if kind == "coupled" else (0.0, 0.6)
+    gains = rng.uniform(least, most, (m, m)) * rng.choice([-1, 1], (m, m)) / (m - 1)
+    np.fill_diagonal(gains, rng.choice([-1.0, 1.0], m))
+    gains *= np.outer(*(np.exp(rng.uniform(-0.5, 0.5, (2, m)))))
+    entries = [[f"{gain:.3g}/({between(3, 30)!r}*s + 1)" for gain in row] for row in gains]
+    i = int(rng.integers(m))
+    if kind == "oscillating":
+        omega, damping = between(0.1, 0.6), between(0.02, 0.2)
+        lag = f"(s**2*{1 / omega**2:.4g} + s*{2 * damping / omega:.4g} + 1)"
+        entries[i] = [f"{gain:.3g}/{lag}" for gain in gains[i]]
+    elif kind == "integrating":
+        entries[i] = [f"{gain:.3g}/(s*{between(5, 40)!r})" for gain in gains[i]]
+    elif kind == "unstable":
+        slow = between(8, 50)
+        entries[i] = [f"{gain:.3g}/({slow!r}*s - 1)" for gain in gains[i]]
+    elif kind == "nonminimum phase":
+        zero, lag = between(2, 10), between(3, 20)
+        entries[i] = [f"{entry}*(1 - {zero!r}*s)/({lag!r}*s + 1)" for entry in entries[i]]
+    longest = {"unstable": 2, "oscillating": 3}.get(kind, 5)
+    return f"{kind}, {m} x {m}", entries, float(min(int(rng.integers(0, 6)), longest))
+
+
 def surroundings(model, seed):
     """(disturbance, command, noise) of one draw; sizes by what they do to y."""
     rng = np.random.default_rng([seed, 7])
@@ -146,7 +191,7 @@ def surroundings(model, seed):
         return kind, WhiteNoise(1.0), None, level * np.sqrt(found.lqg.cost.value) * low
     if kind == "sinusoid":
         wave = Harmonic(omega, 1.0, float(rng.uniform(0, 6)))
-        return kind, wave + little, None, level * float(abs(model.response(omega)[0]))
+        return kind, wave + little, None, level * float(np.linalg.norm(model.response(omega)[0], 2))
     return kind, little, Step(min(low, 1.0)), level * min(low, 1.0)
 
 
@@ -162,6 +207,8 @@ def controllers(model, known, size):
         except CompensatorError as error:
             made.setdefault(f"fixed, {name}", str(error))
             made[f"road, {name}"] = str(error)
+    if model.m > 1:
+        return made
     try:
         made["SIMC"] = simc(model)
     except CompensatorError as error:
@@ -181,14 +228,14 @@ def judged(G, period, late, seed):
     """From (way, plant) to (stable, tail, peak, Ms), and what acted on the plant."""
     model = read_plant(G, period, late)
     kind, disturbance, command, noise = surroundings(model, seed)
-    known, _ = read_expected(disturbance, noise, command, np.inf, model.low_gain)
-    size, _ = read_expected(known.size, noise, command, np.inf, model.low_gain)
+    known, _ = read_expected(disturbance, noise, command, np.inf, model.low_gain, model.m)
+    size, _ = read_expected(known.size, noise, command, np.inf, model.low_gain, model.m)
     made = controllers(model, known, size)
     cases, keys = [], []
     for way, controller in made.items():
         if isinstance(controller, str):
             continue
-        for true in TRUE:
+        for true in plants_of(model):
             w = known.w(STEPS, seed, true.noise)
             try:
                 servo = model.servo(true)
@@ -232,12 +279,12 @@ def quantiles(values):
     return " / ".join(words)
 
 
-def table(results, title):
+def table(results, title, ways=WAYS, plants=TRUE):
     print(f"\n{title}: {len(results)} plants")
     print(f"{'way':26} {'plant':22} {'stable %':>8} {'good %':>7}  tail          peak         Ms")
     lost = (False, np.inf, np.inf, np.inf)
-    for way in WAYS:
-        for true in TRUE:
+    for way in ways:
+        for true in plants:
             rows = [scaled.get((way, true.name), lost) for scaled, *_ in results]
             stable = 100 * np.mean([row[0] for row in rows])
             good = 100 * np.mean([is_good(row) for row in rows])
@@ -299,5 +346,18 @@ def main(count=200, first=50_000, verdicts=30):
     print(f"{time.perf_counter() - start:.0f} s")
 
 
+def several(count=40, first=450_000):
+    start = time.perf_counter()
+    plants = [(f"{first + i}", *random_plant_of_several(first + i)) for i in range(count)]
+    results = [judged(G, 1.0, late, int(name)) for name, _, G, late in plants]
+    table(results, "two and three inputs and outputs", WAYS[:4], (*TRUE, ONE_INPUT[0]))
+    for way in WAYS[:4]:
+        failures(results, [f"{name} {kind}" for name, kind, *_ in plants], way)
+    print(f"{time.perf_counter() - start:.0f} s")
+
+
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    if sys.argv[1:2] == ["several"]:
+        several(*map(int, sys.argv[2:]))
+    else:
+        main(*map(int, sys.argv[1:]))

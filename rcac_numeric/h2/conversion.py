@@ -93,14 +93,16 @@ def compensator_from_state_space(
     return converted((A, B, C, matrix(D, "D_c", (len(C), B.shape[1]))))[0]
 
 
-def converted(parts: StateSpace) -> tuple[Compensator, ConversionCertificate]:
-    """As `compensator_from_state_space`, with the certificate of the conversion."""
+def converted(
+    parts: StateSpace, accepted: float = ACCEPTED
+) -> tuple[Compensator, ConversionCertificate]:
+    """As `compensator_from_state_space`, to another accuracy, and with its certificate."""
     points = _check_points(parts[0])
     response, scales = _response(parts, points)
     best = None
     for scale in scales:
         best = _best(parts, points, (response, scale))
-        if best is not None and best[1].worst <= ACCEPTED:
+        if best is not None and best[1].worst <= accepted:
             return best
     reached = "none is finite" if best is None else f"the best is off by {best[1].worst:.1e}"
     raise IllConditionedError(

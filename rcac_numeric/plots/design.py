@@ -26,9 +26,10 @@ def plot_design(design: Design) -> Figure:
     names = list(design.runs)
     for i, name in reversed(list(enumerate(names))):
         run = design.runs[name]
-        e = (run.z + run.w[: len(run.z), 2:3]).ravel()
-        error.plot(run.k, e, linewidth=1.1, label=name, **line_style(i))
-        control.plot(run.k, run.u_applied.ravel(), linewidth=1.1, **line_style(i))
+        e = run.z + run.w[: len(run.z), -run.z.shape[1] :]
+        lines = error.plot(run.k, e, linewidth=1.1, **line_style(i))
+        lines[0].set_label(name)  # several signals are of one controller
+        control.plot(run.k, run.u_applied, linewidth=1.1, **line_style(i))
     seen = design.runs[FIXED]
     largest = float(np.abs(seen.z).max(initial=0.0)) or 1.0
     error.set_ylim(-2 * largest, 2 * largest)

@@ -46,6 +46,11 @@ from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
 FAST = 1e-2  # first response of e over the largest: sampled faster than it is good for
+INTEGRATES = (
+    "its model has a pole that a log of this length does not tell from 1; give design the model "
+    "with its integrator instead, such as k/(s*(T*s + 1)) with sample_time, k the slope of y after "
+    "a step of u"
+)
 RESPONSE = 500  # steps of that response
 ADAPTED = 3.0  # Ms of an adapted controller that is warned of
 
@@ -272,13 +277,15 @@ def design(
     Parameters
     ----------
     plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, ControllerLog
-        Linear, scalar, strictly proper; all that `plant_of` reads. A `Plant` counts as its map
+        Linear, strictly proper, as many inputs as outputs (4 at most, in like units); all that
+        `plant_of` reads, and rows of transfer functions. A `Plant` counts as its map
         from u to y. Of a log u and y count, in an open loop: `identify_output_error` makes a model
         of them, what it leaves of y is noise and disturbance unless they are given, and the gain
         is as uncertain as parts of the log disagree.
     disturbance : "unknown", number or Signal
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
-        the size of one that is not known otherwise.
+        the size of one that is not known otherwise. It acts on every input; so do noise and
+        command on every output.
     noise : float, optional
         Standard deviation of the sensor noise, in units of y.
     command : Signal, optional
@@ -302,7 +309,7 @@ def design(
     Raises
     ------
     InputError
-        Where the plant is not scalar or cannot be read, or a value is out of range.
+        Where the plant is not square or cannot be read, or a value is out of range.
     NoSolutionError
         Where no reference controller exists.
 
@@ -328,11 +335,14 @@ def design(
     else:
         model, usual = read_plant(plant, sample_time, dead_time), Uncertainty()
     uncertain = uncertainty or usual
-    expected, assumed = _expected(
-        logged, disturbance, noise, command, _range(saturation), model.low_gain
-    )
+    expected, assumed = _expected(logged, disturbance, noise, command, _range(saturation), model)
     cases = variations(model, uncertain)
-    reference = reference_loop(model, expected, _range(saturation), cases)
+    try:
+        reference = reference_loop(model, expected, _range(saturation), cases)
+    except NoSolutionError as error:
+        if logged is None or not logged.integrates:
+            raise
+        raise NoSolutionError(f"the plant of the log integrates: {INTEGRATES}. {error}") from None
     settings = settings_of(model, reference, expected)
     fixed = FixedController(reference.compensator)
     controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
@@ -360,15 +370,15 @@ def design(
 
 def _expected(
     logged: LoggedPlant | None, disturbance: Any, noise: float | None, command: Any,
-    u_range: float, gain: float,
+    u_range: float, model: DesignPlant,
 ) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
     """As `read_expected`; what nobody said is read from the log, if there is one."""
     if logged is None:
-        return read_expected(disturbance, noise, command, u_range, gain)
+        return read_expected(disturbance, noise, command, u_range, model.low_gain, model.m)
     is_unsaid = isinstance(disturbance, str) and disturbance == UNKNOWN
     size = logged.disturbance if is_unsaid else disturbance
     sensor = logged.noise if noise is None else noise
-    expected, assumed = read_expected(size, sensor, command, u_range, gain)
+    expected, assumed = read_expected(size, sensor, command, u_range, model.low_gain)
     return expected, (*assumed, *(["size"] if is_unsaid else []), *(["noise"] * (noise is None)))
 
 
@@ -465,9 +475,9 @@ def _mean(logs: list[float]) -> tuple[float, tuple[float, float]]:
 
 def _first_response(model: DesignPlant, fixed: FixedController) -> float:
     """The first response of e to an impulse of d over the largest, in the reference loop."""
-    w = np.zeros((RESPONSE, 3))
-    w[0, 1] = 1.0
-    e = np.abs(simulate(model.servo(), fixed, w).z.ravel())
+    w = np.zeros((RESPONSE, 3 * model.m))
+    w[0, model.m : 2 * model.m] = 1.0
+    e = np.linalg.norm(simulate(model.servo(), fixed, w).z, axis=1)
     answered = e[e > np.finfo(float).eps * e.max()]
     return float(answered[0] / e.max()) if len(answered) else 1.0
 
@@ -486,7 +496,10 @@ def _questions(
         ))  # fmt: skip
     found += [
         ("plant", f"sign {model.sign}",
-         "more u drives y this way in the end; with the other sign every loop diverges"),
+         "more u drives y this way in the end; with the other sign every loop diverges")
+        if model.m == 1 else
+        ("plant", f"the weakest direction of u does 1/{model.condition:.3g} of the strongest",
+         "its sign and size decide whether a loop with integrators is stable at all"),
         ("dead_time", f"{late:.4g} steps, {least:.4g} to {most:.4g}",
          "the dead time decides how fast a loop may be"),
     ]  # fmt: skip
@@ -508,6 +521,8 @@ def _questions(
             f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
             "faster than it is good for",
         ))  # fmt: skip
+    if logged is not None and logged.integrates:
+        found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
     if not model.is_stable:
         found.append((
             "plant", "unstable or integrating, and known as well as said",
@@ -523,7 +538,8 @@ def reasons_of(
     """Each setting, and why it is what it is."""
     n_c = reference.compensator.n_c
     models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids[:1]]
-    models += ["an integrator"] if reference.lqg.plant.n > model.servo().n + 2 * len(models) else []
+    taken = model.servo().n + 2 * model.m * len(models)
+    models += ["an integrator"] if reference.lqg.plant.n > taken else []
     parts = " and ".join(models)
     robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
     order = "the order of the fixed controller: more costs robustness"

@@ -40,12 +40,15 @@ class Expected(Value):
         Standard deviation of v, in units of y.
     command : Signal or None
         r, in units of y.
+    m : int
+        The number of inputs and of outputs, which meet signals of the same kind.
     """
 
     disturbance: Signal | None
     size: float
     noise: float
     command: Signal | None = None
+    m: int = 1
 
     @property
     def is_known(self) -> bool:
@@ -89,26 +92,29 @@ class Expected(Value):
             for f, one in found if isinstance(one, Harmonic) and one.amplitude
         )  # fmt: skip
 
-    def signals(self, seed: int, noise: float = 1.0) -> tuple[Signal, Signal, Signal]:
-        """r, d and v; an unknown disturbance is in turn a step, coloured noise and a sinusoid."""
+    def signals(self, seed: int, noise: float = 1.0) -> tuple[Signal, ...]:
+        """r, d and v, of each m; an unknown d is in turn a step, coloured noise and a sinusoid."""
         v = WhiteNoise(noise * self.noise)
         r = Step(0.0) if self.command is None else self.command
-        return r, self._drawn(seed) if self.disturbance is None else self.disturbance, v
+        known = self.disturbance
+        d = [self._drawn(seed, i) if known is None else known for i in range(self.m)]
+        return (*[r] * self.m, *d, *[v] * self.m)
 
     def w(self, steps: int, seed: int, noise: float = 1.0) -> Array:
-        """A draw of w, shape (steps, 3)."""
+        """A draw of w, shape (steps, 3 m)."""
         return exogenous(self.signals(seed, noise), steps, seed)
 
     def prior_w(self, steps: int) -> Array:
         """What R_theta is made of: coloured and white noise of their size, and what is known."""
         rng = np.random.default_rng(1)
-        w = np.zeros((steps, 3)) if self.disturbance is None else self.w(steps, 0)
-        w[:, 1] += self.size * (_coloured(steps, rng) + rng.standard_normal(steps))
-        w[:, 2] = self.noise * rng.standard_normal(steps)
+        w = np.zeros((steps, 3 * self.m)) if self.disturbance is None else self.w(steps, 0)
+        for i in range(self.m):
+            w[:, self.m + i] += self.size * (_coloured(steps, rng) + rng.standard_normal(steps))
+            w[:, 2 * self.m + i] = self.noise * rng.standard_normal(steps)
         return w
 
-    def _drawn(self, seed: int) -> Signal:
-        rng = np.random.default_rng([seed, 3])
+    def _drawn(self, seed: int, i: int) -> Signal:
+        rng = np.random.default_rng([seed, 3, *[i] * (i > 0)])
         kind, little = KINDS[seed % len(KINDS)], WhiteNoise(LITTLE * self.size)
         if kind == "step":
             return Step(self.size) + little
@@ -140,7 +146,7 @@ def _size(factor: float, signal: Signal) -> float:
 
 
 def read_expected(
-    disturbance: Any, noise: float | None, command: Any, u_range: float, gain: float
+    disturbance: Any, noise: float | None, command: Any, u_range: float, gain: float, m: int = 1
 ) -> tuple[Expected, tuple[str, ...]]:
     """What is expected, and the names of what had to be assumed.
 
@@ -155,6 +161,8 @@ def read_expected(
         Half of what the actuator can do; infinite where no limit is known.
     gain : float
         Of the plant, from u to y.
+    m : int
+        The number of inputs and of outputs.
     """
     assumed = []
     signal = disturbance if isinstance(disturbance, Signal) else None
@@ -185,7 +193,7 @@ def read_expected(
     if noise is None:
         assumed.append("noise")
         noise = QUIET * gain * size
-    return Expected(signal, size, float(noise), command), tuple(assumed)
+    return Expected(signal, size, float(noise), command, m), tuple(assumed)
 
 
 def _assumed_size(

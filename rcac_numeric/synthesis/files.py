@@ -72,7 +72,12 @@ def experiment_file(
         settings.R_z,
     )
     assert bounds is not None and isinstance(R_z, SignalWeight) and isinstance(settings.update, UD)
-    r, d, v = expected.signals(JUDGING)
+    m = expected.m
+    written = [_signal(one, steps) for one in expected.signals(JUDGING)]
+    r, d, v = (
+        part[0] if m == 1 else f"[{', '.join(part)}]"
+        for part in (written[i : i + m] for i in (0, m, 2 * m))
+    )
     lines = [f"# {line}" for line in words]
     lines += [
         'title = "From a plant to a controller"',
@@ -87,7 +92,7 @@ def experiment_file(
     if plant.sample_time is not None:
         lines.append(f"sample_time = {plant.sample_time!r}")
     lines += ["", "[signals]"]
-    lines += [f"{name} = {_signal(one, steps)}" for name, one in (("r", r), ("d", d), ("v", v))]
+    lines += [f"r = {r}", f"d = {d}", f"v = {v}"]
     if saturation is not None:
         limits = attrs.asdict(saturation, recurse=False).items()
         lines += ["", "[saturation]"]
@@ -96,8 +101,8 @@ def experiment_file(
         "",
         f"[target]  # {reasons['target']}",
         'model = "filter"',
-        f"numerator = {_numbers(target.numerator.ravel())}",
-        f"denominator = {_numbers(target.denominator.ravel())}",
+        f"numerator = {_numbers(target.numerator if m > 1 else target.numerator.ravel())}",
+        f"denominator = {_numbers(target.denominator if m > 1 else target.denominator.ravel())}",
         "",
         "[controller]",
         f'structure = "iir"  # {reasons["structure"]}',
@@ -211,6 +216,13 @@ def design_arguments(path: str | Path) -> DesignArguments:
             limits = Table(Saturation).read(table["saturation"], Place(file, "saturation"))
     except CompensatorError as error:
         raise named(error, file) from None
+    for name, given in (("r", signals.r), ("d", signals.d), ("v", signals.v)):
+        own = list(given or [])
+        if any(not equal(one, own[0]) for one in own[1:]):
+            raise InputError(
+                f"{file}: the components of [signals] {name} differ, and design gives each the "
+                "same: write one of them, the largest."
+            )
     d, v, r = (None if one is None else one[0] for one in (signals.d, signals.v, signals.r))
     d = signals.w[0] if d is None and signals.w else d
     if v is not None and not isinstance(v, WhiteNoise):

@@ -17,6 +17,7 @@ from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, balanced
 from rcac_numeric.synthesis.reference import sensitivity_peak
 
 PARTS = 3  # of the log, in each of which the model is fitted again
+SLOW = 20.0  # abs(1 - pole) times the steps of the log: a pole that the log cannot tell from 1
 ROBUST = 4.0  # Ms of the reference loop with the model of a part
 
 
@@ -54,6 +55,12 @@ class LoggedPlant(Value):
             for part in self.parts
             if part is not None
         )
+
+    @property
+    def integrates(self) -> bool:
+        """Whether the model has a pole so near 1 that the log cannot tell it from an integrator."""
+        poles = np.roots(self.model.denominator)
+        return bool((np.abs(1 - poles) * len(self.model.residual) < SLOW).any())
 
     @property
     def uncertainty(self) -> Uncertainty:
@@ -118,7 +125,8 @@ def plant_from_log(
     if log.u.shape[1] != 1 or log.y.shape[1] != 1:
         raise InputError(
             f"{log.source} has {log.u.shape[1]} controls and {log.y.shape[1]} measurements; "
-            "design takes one of each."
+            "a log takes one of each. Give design a model: identification.eigensystem_realisation "
+            "makes one of Markov parameters."
         )
     late = round(dead_time / (sample_time or 1.0))
     known = {"delays": (late,)} if late else {}

@@ -1,4 +1,4 @@
-"""A scalar plant with dead time, and what it may be instead within its uncertainty."""
+"""A plant with dead time, and what it may be instead within its uncertainty."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 
-SERVO = {"r": 1, "d": 1, "v": 1}
+MOST_SIGNALS = 4  # inputs and outputs
+ALIKE = 100.0  # the gain of an output, or of an input, over that of another
 LONGEST_DELAY = 60  # steps: theta has two coefficients for each
 LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
 FAR = 2000  # steps, after which what grows has outgrown the rest
@@ -81,7 +82,7 @@ class Variation:
     """One plant within an uncertainty: what its gain, dead time, time constants and noise are."""
 
     name: str = "nominal"
-    gain: float = 1.0
+    gain: float | tuple[float, ...] = 1.0  # several: of each input
     delay: int = 0
     time: float = 1.0
     noise: float = 1.0
@@ -89,17 +90,17 @@ class Variation:
 
 @dataclass(frozen=True, eq=False)
 class DesignPlant(Value):
-    """x(k+1) = A x(k) + B (u + d)(k - delay), y_0 = C x; scalar u and y_0.
+    """x(k+1) = A x(k) + B (u + d)(k - delay), y_0 = C x; as many outputs as inputs, m.
 
     Attributes
     ----------
-    A, B, C : arrays of shape (n, n), (n, 1), (1, n)
+    A, B, C : arrays of shape (n, n), (n, m), (m, n)
     delay : int
         Whole steps of dead time.
     continuous : pair of arrays, or None
         A_c and B_c, per step, with which A and B are sampled; C is the same.
     fraction : float
-        What is left of the dead time, in periods; its state is the last of A.
+        What is left of the dead time, in periods; its states are the last m of A.
     sample_time : float or None
         In seconds.
     """
@@ -120,36 +121,49 @@ class DesignPlant(Value):
         here = Variation() if changed is None else changed
         A, B = self._sampled(here.time)
         delay = self.delay + here.delay
-        n = len(A)
-        chain = np.eye(n + delay, k=1)
+        B = B * np.asarray(here.gain)
+        n, m = B.shape
+        late = m * delay
+        chain = np.eye(n + late, k=m)
         chain[:n] = 0.0
         chain[:n, :n] = A
-        enters = np.zeros((n + delay, 1))
+        enters = np.zeros((n + late, m))
         if delay:
-            chain[:n, [n]], enters[-1] = here.gain * B, 1.0
+            chain[:n, n : n + m], enters[-m:] = B, np.eye(m)
         else:
-            enters = here.gain * B
-        none = np.zeros((n + delay, 1))
-        C = np.hstack([self.C, np.zeros((1, delay))])
+            enters = B
+        none = np.zeros((n + late, m))
+        C = np.hstack([self.C, np.zeros((m, late))])
+        direct = np.hstack([np.eye(m), np.zeros((m, m)), -np.eye(m)])
         return Plant(
-            A=chain, B=enters, D_1=np.hstack([none, enters, none]), C=-C, D_2=[[1.0, 0.0, -1.0]],
-            E_0=[[1.0, 0.0, -1.0]], blocks=SERVO, sample_time=self.sample_time,
+            A=chain, B=enters, D_1=np.hstack([none, enters, none]), C=-C, D_2=direct, E_0=direct,
+            blocks={"r": m, "d": m, "v": m}, sample_time=self.sample_time,
         )  # fmt: skip
 
     def response(self, omega: Any) -> ComplexArray:
-        """G(exp(j omega)) from u to y_0."""
+        """G(exp(j omega)) from u to y_0; shape (len(omega), m, m)."""
         z = np.exp(1j * np.atleast_1d(omega))
         states = np.linalg.solve(z[:, None, None] * np.eye(len(self.A)) - self.A, self.B[None])
-        return np.asarray((self.C @ states)[:, 0, 0] * z**-self.delay)
+        return np.asarray(self.C @ states * (z**-self.delay)[:, None, None])
+
+    @property
+    def m(self) -> int:
+        """The number of inputs, and of outputs."""
+        return int(self.B.shape[1])
 
     @property
     def low_gain(self) -> float:
-        """abs(G) at 0.02 rad/sample: the gain at rest, but finite with integrators."""
-        return float(np.abs(self.response(LOW))[0])
+        """norm(G) at 0.02 rad/sample: the gain at rest, but finite with integrators."""
+        return float(np.linalg.norm(self.response(LOW)[0], 2))
+
+    @property
+    def condition(self) -> float:
+        """The largest singular value of G at 0.02 rad/sample over the least."""
+        return float(np.linalg.cond(self.response(LOW)[0]))
 
     @property
     def sign(self) -> str:
-        """Which way y_0 goes in the end after a step of u: as it rests, or as it runs away."""
+        """Which way y_0 goes in the end after a step of u, both scalar: to rest, or away."""
         if self.is_stable:
             at_rest = self.C @ np.linalg.solve(np.eye(len(self.A)) - self.A, self.B)
             return "+" if at_rest.item() > 0 else "-"
@@ -187,7 +201,7 @@ def continuous_of(plant: DesignPlant) -> tuple[Array, Array] | None:
     poles = np.linalg.eigvals(plant.A)
     if ((np.abs(poles.imag) < 1e-9) & (poles.real < 1e-6)).any():
         return None
-    held = np.block([[plant.A, plant.B], [np.zeros((1, n)), np.ones((1, 1))]])
+    held = np.block([[plant.A, plant.B], [np.zeros((plant.m, n)), np.eye(plant.m)]])
     found = np.asarray(logm(held))
     if np.abs(found.imag).max(initial=0.0) > 1e-9 * np.abs(found).max(initial=1.0):
         return None
@@ -200,10 +214,10 @@ def _held(A: Array, B: Array, fraction: float) -> tuple[Array, Array]:
         return zero_order_hold(A, B, 1.0)
     late_A, late_B = zero_order_hold(A, B, fraction)
     rest_A, rest_B = zero_order_hold(A, B, 1 - fraction)
-    n = len(A)
-    whole = np.zeros((n + 1, n + 1))
+    n, m = B.shape
+    whole = np.zeros((n + m, n + m))
     whole[:n, :n], whole[:n, n:] = rest_A @ late_A, rest_A @ late_B
-    return whole, np.vstack([rest_B, [[1.0]]])
+    return whole, np.vstack([rest_B, np.eye(m)])
 
 
 def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
@@ -218,10 +232,12 @@ def balanced(A: Array, B: Array, C: Array) -> tuple[Array, Array, Array]:
     (True, 1.0)
     """
     point = (1 + 1j) * np.eye(len(A))  # anywhere: what is asked for is the size of y over u
-    gain = abs((C @ np.linalg.solve(point - A, B)).item()) or 1.0
-    whole = np.block([[A, B], [C / gain, np.zeros((1, 1))]])
+    n, m = B.shape
+    gain = np.linalg.norm(C @ np.linalg.solve(point - A, B), 2) or 1.0
+    whole = np.block([[A, B], [C / gain, np.zeros((m, m))]])
     _, (scale, _) = matrix_balance(whole, permute=False, separate=True)
-    by = scale[:-1] / scale[-1]  # the last one is common to u and y, so that only the states move
+    # What is common to u and y is left out, so that only the states move.
+    by = scale[:n] / np.exp2(np.round(np.mean(np.log2(scale[n:]))))
     return A * by / by[:, None], B / by[:, None], C * by
 
 
@@ -256,7 +272,8 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
         )
     continuous = _continuous(plant)
     if continuous is None:
-        read = plant_of(plant, sample_time=sample_time)
+        is_list = isinstance(plant, list)
+        read = _listed(plant, sample_time) if is_list else plant_of(plant, sample_time=sample_time)
         return _with_dead_time(_of_plant(instance_of(read, "plant", Plant)), late, steps)
     if sample_time is None:
         raise InputError(
@@ -272,7 +289,7 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
     fraction = max(late / h - whole, 0.0)
     fraction = fraction if fraction > 2 * ROUNDING else 0.0
     held_A, held_B = _held(A, B, fraction)
-    held_C = np.hstack([C, np.zeros((1, len(held_A) - len(A)))])
+    held_C = np.hstack([C, np.zeros((len(C), len(held_A) - len(A)))])
     made = DesignPlant(held_A, held_B, held_C, whole + steps, (A, B), fraction, h)
     return _checked(made)
 
@@ -294,7 +311,7 @@ def _continuous(plant: Any) -> tuple[Array, Array, Array] | None:
         np.array([[float(entry) for entry in row] for row in m.tolist()], dtype=np.float64)
         for m in (made.A, made.B, made.C)
     )
-    _require_scalar(B.shape[1], len(C))
+    _require_square(B.shape[1], len(C))
     return A, B, C
 
 
@@ -304,25 +321,38 @@ def _realised(plant: Any) -> exact.Realisation | None:
     if is_foreign(plant) and hasattr(plant, "dynamics"):
         return None  # nonlinear; plant_of says what to do
     G = exact.transfer_matrix(plant)
-    _require_scalar(*reversed(G.shape))
-    return exact.realisation(G.scalar())
+    _require_square(*reversed(G.shape))
+    if G.shape == (1, 1):
+        return exact.realisation(G.scalar())
+    return exact.minimal_realisation(G).realisation
+
+
+def _listed(entries: list[Any], sample_time: float | None) -> Plant:
+    """A sampled transfer matrix that is written as rows of entries, in a minimal realisation."""
+    found = exact.minimal_realisation(exact.transfer_matrix(entries)).realisation
+    A, B, C, D = (
+        np.array([[float(entry) for entry in row] for row in m.tolist()], dtype=np.float64)
+        for m in (found.A, found.B, found.C, found.D)
+    )
+    return Plant(A=A, B=B, D_1=B, C=C, D_0=D, D_2=D, E_2=D, E_0=D, sample_time=sample_time)
 
 
 def _of_plant(plant: Plant) -> DesignPlant:
     """The map from u to y of a plant, or from u to -e of a servo problem."""
-    _require_scalar(plant.l_u, plant.l_y)
+    _require_square(plant.l_u, plant.l_y)
     if plant.D_0.any() or plant.E_2.any():
         raise ImproperError(
             "the plant is not strictly proper: y or z follows u at once. Put one step of delay at "
             "its input."
         )
-    if plant.l_z != 1 or not np.array_equal(plant.E_1, plant.C):
+    if not np.array_equal(plant.E_1, plant.C):
         raise InputError(
             "z of this plant is not what is measured, and design takes the map from u to y as the "
             "plant: give a Plant with E_1 = C, or set the controller up by lqg and "
             "ControllerSettings."
         )
-    sign = -1.0 if dict(plant.blocks) == SERVO else 1.0
+    m = plant.l_u
+    sign = -1.0 if dict(plant.blocks) == {"r": m, "d": m, "v": m} else 1.0
     made = DesignPlant(plant.A, plant.B, sign * plant.C, sample_time=plant.sample_time)
     return _checked(made)
 
@@ -340,21 +370,31 @@ def _with_dead_time(plant: DesignPlant, late: float, steps: int) -> DesignPlant:
 
 
 def _checked(plant: DesignPlant) -> DesignPlant:
-    if plant.delay > LONGEST_DELAY:
+    if plant.delay * plant.m > LONGEST_DELAY:
         raise InputError(
             f"the dead time is {plant.delay} steps, and each of them has two coefficients of the "
-            f"controller; at most {LONGEST_DELAY} are taken. Sample more slowly."
+            f"controller; at most {LONGEST_DELAY // plant.m} are taken. Sample more slowly."
         )
     if not len(plant.A) or not plant.low_gain > 0:
         raise InputError("the plant does not answer to u at all: its gain is 0.")
+    size = np.abs(plant.response(LOW)[0])
+    for name, axis in (("output", 1), ("input", 0)):
+        gains = np.linalg.norm(size, axis=axis)
+        if not gains.max() <= ALIKE * gains.min():
+            raise InputError(
+                f"{name} {int(gains.argmin()) + 1} of the plant has a gain of {gains.min():.3g}, "
+                f"{name} {int(gains.argmax()) + 1} of {gains.max():.3g}: errors and controls are "
+                "weighed alike. Give every signal in units of its own range."
+            )
     return plant
 
 
-def _require_scalar(l_u: int, l_y: int) -> None:
-    if (l_u, l_y) != (1, 1):
+def _require_square(l_u: int, l_y: int) -> None:
+    if l_u != l_y or l_u > MOST_SIGNALS:
         raise InputError(
-            f"the plant has {l_u} inputs and {l_y} outputs; design takes one of each. Of several, "
-            "take lqg for the fixed controller and zero_direction_target for RCAC."
+            f"the plant has {l_u} inputs and {l_y} outputs; design takes as many inputs as "
+            f"outputs, at most {MOST_SIGNALS}. Leave out or combine signals; or take lqg for the "
+            "fixed controller and zero_direction_target for RCAC."
         )
 
 
@@ -363,6 +403,9 @@ def variations(plant: DesignPlant, uncertainty: Uncertainty) -> tuple[Variation,
     low, high = uncertainty.gain
     found = [Variation()]
     found += [Variation(f"gain x {f:g}", gain=f) for f in (low, high) if f != 1]
+    for i in range(plant.m if plant.m > 1 and low < high else 0):
+        gains = tuple(low if i == j else high for j in range(plant.m))
+        found.append(Variation(f"input {i + 1} x {low:g}, others x {high:g}", gain=gains))
     if uncertainty.delay:
         more = uncertainty.delay
         found.append(Variation(f"delay + {more}", delay=more))

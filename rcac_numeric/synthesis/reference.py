@@ -13,6 +13,7 @@ from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.h2.conversion import converted
 from rcac_numeric.h2.costs import loop_matrices
 from rcac_numeric.h2.lqg import LQG, controller_matrices, lqg, weights
 from rcac_numeric.h2.noise import noise_inputs, with_bias, with_oscillation
@@ -33,6 +34,9 @@ LEAST_NOISE = 1e-5  # of what the disturbance makes of y: LQG without noise has 
 LEAST_LEFT = 0.1  # of the actuator's range, whatever lasts of the disturbance
 NEAR = 1e-6  # rad/step beside the pole of a disturbance model
 SLOWEST = 1 - 1e-4  # spectral radius: one beside a zero at 1 is a hair from unstable
+# Beside poles at LASTS no difference equation of several u has the response to 1e-9. What is to
+# hold is the loop with it: its own peak is looked at.
+CLOSE, CLOSER = 1e-4, 1e-2
 OUT_OF_REACH = 1e-4  # of the plant's gain: what a zero leaves there
 
 Models = dict[str, tuple[float, float]]
@@ -49,7 +53,7 @@ class Reference(Value):
     compensator : Compensator
         In the units of the plant: from e to u.
     peak : float
-        Ms, the largest abs(S) over frequency.
+        Ms, the largest abs(S) over frequency; of several signals at u and at y.
     R_2, V_2 : float
         The weight of u, and that of the noise, over what is expected.
     units : (float, float)
@@ -102,7 +106,8 @@ def reference_loop(
     models = _disturbance_models(expected, units)
     for omega, _ in models.values():
         _require_reach(plant, omega)
-    noise = {"d": (expected.white / units[0]) ** 2} | dict.fromkeys(models, 1.0)
+    blocks = [f"{channel}_{kind}" for channel in _channels_of_d(scaled) for kind in models]
+    noise = {"d": (expected.white / units[0]) ** 2} | dict.fromkeys(blocks, 1.0)
     V = max(expected.noise / units[1], LEAST_NOISE) ** 2
     left = u_range - expected.lasting
     most_u = max(left, LEAST_LEFT * u_range) / (3 * units[0])
@@ -125,11 +130,16 @@ def reference_loop(
     for *_, R_2, V_2, peak in sorted(found):
         try:
             best = lqg(_weighted(scaled, R_2, models), noise={**noise, "v": V * V_2})
-            G_c = best.compensator
+            G_c = best.compensator if plant.m == 1 else converted(best.state_space, CLOSE)[0]
         except CompensatorError as error:
             obstacle = f" The last obstacle: {error}"
             continue
         made = Compensator(G_c.past_u, G_c.past_y * units[0] / units[1], plant.sample_time)
+        if plant.m > 1 and not (
+            sensitivity_peak(ClosedLoop(plant.servo(), made)) <= (1 + CLOSER) * peak
+        ):
+            obstacle = " The last obstacle: its difference equation has not its robustness."
+            continue
         return Reference(best, made, peak, R_2, V_2, units)
     raise NoSolutionError(
         "no LQG controller with this disturbance model stabilises the plant in float64; reduce "
@@ -139,7 +149,7 @@ def reference_loop(
 
 def _require_reach(plant: DesignPlant, omega: float) -> None:
     """Refuse a disturbance model with its pole at a zero of the plant."""
-    if abs(plant.response(omega + NEAR)[0]) < OUT_OF_REACH * plant.low_gain:
+    if np.linalg.norm(plant.response(omega + NEAR)[0], -2) < OUT_OF_REACH * plant.low_gain:
         what = "a constant" if omega == 0 else f"a sinusoid of {omega:.4g} rad/step"
         raise NoSolutionError(
             f"the plant has a zero where {what} has its pole: no controller rejects it. Choose "
@@ -154,36 +164,43 @@ def _in_units(
     servo = plant.servo(changed)
     B, C = servo.B * units[0], servo.C / units[1]
     A, B, C = balanced(servo.A, B, C)
-    none = np.zeros((len(A), 1))
+    none = np.zeros_like(B)
     return replace(servo, A=A, B=B, C=C, E_1=C, D_1=np.hstack([none, B, none]))
 
 
+def _channels_of_d(plant: Plant) -> tuple[str, ...]:
+    """The names of the components of d, which follow those of r."""
+    return tuple(plant.channels[plant.l_y : plant.l_y + plant.l_u])
+
+
 def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Models:
-    """From blocks of w to (frequency, mean square) of what d carries beside white noise."""
+    """From kinds to (frequency, mean square) of what each d carries beside white noise."""
     found: Models = {}
     stays = max(expected.lasting / units[0], expected.largest_command / units[1])
     drive = DRIFT**2 / (1 - LASTS**2)
     if stays:
-        found["d_bias"] = 0.0, stays**2 * drive
+        found["bias"] = 0.0, stays**2 * drive
     for omega, amplitude in expected.sinusoids[:1]:
-        found["d_oscillation"] = omega, (amplitude / units[0]) ** 2 * drive
+        found["oscillation"] = omega, (amplitude / units[0]) ** 2 * drive
     return found
 
 
 def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
     """Z = [e; sqrt(R_2) (u + d)], with the disturbance models on d."""
-    rho = np.sqrt(R_2)
+    m = plant.l_u
+    none, rho = np.zeros((m, m)), np.sqrt(R_2) * np.eye(m)
     made = replace(
         plant,
-        E_1=np.vstack([plant.E_1, np.zeros((1, plant.n))]),
-        E_2=np.array([[0.0], [rho]]),
-        E_0=np.vstack([plant.E_0, [[0.0, rho, 0.0]]]),
+        E_1=np.vstack([plant.E_1, np.zeros((m, plant.n))]),
+        E_2=np.vstack([none, rho]),
+        E_0=np.vstack([plant.E_0, np.hstack([none, rho, none])]),
     )
-    if "d_bias" in models:
-        made = with_bias(made, "d", pole=LASTS, mean_square=models["d_bias"][1])
-    if "d_oscillation" in models:
-        omega, power = models["d_oscillation"]
-        made = with_oscillation(made, "d", omega=omega, radius=LASTS, mean_square=power)
+    for channel in _channels_of_d(plant):
+        if "bias" in models:
+            made = with_bias(made, channel, pole=LASTS, mean_square=models["bias"][1])
+        if "oscillation" in models:
+            omega, power = models["oscillation"]
+            made = with_oscillation(made, channel, omega=omega, radius=LASTS, mean_square=power)
     return made
 
 
@@ -210,7 +227,7 @@ def _rungs(
             )
         except CompensatorError:
             continue
-    none = np.zeros((1, 1))
+    none = np.zeros((plant.l_u, plant.l_y))
     for V_2, estimator in estimators.items():
         for R_2, regulator in regulators.items():
             gains = regulator.gain, -estimator.gain.T
@@ -218,13 +235,19 @@ def _rungs(
 
 
 def _peak(plant: Plant, parts: StateSpace) -> float:
-    """Ms = max abs(1/(1 - G_yu G_c)), infinite where the loop is unstable."""
-    A_c, _, C_c, _ = parts
+    """Ms, the peak of S = (I - G_c G_yu)^-1 at u and at y; infinite where the loop is unstable."""
+    A_c, B_c, C_c, _ = parts
     if not _radius(plant, parts) < 1:
         return np.inf
-    B = np.vstack([plant.B, np.zeros((len(A_c), 1))])
-    C = np.hstack([np.zeros((1, plant.n)), C_c])
-    return hinf_norm((_closed(plant, parts), B, C, np.ones((1, 1))), rtol=1e-4)[0]
+    A, eye = _closed(plant, parts), np.eye(plant.l_u)
+    at_u = np.vstack([plant.B, np.zeros((len(A_c), plant.l_u))])
+    of_u = np.hstack([np.zeros((plant.l_u, plant.n)), C_c])
+    peak = hinf_norm((A, at_u, of_u, eye), rtol=1e-4)[0]
+    if plant.l_u == 1:
+        return peak
+    at_y = np.vstack([np.zeros((plant.n, plant.l_y)), B_c])
+    of_y = np.hstack([plant.C, np.zeros((plant.l_y, len(A_c)))])
+    return max(peak, hinf_norm((A, at_y, of_y, eye), rtol=1e-4)[0])
 
 
 def _closed(plant: Plant, parts: StateSpace) -> Array:
@@ -241,20 +264,21 @@ def _radius(plant: Plant, parts: StateSpace) -> float:
 def _powers(
     plant: Plant, models: Models, parts: StateSpace, noise: dict[str, float]
 ) -> tuple[float, float]:
-    """E[e_0^2] and E[(u + b)^2] under what is expected."""
+    """E[e_0^2] and E[(u + b)^2] under what is expected; the means of several."""
     made = _weighted(plant, 1.0, models)
-    E_0 = np.zeros((2, made.l_w))
-    E_0[0, 0] = 1.0  # of the noise v only what comes back through the loop is an error
+    m = plant.l_u
+    E_0 = np.zeros((2 * m, made.l_w))
+    E_0[:m, :m] = np.eye(m)  # of the noise v only what comes back through the loop is an error
     inputs = noise_inputs(replace(made, E_0=E_0), noise)
     A, B, (E_x, E_w), (K_x, K_w) = loop_matrices(made, parts, inputs)
     covariance = stein_solution(A, B @ B.T)
     Z, W = E_x + made.E_2 @ K_x, E_w + made.E_2 @ K_w
-    e, u = np.einsum("ij,jk,ik->i", Z, covariance, Z) + np.sum(W**2, axis=1)
-    return float(e), float(u)
+    powers = np.einsum("ij,jk,ik->i", Z, covariance, Z) + np.sum(W**2, axis=1)
+    return float(np.mean(powers[:m])), float(np.mean(powers[m:]))
 
 
 def sensitivity_peak(loop: ClosedLoop) -> float:
-    """Ms of a loop with scalar u: max abs(S) over frequency; infinite where it is unstable.
+    """Ms of a loop, the peak of S over frequency, at u and at y; infinite where it is unstable.
 
     Examples
     --------

@@ -5,9 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from sympy import Matrix, Symbol
 
 import compensator_theory as exact
+from compensator_theory.errors import CompensatorError, NoSolutionError
+from compensator_theory.systems.state_space import transfer_matrix_of_realisation
+from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.checks.regressor import regressor_of
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
@@ -18,6 +24,7 @@ from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.simulation import simulate
+from rcac_numeric.h2.state_space import StateSpace
 from rcac_numeric.health.excitation import filtered_regressor
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.synthesis.expected import Expected
@@ -29,6 +36,8 @@ STEPS = 4000  # of the run of the reference loop that R_theta is made of
 KNOWN, UNKNOWN = 1000.0, 300.0  # samples that the prior is worth, with the spectrum known or not
 FLOOR = 1e-4  # of the diagonal of the mean of Phi_f' Phi_f
 WIDTH = 0.2  # of the bounds, over the rms of the reference's coefficients of u or of y
+LEFT_OUT = (1e-5, 1e-4, 1e-3, 1e-2)  # shares of the largest Hankel singular value
+POINTS, MISSED = 200, 0.03  # frequencies, and what of the largest response a target may be off
 SLOWER = 1.0  # nu times the size of z
 
 
@@ -79,23 +88,25 @@ def settings_of(
     """
     knobs = Knobs() if knobs is None else knobs
     G_c = with_spare_order(reference.compensator, knobs.spare)
-    structure, servo = iir(G_c.n_c), plant.servo()
+    structure, servo = iir(G_c.n_c, plant.m, plant.m), plant.servo()
     target = intercalated_target(servo, G_c)
-    theta_0 = np.concatenate([G_c.past_u.ravel(), G_c.past_y[1:].ravel()])
+    theta_0 = coefficients_of(G_c)
     run = simulate(servo, FixedController(G_c), expected.prior_w(STEPS))
     information = mean_information(structure, target, run.u, run.y)
-    size = float(np.sqrt(np.mean(run.z**2)))
+    size = float(np.sqrt(np.mean(np.sum(run.z**2, axis=1))))
     return ControllerSettings(
         structure=structure, target=target, theta_0=theta_0,
         update=UD(R_theta=knobs.worth(expected) * information, lambda_=knobs.forgetting),
         R_z=SignalWeight(constant=1.0, nu=knobs.nu / size),
         k_w=0, k_update=max(structure.n_c, target.n_f),
-        bounds=_box(theta_0, G_c.n_c, knobs.width),
+        bounds=_box(theta_0, structure, knobs.width),
     )  # fmt: skip
 
 
 def intercalated_target(servo: Plant, G_c: Compensator) -> TargetModel:
-    """(4.18) of a loop with scalar u and z, each coefficient rounded once."""
+    """(4.18) of a loop, each coefficient rounded once; (4.16) over one denominator for several."""
+    if servo.l_u > 1:
+        return _intercalated_matrix(servo, G_c)
     exactly = exact.intercalated_transfer_function(
         servo.problem,
         exact.polynomial(G_c.numerator.tolist(), "q"),
@@ -106,11 +117,92 @@ def intercalated_target(servo: Plant, G_c: Compensator) -> TargetModel:
     return TargetModel(rounded.numerator, rounded.denominator)
 
 
+def _intercalated_matrix(servo: Plant, G_c: Compensator) -> TargetModel:
+    """(4.16) over one denominator, of the least order that float64 coefficients can have.
+
+    Its delay is kept, and what follows it truncated in balanced coordinates.
+    """
+    loop = ClosedLoop(servo, G_c)
+    A, B, C, _ = loop.matrices
+    B, C = B[:, servo.l_w :], C[: servo.l_z]  # u_tilde acts inside the compensator
+    delay = 1
+    while delay < len(A) and not np.abs(C @ B).max() > np.finfo(float).eps * np.linalg.norm(C):
+        C, delay = C @ A, delay + 1
+    omega = np.linspace(0, np.pi, POINTS)
+    wanted = loop.intercalated_response(omega)
+    for share in LEFT_OUT:
+        try:
+            found = _over_one_denominator(truncated(A, B, C, share), delay)
+        except CompensatorError:  # rounded to float64 it is unstable
+            continue
+        gap = np.abs(found.frequency_response(omega) - wanted).max()
+        if gap < MISSED * np.abs(wanted).max():
+            return found
+    raise NoSolutionError(
+        f"no target model of float64 coefficients is near the loop of order {len(A)} of this "
+        "plant; sample more slowly, or take the fixed controller, `lqg`, and for RCAC "
+        "zero_direction_target with theta_0 the coefficients of that controller."
+    )
+
+
+def truncated(A: Array, B: Array, C: Array, share: float) -> StateSpace:
+    """C(qI - A)^-1 B q, with no more than a share of its largest Hankel singular value left out.
+
+    In balanced coordinates: the states that are reached and seen least are left out, and what is
+    left is stable.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.synthesis.road import truncated
+    >>> A, B, C, D = truncated(np.diag([0.5, 0.1]), np.ones((2, 1)), np.array([[1.0, 0.0]]), 1e-9)
+    >>> A.round(9), (C @ B).round(9), D
+    (array([[0.5]]), array([[0.5]]), array([[1.]]))
+    """
+    left = _root(stein_solution(A, B @ B.T))
+    D, C = C @ B, C @ A  # of q times the map
+    seen = _root(stein_solution(A.T, C.T @ C))
+    U, sigma, V = np.linalg.svd(seen.T @ left)
+    kept = max(int((sigma > share * sigma[0]).sum()), 1)
+    scale = np.sqrt(sigma[:kept])
+    into = left @ V[:kept].T / scale
+    out = (seen @ U[:, :kept] / scale).T
+    return out @ A @ into, out @ B, C @ into, D
+
+
+def _root(M: Array) -> Array:
+    """F with F F' the semidefinite matrix."""
+    values, vectors = np.linalg.eigh((M + M.T) / 2)
+    return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:
+    """q^-delay (D + C(qI - A)^-1 B), each coefficient found exactly and rounded once."""
+    a, b, c, d = (
+        Matrix(*m.shape, [exact.exact_number(float(entry), binary=True) for entry in m.ravel()])
+        for m in parts
+    )
+    found = transfer_matrix_of_realisation(a, b, c, d, Symbol("q"))
+    powers = range(found.denominator.degree(), -1, -1)
+    chi = rounded([found.denominator.nth(k) for k in powers], "the target model's denominator")
+    entries = [entry for row in found.numerators for entry in row]
+    N = rounded([entry.nth(k) for k in powers for entry in entries], "the target model's numerator")
+    N = np.reshape(N, (len(powers), *found.shape))
+    late = np.zeros((delay, *found.shape))
+    return TargetModel(np.concatenate([late, N]), np.multiply.outer(chi, np.eye(found.shape[0])))
+
+
+def coefficients_of(G_c: Compensator) -> Array:
+    """The theta of a strictly proper compensator: for each tap those of every u."""
+    blocks = [*G_c.past_u, *G_c.past_y[1:]]
+    return np.concatenate([block.T.ravel() for block in blocks])
+
+
 def mean_information(structure: Structure, target: TargetModel, u: Array, y: Array) -> Array:
     """The mean of Phi_f' Phi_f over a run, with a floor of 1e-4 of its own diagonal."""
     phi = regressor_of(structure, {"u": u, "y": y, "r": None}, np.asarray)
-    Phi_f = filtered_regressor(phi, target)[:, 0]
-    found = Phi_f.T @ Phi_f / len(Phi_f)
+    Phi_f = filtered_regressor(phi, target).reshape(-1, structure.l_theta)
+    found = Phi_f.T @ Phi_f / len(phi)
     found = (found + found.T) / 2
     return found + FLOOR * np.diag(np.diag(found))
 
@@ -123,9 +215,10 @@ def with_spare_order(G_c: Compensator, spare: int) -> Compensator:
     return Compensator(np.pad(G_c.past_u, padding), np.pad(G_c.past_y, padding), G_c.sample_time)
 
 
-def _box(theta_0: Array, n_c: int, width: float) -> CoefficientBounds:
+def _box(theta_0: Array, structure: Structure, width: float) -> CoefficientBounds:
     """theta(0) with a margin of the rms of the coefficients of u, and of those of y."""
     margin = np.concatenate([
-        np.full(n_c, width * np.sqrt(np.mean(block**2))) for block in np.split(theta_0, [n_c])
+        np.full(block.shape, width * np.sqrt(np.mean(block**2)))
+        for block in np.split(theta_0, [structure.n_c * structure.l_u**2])
     ])  # fmt: skip
     return CoefficientBounds(theta_0 - margin, theta_0 + margin, method="metric")

@@ -52,6 +52,8 @@ def simc(plant: DesignPlant, *, derivative: bool | None = None) -> FixedControll
     >>> simc(lag).compensator.numerator   # theta = 4: K_c = 10/8, tau_I = 10
     array([ 0.   ,  1.25 , -1.125,  0.   ])
     """
+    if plant.m > 1:
+        raise NoSolutionError("the rules are for one input and one output.")
     found = continuous_of(plant)
     if found is None:
         raise NoSolutionError("it is no sampled plant in continuous time.")

@@ -100,8 +100,8 @@ def _trial(name: str, variation: Variation, runs: list[Run], steps: int) -> Tria
 
 
 def measured(run: Run, steps: int) -> tuple[bool, float, float, float]:
-    """(stable, rms, peak, Ms) of one run of the servo problem."""
-    error = (run.z + run.w[: len(run.z), 2:3]).ravel()
+    """(stable, rms, peak, Ms) of one run of the servo problem; of several errors the norm."""
+    error = np.linalg.norm(run.z + run.w[: len(run.z), -run.z.shape[1] :], axis=1)
     peak = float(np.abs(error).max(initial=0.0))
     if run.outcome != "completed":
         return False, np.inf, np.inf, np.inf

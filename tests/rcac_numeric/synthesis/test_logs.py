@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric import ClosedLoop, ControllerLog, Step, design, load_experiment
 from rcac_numeric.synthesis.logs import PARTS, plant_from_log
 from rcac_numeric.synthesis.plants import read_plant
@@ -74,6 +74,19 @@ def test_a_log_of_two_inputs_or_of_none_is_refused():
         design(ControllerLog(two, two[:, 0]), **QUICK)
     with pytest.raises(InputError, match="does not show"):
         design(ControllerLog(two[:, 0], two[:, 1]), **QUICK)
+
+
+def test_a_plant_that_integrates_is_said_to(found):
+    rng = np.random.default_rng(440012)
+    u = rng.standard_normal(2000)
+    y = lfilter([0, 0, 0.05], np.poly([1.0, 0.8]), u)
+    log = ControllerLog(u, y + 0.1 * np.std(y) * rng.standard_normal(2000))
+    assert plant_from_log(log).integrates and not found.logged.integrates
+    try:
+        words = [question.words for question in design(log, **QUICK).questions]
+    except NoSolutionError as error:
+        words = [str(error)]
+    assert any("with its integrator" in one for one in words)
 
 
 def test_its_file_says_the_same(found, tmp_path):

@@ -116,7 +116,7 @@ def test_the_sign_is_where_y_goes_in_the_end(G, sign):
         ("1/(q - 0.5)", (None, 0.4), InputError, "whole number"),
         ("(s + 2)/(s + 1)", (1.0, 0), ImproperError, "strictly proper"),
         ("q/(q - 0.5)", (None, 0), ImproperError, "strictly proper"),
-        (control.ss(-np.eye(2), np.eye(2), np.eye(2), 0), (1.0, 0), InputError, "2 inputs"),
+        (control.ss(-np.eye(2), np.eye(2), [[1, 1]], 0), (1.0, 0), InputError, "2 inputs"),
         ("0/(q - 0.5)", (None, 0), InputError, "gain is 0"),
     ],
 )
