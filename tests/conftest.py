@@ -10,10 +10,13 @@ import os
 import random
 import signal
 
-import hypothesis
-import pytest
+for library in ("OPENBLAS", "MKL", "OMP"):  # matrices are small, and the workers share the cores
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-from tests.support.last_digits import LastDigits
+import hypothesis  # noqa: E402
+import pytest  # noqa: E402
+
+from tests.support.last_digits import LastDigits  # noqa: E402
 
 hypothesis.settings.register_profile("dev", max_examples=10, deadline=None)
 hypothesis.settings.register_profile("ci", max_examples=10, deadline=None, derandomize=True)
