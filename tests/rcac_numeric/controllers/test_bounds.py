@@ -108,6 +108,17 @@ def test_bounds_that_are_never_met_change_nothing(method):
     assert words in loop_health(tight).report()
 
 
+def test_where_bounds_keep_poles_from_their_places_the_advice_is_theirs():
+    target = TargetModel([0.0, 1.0], [1.0, -1.2, 0.4])
+    tight = settings_of(target=target, bounds=CoefficientBounds(-0.01, 0.01))
+    (missed,) = (
+        one
+        for one in loop_health(simulate(PLANT, tight, noise(2, 200, 1))).warnings
+        if one.code == "missed poles"
+    )
+    assert "wider bounds" in missed.next_step
+
+
 def test_bounds_by_name():
     names = coefficient_names(pid(l_u=2, l_y=2))
     assert names == ("K_P",) * 4 + ("K_I",) * 4 + ("K_D",) * 4
