@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, combinations_with_replacement
+from math import comb
 from typing import TypeAlias
 
 import sympy
@@ -304,6 +305,10 @@ def _projected(curves: tuple[Poly, ...], parameters: tuple[Symbol, ...]) -> list
             found.append(curve.as_expr())
         else:
             in_last.append(Poly(curve.as_expr(), last))
+    for one, two in combinations_with_replacement([c for c in curves if c.degree(last) > 0], 2):
+        degree = int(one.degree(last) * two.total_degree() + two.degree(last) * one.total_degree())
+        # As many terms as a polynomial of the degree of their resultant may have.
+        ask("terms", comb(degree + len(rest), len(rest)), "the region of stability")
     for curve in in_last:
         found.append(curve.LC())
         if curve.degree() > 1:

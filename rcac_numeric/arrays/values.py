@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import attrs
 import numpy as np
 
+from compensator_theory.wording import in_a_line
 from rcac_numeric.arrays.wording import shortened
 
 T = TypeVar("T")
@@ -141,21 +142,26 @@ def _shown(part: Any, depth: int) -> str:
         return shown_array(part)
     if is_record(part):
         if next(cls for cls in type(part).__mro__ if "__str__" in vars(cls)) not in (Value, object):
-            return shortened(" ".join(str(part).split()), WIDTH)
+            return _words(str(part))
         if "\n" not in (text := repr(part)) and len(text) <= WIDTH:
             return text
         return overview(part, depth - 1) if depth else type(part).__name__
     if isinstance(part, str):
-        return shortened(part, WIDTH)
+        return _words(part)
     if isinstance(part, float | complex):
         return f"{part:.6g}"
     if isinstance(part, Mapping):
-        return shortened(", ".join(map(str, part)), WIDTH)
+        return _words(", ".join(map(str, part)))
     if isinstance(part, list | tuple):
         return shortened(", ".join(filter(None, (_shown(item, 0) for item in part))), WIDTH)
     if callable(part) and hasattr(part, "__name__"):
         return str(part.__name__)
-    return shortened(" ".join(str(part).split()), WIDTH)
+    return _words(str(part))
+
+
+def _words(text: str) -> str:
+    """A text, perhaps a stranger's: in a line, its control characters written out."""
+    return shortened(in_a_line(" ".join(text.split())), WIDTH)
 
 
 def shown_array(part: np.ndarray) -> str:

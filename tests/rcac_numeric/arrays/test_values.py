@@ -1,6 +1,7 @@
 """How data show themselves where they have nothing better."""
 
 import re
+import unicodedata
 
 import pytest
 from hypothesis import given, settings
@@ -43,6 +44,13 @@ def test_what_a_notebook_shows_is_escaped(text):
     cells = FigureRequest("responses", text)._repr_html_()
     inside = re.sub(r"</?(table|caption|tr|th|td|pre)( style='[\w:-]*')?>", "", cells)
     assert "<" not in inside and ">" not in inside
+
+
+@given(text=st.text(max_size=200))
+def test_a_strangers_text_reaches_no_terminal(text):
+    for shown in (str(FigureRequest("responses", text + 90 * "y")), str([text])):
+        assert not any(unicodedata.category(c) == "Cc" and c != "\n" for c in shown)
+    assert str(FigureRequest("responses", "\x1b[31m\n" + 90 * "y")).count("\\x1b") == 1
 
 
 def test_what_is_live_shows_where_it_stands():
