@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError, PrecisionError
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import equal
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import UD
@@ -26,7 +27,7 @@ from rcac_numeric.plants.foreign.reading import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.signals.recordings import Recorded
-from rcac_numeric.signals.signal import Scaled, Signal, Sum
+from rcac_numeric.signals.signal import Scaled, Signal, Sum, exogenous
 from rcac_numeric.signals.waveforms import Harmonic, Pulse, Ramp, Step, WhiteNoise
 from rcac_numeric.synthesis.expected import Expected
 from rcac_numeric.synthesis.trials import FIXED, RCAC
@@ -127,18 +128,19 @@ def experiment_file(
     rcac = ["[[runs]]", f'name = "{RCAC}"', ""]
     frozen = ["[[runs]]", f'name = "{FIXED}"', "controller = { freeze = [[0]] }", ""]
     text = "\n".join([*lines, *(rcac + frozen if adapts else frozen + rcac)])
-    _require_same(text, plant, settings)
+    _require_same(text, plant, settings, exogenous(expected.signals(JUDGING), steps, JUDGING))
     return text
 
 
-def _require_same(text: str, plant: Plant, settings: ControllerSettings) -> None:
-    """Refuse a file that does not read back as what it was written from."""
+def _require_same(text: str, plant: Plant, settings: ControllerSettings, w: Array) -> None:
+    """Refuse a file that does not read back as what it was written from, signals by value."""
     run = build(parsed(text), NAME).runs[RCAC]
     read = linear_plant(run.plant)
     ours, theirs = (
         [p.A, p.B, p.D_1, p.C, p.D_0, p.D_2, p.E_1, p.E_2, p.E_0] for p in (plant, read)
     )
     same = all(np.array_equal(a, b) for a, b in zip(ours, theirs, strict=True))
+    same &= np.array_equal(exogenous(run.signals, run.steps, JUDGING), w)
     if not (same and equal(run.settings, settings)):
         raise PrecisionError(
             "the experiment file of this design does not read back as the design; keep the design "
@@ -160,6 +162,11 @@ def _signal(signal: Signal, steps: int, factor: float = 1.0) -> str:
     if type(signal) not in WORDS:
         # Any other signal, by its values; what is drawn is drawn as it is in the design.
         known = signal.steps_known
+        if known is None and steps > SHORT:
+            raise InputError(
+                f"a file holds {SHORT} values of {signal.description}, and the runs have {steps} "
+                f"steps: design(..., steps={SHORT}) or fewer, or keep the design by pickle."
+            )
         values = factor * signal.samples(min(steps, SHORT if known is None else known))
         return f"{{ recorded = {_numbers(Recorded(values).samples(len(values)))} }}"
     word, first = WORDS[type(signal)]

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.stats import t as student
 
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import InputError, NoSolutionError, PrecisionError
 from rcac_numeric import (
     ClosedLoop,
     FixedController,
@@ -33,6 +33,7 @@ from rcac_numeric.arrays.values import equal
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.files.documents import parsed
 from rcac_numeric.h2.noise import with_oscillation
+from rcac_numeric.synthesis import files
 from rcac_numeric.synthesis.design import verdict_of
 from rcac_numeric.synthesis.expected import KINDS, read_expected
 from rcac_numeric.synthesis.files import design_arguments
@@ -351,3 +352,15 @@ def test_another_uncertainty_is_tried():
     assert [t.variation.name for t in found.evidence if t.controller == RCAC] == [
         "nominal", "gain x 0.5"
     ]  # fmt: skip
+
+
+def test_a_file_whose_signals_are_not_those_of_the_design_is_not_handed_out(monkeypatch):
+    found = design("1/(q - 0.9)", disturbance=Step(1.0), noise=0.1, **QUICK)
+    monkeypatch.setattr(files, "_signal", lambda *_: "{ step = 2.0 }")
+    with pytest.raises(PrecisionError, match="does not read back"):
+        found.to_toml()
+
+
+def test_a_signal_that_is_longer_than_a_file_is_refused_by_name():
+    with pytest.raises(InputError, match="a file holds 2000 values"):
+        files._signal(Levels([0.0, 1.0], hold=900), 3000)
