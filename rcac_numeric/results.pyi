@@ -42,6 +42,7 @@ from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.online.zeros import OnlineZeros as OnlineZeros
 from .identification.output_error import OutputErrorModel as OutputErrorModel
+from .identification.prediction_error import PredictionErrorModel as PredictionErrorModel
 from .identification.zeros import IdentifiedZeros as IdentifiedZeros
 from .margins.boundaries import StabilityBoundary as StabilityBoundary
 from .margins.classical import Margins as Margins

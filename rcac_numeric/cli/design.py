@@ -71,8 +71,9 @@ def design(
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
     file with A, B and C, a transfer function such as "1/(10*s + 1)", or a log: a .csv, .mat or .npz
-    file with u and y of an open loop. What nobody said is asked
-    at a terminal; in a pipe it is refused by name, or assumed with --assume.
+    file with u and y of an open loop, or of a closed one in which a command r or a dither moves u.
+    What nobody said is asked at a terminal; in a pipe it is refused by name, or assumed with
+    --assume.
     """
     found = designed(**_known(**said), seeds=seeds)
     show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))

@@ -279,9 +279,10 @@ def design(
     plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, ControllerLog
         Linear, strictly proper, as many inputs as outputs (4 at most, in like units); all that
         `plant_of` reads, and rows of transfer functions. A `Plant` counts as its map
-        from u to y. Of a log u and y count, in an open loop: `identify_output_error` makes a model
-        of them, what it leaves of y is noise and disturbance unless they are given, and the gain
-        is as uncertain as parts of the log disagree.
+        from u to y. Of a log u and y count, and r where it is known: `identify_output_error` makes
+        a model of an open loop, `identify_in_closed_loop` one of a closed loop, which an unstable
+        plant needs. What it leaves of y is noise and disturbance unless they are given, and the
+        gain is as uncertain as parts of the log disagree.
     disturbance : "unknown", number or Signal
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
         the size of one that is not known otherwise. It acts on every input; so do noise and
@@ -523,7 +524,7 @@ def _questions(
         ))  # fmt: skip
     if logged is not None and logged.integrates:
         found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
-    if not model.is_stable:
+    if not model.is_stable and (logged is None or not logged.is_closed):
         found.append((
             "plant", "unstable or integrating, and known as well as said",
             "confirm it on a log of a stabilised loop before RCAC runs alone",

@@ -28,6 +28,7 @@ LONGEST_DELAY = 60  # steps: theta has two coefficients for each
 LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
 FAR = 2000  # steps, after which what grows has outgrown the rest
 ROUNDING = 1e-9  # of a period of dead time
+DOUBLE = 1e-7  # what rounding may make of a double pole: some sqrt(eps)
 
 
 def _range(value: object, name: str) -> tuple[float, float]:
@@ -176,8 +177,8 @@ class DesignPlant(Value):
 
     @property
     def is_stable(self) -> bool:
-        """Whether every pole is inside the unit circle by more than 1e-9."""
-        return bool(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0) < 1 - 1e-9)
+        """Whether every pole is inside the unit circle, by more than 1e-7."""
+        return bool(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0) < 1 - DOUBLE)
 
     def _sampled(self, time: float) -> tuple[Array, Array]:
         """A and B with all time constants so many times as long."""

@@ -387,6 +387,9 @@ SAMPLES = {
     results.OutputErrorModel: lambda seed: identification.identify_output_error(
         *answered(seed), orders=(1,), delays=(0,)
     ),
+    results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(
+        *answered(seed), orders=(1,), delays=(0,)
+    ),
     results.Tuned: lambda seed: rcac.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
     # export
     results.Export: lambda seed: results.Export(
