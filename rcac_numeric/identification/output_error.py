@@ -12,9 +12,9 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.values import Value
 from rcac_numeric.identification.regressors import lagged
 from rcac_numeric.identification.scalar_record import (
+    ScalarModel,
     ScalarRecord,
     Shape,
     information_criterion,
@@ -36,7 +36,7 @@ Found = dict[Shape, tuple[float, Array]]  # the criterion and the coefficients o
 
 
 @dataclass(frozen=True, eq=False)
-class OutputErrorModel(Value):
+class OutputErrorModel(ScalarModel):
     """y(k) = q^-delay B(q)/A(q) u(k) + offset + e(k), strictly proper.
 
     Attributes
@@ -58,23 +58,10 @@ class OutputErrorModel(Value):
         Poles of A that are 1 exactly; then the offset is one of u, too, and y may have a slope.
     """
 
-    numerator: Array
-    denominator: Array
-    delay: int
     residual: Array
     criterion: float
     explained: float
     integrators: int = 0
-
-    @property
-    def order(self) -> int:
-        """n, without the delay."""
-        return len(self.numerator)
-
-    @property
-    def transfer_function(self) -> tuple[Array, Array]:
-        """Coefficients of B and A in descending powers of q, without the delay."""
-        return self.numerator, self.denominator
 
     def errors(self, u: ArrayLike, y: ArrayLike) -> Array:
         """What the model, with a state, offset and slope of its own, leaves of another record."""

@@ -12,9 +12,9 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.values import Value
 from rcac_numeric.identification.regressors import lagged
 from rcac_numeric.identification.scalar_record import (
+    ScalarModel,
     ScalarRecord,
     Shape,
     information_criterion,
@@ -36,7 +36,7 @@ TESTED = 20  # lags of the cross-correlation of innovations and excitation
 
 
 @dataclass(frozen=True, eq=False)
-class PredictionErrorModel(Value):
+class PredictionErrorModel(ScalarModel):
     """A(q) y(k) = q^-delay B(q) u(k) + c + C(q)/D(q) e(k), strictly proper, A of any poles.
 
     Attributes
@@ -66,9 +66,6 @@ class PredictionErrorModel(Value):
         Poles of A that are 1 exactly.
     """
 
-    numerator: Array
-    denominator: Array
-    delay: int
     noise: tuple[Array, Array]
     innovation: Array
     residual: Array
@@ -76,16 +73,6 @@ class PredictionErrorModel(Value):
     explained: float
     correlation: float
     integrators: int = 0
-
-    @property
-    def order(self) -> int:
-        """n, without the delay."""
-        return len(self.numerator)
-
-    @property
-    def transfer_function(self) -> tuple[Array, Array]:
-        """Coefficients of B and A in descending powers of q, without the delay."""
-        return self.numerator, self.denominator
 
     def errors(self, u: ArrayLike, y: ArrayLike) -> Array:
         """The prediction errors on another record, less their mean."""

@@ -1,4 +1,4 @@
-"""A record of scalar u and y in units of its own, and which models of it are tried."""
+"""A record of scalar u and y in units of its own, and the models of it that are tried."""
 
 from __future__ import annotations
 
@@ -11,11 +11,31 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.values import Value
 
 STEPS_EACH = 10  # steps that a record must have for each of the longest model's lags
 FASTEST = 1.0  # modulus: a root of a filter outside the circle is reflected into it
 
 Shape = tuple[int, int, int]  # order, delay and number of integrators of a model
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarModel(Value):
+    """The map q^-delay B(q)/A(q) from u to y, strictly proper."""
+
+    numerator: Array
+    denominator: Array
+    delay: int
+
+    @property
+    def order(self) -> int:
+        """n, without the delay."""
+        return len(self.numerator)
+
+    @property
+    def transfer_function(self) -> tuple[Array, Array]:
+        """Coefficients of B and A in descending powers of q, without the delay."""
+        return self.numerator, self.denominator
 
 
 @dataclass(frozen=True)

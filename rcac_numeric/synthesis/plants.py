@@ -28,7 +28,6 @@ LONGEST_DELAY = 60  # steps: theta has two coefficients for each
 LOW = 0.02  # rad/sample, where the gain of a plant is read: an integrator has none at 0
 FAR = 2000  # steps, after which what grows has outgrown the rest
 ROUNDING = 1e-9  # of a period of dead time
-DOUBLE = 1e-7  # what rounding may make of a double pole: some sqrt(eps)
 
 
 def _range(value: object, name: str) -> tuple[float, float]:
@@ -165,8 +164,10 @@ class DesignPlant(Value):
     @property
     def sign(self) -> str:
         """Which way y_0 goes in the end after a step of u, both scalar: to rest, or away."""
-        if self.is_stable:
-            at_rest = self.C @ np.linalg.solve(np.eye(len(self.A)) - self.A, self.B)
+        from_rest = np.eye(len(self.A)) - self.A
+        # Several poles that are 1 to rounding may be computed inside the circle.
+        if self.is_stable and np.linalg.cond(from_rest) * np.finfo(float).eps < 1:
+            at_rest = self.C @ np.linalg.solve(from_rest, self.B)
             return "+" if at_rest.item() > 0 else "-"
         x, drive = np.zeros_like(self.B), 1.0
         for _ in range(FAR):
@@ -177,8 +178,8 @@ class DesignPlant(Value):
 
     @property
     def is_stable(self) -> bool:
-        """Whether every pole is inside the unit circle, by more than 1e-7."""
-        return bool(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0) < 1 - DOUBLE)
+        """Whether every pole is inside the unit circle by more than 1e-9."""
+        return bool(np.abs(np.linalg.eigvals(self.A)).max(initial=0.0) < 1 - 1e-9)
 
     def _sampled(self, time: float) -> tuple[Array, Array]:
         """A and B with all time constants so many times as long."""
