@@ -90,7 +90,7 @@ def judged(model, kind, ratio, seed):
     w = exogenous([Step(0.0), Step(1.0), WhiteNoise(v)], STEPS, seed)
     ways = FixedController(best.compensator), found.fixed, found.settings
     runs = simulate_many([SimulationCase(model.servo(), one, w, {"stride": STEPS}) for one in ways])
-    (_, tail, peak, _), *results = (measured(run, STEPS) for run in runs)
+    (_, tail, peak, _), *results = (measured(run) for run in runs)
     of_ways = [
         word for stable, rms, highest, _ in results
         for word in (stable, stable and rms < 2 * tail and highest < 10 * peak)

@@ -41,7 +41,7 @@ from rcac_numeric.synthesis.plants import (
 from rcac_numeric.synthesis.reference import MOST, Reference, reference_loop
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.simc import simc
-from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
+from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, Trials
 
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
@@ -352,9 +352,8 @@ def design(
         alternatives[PID] = controllers[PID] = simc(model)
     except NoSolutionError as error:
         alternatives[PID] = str(error)
-    evidence = run_trials(
-        controllers, model, expected, cases, steps=steps, seeds=seeds, saturation=saturation
-    )
+    trials = Trials(controllers, model, expected, cases, steps, seeds, saturation=saturation)
+    evidence = trials.in_threads()
     servo, w = model.servo(), expected.w(steps, JUDGING)
     options = {"saturation": saturation}
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
