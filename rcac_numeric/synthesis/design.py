@@ -35,6 +35,7 @@ from rcac_numeric.synthesis.logs import LoggedPlant, plant_from_log
 from rcac_numeric.synthesis.plants import (
     DesignPlant,
     Uncertainty,
+    Variation,
     read_plant,
     variations,
 )
@@ -329,21 +330,13 @@ def design(
     integer(seeds, "seeds", at_least=1)
     integer(steps, "steps", at_least=100, at_most=LONGEST)
     saturation = _limits(u_limits)
-    logged = None
+    said = _Said(disturbance, noise, command, saturation, uncertainty)
     if isinstance(plant, ControllerLog):
-        logged = plant_from_log(plant, sample_time, dead_time)
-        model, usual = logged.plant, logged.uncertainty
+        begun = _of_log(plant, sample_time, dead_time, said)
     else:
-        model, usual = read_plant(plant, sample_time, dead_time), Uncertainty()
-    uncertain = uncertainty or usual
-    expected, assumed = _expected(logged, disturbance, noise, command, _range(saturation), model)
-    cases = variations(model, uncertain)
-    try:
-        reference = reference_loop(model, expected, _range(saturation), cases)
-    except NoSolutionError as error:
-        if logged is None or not logged.integrates:
-            raise
-        raise NoSolutionError(f"the plant of the log integrates: {INTEGRATES}. {error}") from None
+        begun = _begun(read_plant(plant, sample_time, dead_time), Uncertainty(), said)
+    model, logged, expected, cases = begun.model, begun.logged, begun.expected, begun.cases
+    reference = begun.reference
     settings = settings_of(model, reference, expected)
     fixed = FixedController(reference.compensator)
     controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
@@ -359,13 +352,73 @@ def design(
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
-        questions=_questions(model, fixed, expected, assumed, saturation, uncertain, logged),
+        questions=_questions(begun, fixed, saturation),
         reasons=reasons_of(model, reference, expected, settings, Knobs()),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
-        uncertainty=uncertain, saturation=saturation, logged=logged,
+        uncertainty=begun.uncertainty, saturation=saturation, logged=logged,
         runs=dict(zip(controllers, runs, strict=True)), steps=steps,
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Said:
+    """What `design` was asked for beside the plant."""
+
+    disturbance: Any
+    noise: float | None
+    command: Any
+    saturation: Saturation | None
+    uncertainty: Uncertainty | None
+
+
+@dataclass(frozen=True)
+class _Begun:
+    """A plant with what acts on it, and its reference loop."""
+
+    model: DesignPlant
+    uncertainty: Uncertainty
+    expected: Expected
+    assumed: tuple[str, ...]
+    cases: tuple[Variation, ...]
+    reference: Reference
+    logged: LoggedPlant | None
+
+
+def _begun(
+    model: DesignPlant, usual: Uncertainty, said: _Said, logged: LoggedPlant | None = None
+) -> _Begun:
+    u_range = _range(said.saturation)
+    expected, assumed = _expected(
+        logged, said.disturbance, said.noise, said.command, u_range, model
+    )
+    uncertain = said.uncertainty or usual
+    cases = variations(model, uncertain)
+    reference = reference_loop(model, expected, u_range, cases)
+    return _Begun(model, uncertain, expected, assumed, cases, reference, logged)
+
+
+def _of_log(log: ControllerLog, sample_time: float | None, dead_time: float, said: _Said) -> _Begun:
+    """The best model of a log for which there is a controller.
+
+    Where a pole and a zero of the model all but cancel beside the unit circle, which fits the
+    noise, there may be none; then one of lower order is taken.
+    """
+    logged = plant_from_log(log, sample_time, dead_time)
+    first: NoSolutionError | None = None
+    while True:
+        try:
+            return _begun(logged.plant, logged.uncertainty, said, logged)
+        except NoSolutionError as error:
+            if first is None:
+                why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
+                first = NoSolutionError(f"{why}{error}")
+        if logged.model.order == 1:
+            raise first
+        try:
+            logged = plant_from_log(log, sample_time, dead_time, logged.model.order - 1)
+        except InputError:
+            raise first from None
 
 
 def _expected(
@@ -483,10 +536,11 @@ def _first_response(model: DesignPlant, fixed: FixedController) -> float:
 
 
 def _questions(
-    model: DesignPlant, fixed: FixedController, expected: Expected, assumed: tuple[str, ...],
-    saturation: Saturation | None, uncertainty: Uncertainty, logged: LoggedPlant | None,
-) -> tuple[Question, ...]:  # fmt: skip
+    begun: _Begun, fixed: FixedController, saturation: Saturation | None
+) -> tuple[Question, ...]:
     """What only the owner of the plant knows."""
+    model, expected, assumed = begun.model, begun.expected, begun.assumed
+    uncertainty, logged = begun.uncertainty, begun.logged
     late = model.delay + model.fraction
     least, most = max(late - uncertainty.delay, 0), late + uncertainty.delay
     found = []

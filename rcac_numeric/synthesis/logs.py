@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Legendre
@@ -126,7 +127,7 @@ class LoggedPlant(Value):
 
 
 def plant_from_log(
-    log: ControllerLog, sample_time: float | None = None, dead_time: float = 0.0
+    log: ControllerLog, sample_time: float | None = None, dead_time: float = 0.0, most: int = 5
 ) -> LoggedPlant:
     """The plant that a log shows, whether u moved by itself or answered to y.
 
@@ -142,6 +143,8 @@ def plant_from_log(
         In seconds.
     dead_time : float
         Where it is known: in seconds, in steps without a sample time; 0 looks for it.
+    most : int
+        The highest order that is tried, without the dead time.
 
     Raises
     ------
@@ -169,7 +172,8 @@ def plant_from_log(
             "makes one of Markov parameters."
         )
     steps = round(dead_time / (sample_time or 1.0))
-    known = {"delays": (steps,)} if steps else {}
+    known: dict[str, Any] = {"orders": range(1, most + 1)}
+    known |= {"delays": (steps,)} if steps else {}
     is_closed = (log.r is not None and np.ptp(log.r) > 0) or answers(log.u, log.y)
     identify = identify_in_closed_loop if is_closed else identify_output_error
     model: LogModel = identify(log.u, log.y, integrators=(0, 1), **known)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric import (
     ClosedLoop,
     ControllerLog,
@@ -21,7 +21,7 @@ from rcac_numeric import (
 from rcac_numeric.arrays.values import equal
 from rcac_numeric.synthesis.logs import PARTS, plant_from_log
 from rcac_numeric.synthesis.plants import read_plant
-from rcac_numeric.synthesis.reference import sensitivity_peak
+from rcac_numeric.synthesis.reference import reference_loop, sensitivity_peak
 
 TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
 QUICK = {"seeds": 1, "steps": 300}
@@ -107,6 +107,23 @@ def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
     slow = replace(found.logged.model, denominator=np.poly([0.999, 0.5]))
     assert replace(found.logged, model=slow).integrates
     assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
+
+
+def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monkeypatch):
+    def of_order_1(model, *arguments):
+        if len(model.A) > least:
+            raise NoSolutionError("no such controller")
+        return reference_loop(model, *arguments)
+
+    monkeypatch.setattr("rcac_numeric.synthesis.design.reference_loop", of_order_1)
+    least = 1
+    lower = design(log_of(), **QUICK)
+    assert lower.logged.model.order == 1 and lower.logged.model.delay >= 2
+    true = read_plant(TRUE, None, 2)
+    assert sensitivity_peak(ClosedLoop(true.servo(), lower.fixed.compensator)) < np.inf
+    least = 0
+    with pytest.raises(NoSolutionError, match="no such controller"):
+        design(log_of(), **QUICK)
 
 
 def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
