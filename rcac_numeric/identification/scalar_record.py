@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import integer, items, real_array
 from rcac_numeric.arrays.values import Value
 
 STEPS_EACH = 10  # steps that a record must have for each of the longest model's lags
@@ -97,9 +97,9 @@ def scalar_record(
 
 def shapes(orders: Iterable[int], delays: Iterable[int], integrators: Iterable[int]) -> list[Shape]:
     """What is tried: every order, delay and number of integrators that go together."""
-    ns = [integer(n, "order", at_least=1) for n in orders]
-    ds = [integer(d, "delay") for d in delays]
-    poles = [integer(i, "integrators", at_most=1) for i in integrators]
+    ns = [integer(n, "order", at_least=1) for n in items(orders, "orders")]
+    ds = [integer(d, "delay") for d in items(delays, "delays")]
+    poles = [integer(i, "integrators", at_most=1) for i in items(integrators, "integrators")]
     found = [(n, d, i) for i in poles for n in ns for d in ds]
     if not found:
         raise InputError("there is nothing to try: give an order, a delay, and integrators (0,).")

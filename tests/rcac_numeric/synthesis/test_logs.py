@@ -149,6 +149,18 @@ def test_an_unstable_plant_from_the_log_of_its_loop():
     assert equal(with_r.settings, found.settings)
 
 
+@pytest.mark.parametrize(("u_unit", "y_unit", "period"), [(1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)])
+def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, period):
+    u, y, *_ = looped()
+    one = design(ControllerLog(u, y), sample_time=1.0, **QUICK)
+    other = design(ControllerLog(u_unit * u, y_unit * y), sample_time=period, **QUICK)
+    ours, theirs = one.fixed.compensator, other.fixed.compensator
+    assert np.allclose(theirs.past_u, ours.past_u, rtol=1e-6)
+    assert np.allclose(theirs.past_y * y_unit / u_unit, ours.past_y, rtol=1e-6)
+    assert other.settings.R_z.nu * y_unit == pytest.approx(one.settings.R_z.nu, rel=1e-6)
+    assert other.verdict.use == one.verdict.use
+
+
 def test_a_loop_that_nothing_moves_shows_no_plant():
     u, y, *_ = looped(dither=0.0)
     with pytest.raises(InputError, match="u follows from y"):
