@@ -200,8 +200,8 @@ def answers(u: ArrayLike, y: ArrayLike) -> bool:
     alone, beside = _regressed(control, scalar_signal(y, "y"), PAST_Y)
     if not np.std(alone) > STIRRED * np.std(control):
         return False  # sinusoids and steps follow from their own past
-    unsaid = information_criterion(alone, 0, FEEDBACK)
-    return information_criterion(beside, PAST_Y, FEEDBACK) < unsaid
+    open_loop = information_criterion(alone, 0, FEEDBACK)
+    return information_criterion(beside, PAST_Y, FEEDBACK) < open_loop
 
 
 def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:

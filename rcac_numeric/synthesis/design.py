@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -330,13 +330,13 @@ def design(
     integer(seeds, "seeds", at_least=1)
     integer(steps, "steps", at_least=100, at_most=LONGEST)
     saturation = _limits(u_limits)
-    said = _Said(disturbance, noise, command, saturation, uncertainty)
+    around = _Surroundings(disturbance, noise, command, saturation, uncertainty)
     if isinstance(plant, ControllerLog):
-        begun = _of_log(plant, sample_time, dead_time, said)
+        basis = _basis_of_log(plant, sample_time, dead_time, around)
     else:
-        begun = _begun(read_plant(plant, sample_time, dead_time), Uncertainty(), said)
-    model, logged, expected, cases = begun.model, begun.logged, begun.expected, begun.cases
-    reference = begun.reference
+        basis = _basis_of(read_plant(plant, sample_time, dead_time), Uncertainty(), around)
+    model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
+    reference = basis.reference
     settings = settings_of(model, reference, expected)
     fixed = FixedController(reference.compensator)
     controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
@@ -352,17 +352,17 @@ def design(
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
-        questions=_questions(begun, fixed, saturation),
+        questions=_questions(basis, fixed, saturation),
         reasons=reasons_of(model, reference, expected, settings, Knobs()),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
-        uncertainty=begun.uncertainty, saturation=saturation, logged=logged,
+        uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
         runs=dict(zip(controllers, runs, strict=True)), steps=steps,
     )  # fmt: skip
 
 
 @dataclass(frozen=True)
-class _Said:
+class _Surroundings:
     """What `design` was asked for beside the plant."""
 
     disturbance: Any
@@ -373,7 +373,7 @@ class _Said:
 
 
 @dataclass(frozen=True)
-class _Begun:
+class _Basis:
     """A plant with what acts on it, and its reference loop."""
 
     model: DesignPlant
@@ -383,22 +383,25 @@ class _Begun:
     cases: tuple[Variation, ...]
     reference: Reference
     logged: LoggedPlant | None
+    obstacle: str = ""  # why the best model of the log is not the one that is taken
 
 
-def _begun(
-    model: DesignPlant, usual: Uncertainty, said: _Said, logged: LoggedPlant | None = None
-) -> _Begun:
-    u_range = _range(said.saturation)
+def _basis_of(
+    model: DesignPlant, usual: Uncertainty, around: _Surroundings, logged: LoggedPlant | None = None
+) -> _Basis:
+    u_range = _range(around.saturation)
     expected, assumed = _expected(
-        logged, said.disturbance, said.noise, said.command, u_range, model
+        logged, around.disturbance, around.noise, around.command, u_range, model
     )
-    uncertain = said.uncertainty or usual
+    uncertain = around.uncertainty or usual
     cases = variations(model, uncertain)
     reference = reference_loop(model, expected, u_range, cases)
-    return _Begun(model, uncertain, expected, assumed, cases, reference, logged)
+    return _Basis(model, uncertain, expected, assumed, cases, reference, logged)
 
 
-def _of_log(log: ControllerLog, sample_time: float | None, dead_time: float, said: _Said) -> _Begun:
+def _basis_of_log(
+    log: ControllerLog, sample_time: float | None, dead_time: float, around: _Surroundings
+) -> _Basis:
     """The best model of a log for which there is a controller.
 
     Where a pole and a zero of the model all but cancel beside the unit circle, which fits the
@@ -408,7 +411,8 @@ def _of_log(log: ControllerLog, sample_time: float | None, dead_time: float, sai
     first: NoSolutionError | None = None
     while True:
         try:
-            return _begun(logged.plant, logged.uncertainty, said, logged)
+            found = _basis_of(logged.plant, logged.uncertainty, around, logged)
+            return found if first is None else replace(found, obstacle=str(first))
         except NoSolutionError as error:
             if first is None:
                 why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
@@ -536,11 +540,11 @@ def _first_response(model: DesignPlant, fixed: FixedController) -> float:
 
 
 def _questions(
-    begun: _Begun, fixed: FixedController, saturation: Saturation | None
+    basis: _Basis, fixed: FixedController, saturation: Saturation | None
 ) -> tuple[Question, ...]:
     """What only the owner of the plant knows."""
-    model, expected, assumed = begun.model, begun.expected, begun.assumed
-    uncertainty, logged = begun.uncertainty, begun.logged
+    model, expected, assumed = basis.model, basis.expected, basis.assumed
+    uncertainty, logged = basis.uncertainty, basis.logged
     late = model.delay + model.fraction
     least, most = max(late - uncertainty.delay, 0), late + uncertainty.delay
     found = []
@@ -574,6 +578,11 @@ def _questions(
             "sample_time", "kept",
             f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
             "faster than it is good for",
+        ))  # fmt: skip
+    if basis.obstacle:
+        found.append((
+            "plant", "a model of lower order than the log supports",
+            f"the best one has no controller: {basis.obstacle}",
         ))  # fmt: skip
     if logged is not None and logged.integrates:
         found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))

@@ -119,6 +119,7 @@ def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monk
     least = 1
     lower = design(log_of(), **QUICK)
     assert lower.logged.model.order == 1 and lower.logged.model.delay >= 2
+    assert any("no such controller" in question.words for question in lower.questions)
     true = read_plant(TRUE, None, 2)
     assert sensitivity_peak(ClosedLoop(true.servo(), lower.fixed.compensator)) < np.inf
     least = 0
