@@ -12,6 +12,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices.invariant_subspaces import (
     PrimaryComponent,
     evaluate,
@@ -24,10 +25,6 @@ from compensator_theory.matrices.linear_algebra import (
     rank,
 )
 from compensator_theory.matrices.nonsingularity import is_proven_nonsingular
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators_of,
-    exceptional_factors,
-)
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.reading import is_one_of

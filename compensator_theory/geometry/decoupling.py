@@ -11,14 +11,11 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import diagonal, displayed, fraction, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
     solve,
-)
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators_of,
-    exceptional_factors,
 )
 from compensator_theory.polynomials.budget import listed
 from compensator_theory.polynomials.formatting import format_polynomial

@@ -12,8 +12,8 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import determinant, solve
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol

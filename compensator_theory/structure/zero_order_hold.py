@@ -14,9 +14,9 @@ from sympy import QQ, Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant, solve
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import (
     ask,
     ask_for_number,

@@ -10,8 +10,8 @@ from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.values import ExactValue

@@ -137,7 +137,7 @@ GOOD = {
         name: ([_MATRIX], {})
         for name in (
             "coprime_fractions", "mcmillan_degree", "minimal_realisation", "smith_mcmillan_form",
-            "transmission_zeros", "transfer_matrix",
+            "transmission_zeros", "transfer_matrix", "descriptor_realisation",
         )
     },
     "hankel_matrix": ([_MATRIX, 2, 2], {}),
