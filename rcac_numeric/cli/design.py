@@ -71,8 +71,8 @@ def design(
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
     file with A, B and C, a transfer function such as "1/(10*s + 1)", or a log: a .csv, .mat or .npz
-    file with u and y of an open loop. What nobody said is asked
-    at a terminal; in a pipe it is refused by name, or assumed with --assume.
+    file with u and y of an open loop. What is not given is asked
+    for at a terminal; in a pipe it is refused by name, or assumed with --assume.
     """
     found = designed(**_known(**said), seeds=seeds)
     show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
@@ -121,8 +121,9 @@ def _known(
         if not at_a_terminal():
             names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
             raise InputError(
-                f"nobody said {names}, and there is no terminal to ask at. Give them, or --assume "
-                "to take what `rcac design` takes unasked."
+                f"{names} {'is' if len(missing) == 1 else 'are'} not given, and there is no "
+                f"terminal to ask at. Give {'it' if len(missing) == 1 else 'them'}, or --assume to "
+                f"take {', '.join(f'{name} = {ASKED[name][1]}' for name in missing)}."
             )
         for name in missing:
             words, default = ASKED[name]
