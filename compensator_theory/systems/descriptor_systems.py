@@ -19,10 +19,13 @@ from compensator_theory.matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,
 )
+from compensator_theory.matrices.flint_matrices import symbols_in
 from compensator_theory.matrices.invariant_subspaces import joined
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
+    in_lowest_terms,
+    multiplied,
     rank,
     solve,
 )
@@ -152,14 +155,12 @@ class DescriptorSystem(ExactValue):
                 f"E is {e.rows} x {e.cols} but must be {rest.n} x {rest.n}, as A is square and has "
                 f"{rest.n} rows"
             )
-        if rest.variable in e.free_symbols:
+        if rest.variable in symbols_in(e):
             raise InputError(
                 f"E contains {rest.variable}, the variable of the transfer function; name another "
                 "one with variable="
             )
-        require_one_symbol_a_name(
-            {rest.variable}.union(e.free_symbols, *map(_symbols, rest.matrices))
-        )
+        require_one_symbol_a_name({rest.variable}.union(*map(symbols_in, (e, *rest.matrices))))
         object.__setattr__(self, "E", e)
         for name in ("A", "B", "C", "D", "variable", "sample_time"):
             object.__setattr__(self, name, getattr(rest, name))
@@ -220,7 +221,7 @@ class DescriptorSystem(ExactValue):
                   = n + \mathrm{rank}\,E
         """
         E, A, B = self.E, self.A, self.B
-        if any(map(_symbols, (E, A, B))):
+        if any(map(symbols_in, (E, A, B))):
             return None
         above = E.row_join(ImmutableMatrix.zeros(self.n, self.n + B.cols))
         return bool(rank(above.col_join(A.row_join(E).row_join(B))) == self.n + rank(E))
@@ -256,23 +257,23 @@ class DescriptorSystem(ExactValue):
         point, M = self._resolvent()
         power, divisors = M, [determinant(point * self.E - self.A)]
         for _ in range(max(0, (self.n - 1).bit_length())):
-            power = _simple(power * power)  # of exponent n at least
+            power = multiplied(power, power)  # of exponent n at least
         found = echelon(power)
         image = echelon(ImmutableMatrix(power.T))
         slow = image.matrix.T
         Q = joined(self.n, [slow, found.kernel()])
         n_1 = slow.cols
-        inside = solve(Q, _simple(M * Q))
+        inside = solve(Q, multiplied(M, Q))
         below = inside[n_1:, n_1:]
         one, other = sympy.eye(n_1), sympy.eye(self.n - n_1)
         inverse = solve(inside[:n_1, :n_1], one) if n_1 else one
         scale = sympy.diag(inverse, solve(point * below - other, other) if other else other)
-        P = _simple(scale * solve(Q, solve(point * self.E - self.A, sympy.eye(self.n))))
-        E, A = (_simple(P * X * Q) for X in (self.E, self.A))
+        P = in_lowest_terms(scale * solve(Q, solve(point * self.E - self.A, sympy.eye(self.n))))
+        E, A = (multiplied(P, X, Q) for X in (self.E, self.A))
         J, N = A[:n_1, :n_1], E[n_1:, n_1:]
         index, nilpotent = 0, sympy.eye(N.rows)
         while not nilpotent.is_zero_matrix and index <= N.rows:
-            nilpotent, index = _simple(nilpotent * N), index + 1
+            nilpotent, index = multiplied(nilpotent, N), index + 1
         divisors += [
             found.divided_by,
             image.divided_by,
@@ -291,7 +292,7 @@ class DescriptorSystem(ExactValue):
         """Return the strictly proper part on the finite modes, (J, B_1, C_1), all of them kept."""
         form = self.weierstrass_form()
         n_1 = form.J.rows
-        B, C = _simple(form.P * self.B), _simple(self.C * form.Q)
+        B, C = multiplied(form.P, self.B), multiplied(self.C, form.Q)
         return Realisation(
             form.J, B[:n_1, :], C[:, :n_1], None, self.variable, sample_time=self.sample_time
         )
@@ -316,7 +317,7 @@ class DescriptorSystem(ExactValue):
     def _response(self) -> TransferMatrix:
         """Return (sE - A)^-1 B over det(sI - J)."""
         form, s = self.weierstrass_form(), self.variable
-        n_1, B = form.J.rows, _simple(form.P * self.B)
+        n_1, B = form.J.rows, multiplied(form.P, self.B)
         parts = []
         if n_1:
             zero = sympy.zeros(n_1, B.cols)
@@ -325,7 +326,7 @@ class DescriptorSystem(ExactValue):
         if form.N.rows:
             powers = [-B[n_1:, :]]
             for _ in range(form.index - 1):
-                powers.append(_simple(form.N * powers[-1]))
+                powers.append(multiplied(form.N, powers[-1]))
             parts.append(form.Q[:, n_1:] @ _over_one(powers, s))
         found: TransferMatrix = reduce(add, parts)
         return found
@@ -344,18 +345,18 @@ class DescriptorSystem(ExactValue):
         """
         form = self.weierstrass_form()
         n_1 = form.J.rows
-        B, C = _simple(form.P * self.B), _simple(self.C * form.Q)
+        B, C = multiplied(form.P, self.B), multiplied(self.C, form.Q)
         term = B[n_1:, :]
         direct = self.D - C[:, n_1:] * term
         for k in range(1, form.index):
-            term = _simple(form.N * term)
-            if not _simple(C[:, n_1:] * term).is_zero_matrix:
+            term = multiplied(form.N, term)
+            if not multiplied(C[:, n_1:], term).is_zero_matrix:
                 raise ImproperError(
                     f"the transfer matrix of this descriptor system has the power {k} of "
                     f"{self.variable} in it; it has no realisation (A, B, C, D)"
                 )
         return Realisation(
-            form.J, B[:n_1, :], C[:, :n_1], _simple(direct), self.variable,
+            form.J, B[:n_1, :], C[:, :n_1], in_lowest_terms(direct), self.variable,
             sample_time=self.sample_time,
         )  # fmt: skip
 
@@ -364,7 +365,7 @@ class DescriptorSystem(ExactValue):
         for k in range(self.n + 1):
             point = (k + 1) // 2 * (-1 if k % 2 else 1)  # 0, -1, 1, -2, 2, ...
             try:
-                return point, _simple(solve(point * self.E - self.A, self.E))
+                return point, in_lowest_terms(solve(point * self.E - self.A, self.E))
             except NoSolutionError:
                 continue
         raise InputError(
@@ -381,14 +382,6 @@ class DescriptorSystem(ExactValue):
         rows = (latex(getattr(self, name)) for name in "EABCD")
         names = ("E", "A", "B", "C", "D")
         return displayed(*(f"{name} = {row}" for name, row in zip(names, rows, strict=True)))
-
-
-def _symbols(matrix: Matrix) -> set[Symbol]:
-    return set(matrix.free_symbols)
-
-
-def _simple(matrix: Matrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel) if matrix.free_symbols else matrix)
 
 
 def _over_one(ascending: Sequence[Matrix], variable: Symbol) -> TransferMatrix:
