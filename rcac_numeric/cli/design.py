@@ -47,7 +47,7 @@ PLANT = (
         "--dead-time", type=float, default=0.0, help="In seconds, or steps without them."
     ),
     click.option("--assume", is_flag=True,
-                 help="Ask nothing: assume what is not said, and say so."),
+                 help="Ask nothing: assume what is not given, and say so."),
 )  # fmt: skip
 
 
@@ -65,7 +65,7 @@ def plant_options(command: Callable[..., None]) -> Callable[..., None]:
 @picture_option("Draw a nominal run and the rms on every plant into this file.")
 @as_json_option
 def design(
-    *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **said: Any
+    *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **options: Any
 ) -> None:
     """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
 
@@ -74,7 +74,7 @@ def design(
     file with u and y of an open loop. What is not given is asked
     for at a terminal; in a pipe it is refused by name, or assumed with --assume.
     """
-    found = designed(**_known(**said), seeds=seeds)
+    found = designed(**_known(**options), seeds=seeds)
     show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
 
 
@@ -89,14 +89,14 @@ def design(
 @as_json_option
 def tune_command(
     *, budget: int, held_out: int, seed: int, output: Path | None, picture: Path | None,
-    as_json: bool, **said: Any,
+    as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """From a plant to a controller as rcac design, with settings found by trying.
 
     The best of many settings is judged on plants and noise that chose nothing; those of rcac design
     and the fixed controller are among them.
     """
-    found = tune(designed(**_known(**said), seeds=1), budget, held_out=held_out, seed=seed)
+    found = tune(designed(**_known(**options), seeds=1), budget, held_out=held_out, seed=seed)
     show(tuned_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
 
 
@@ -104,7 +104,7 @@ def _known(
     *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
     u_limits: str | None, sample_time: float | None, dead_time: float, assume: bool,
 ) -> dict[str, Any]:  # fmt: skip
-    """The arguments of `design`, those that nobody gave asked for."""
+    """The arguments of `design`, what is not given asked for."""
     known: dict[str, Any] = {"sample_time": sample_time}
     if is_transfer_function(plant):
         known["plant"] = plant
@@ -115,8 +115,8 @@ def _known(
         known["plant"] = read_case(plant, "standard")[0]
     else:
         known["plant"] = read_log(plant)
-    said = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
-    missing = [name for name, value in said.items() if value is None and name not in known]
+    given = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
+    missing = [name for name, value in given.items() if value is None and name not in known]
     if missing and not assume:
         if not at_a_terminal():
             names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
@@ -127,8 +127,8 @@ def _known(
             )
         for name in missing:
             words, default = ASKED[name]
-            said[name] = click.prompt(words, default=default)
-    for name, value in said.items():
+            given[name] = click.prompt(words, default=default)
+    for name, value in given.items():
         if value is not None and value != ASKED[name][1]:
             known[name] = _numbers(name, value)
     if height is not None:
