@@ -16,6 +16,7 @@ from rcac_numeric.cli.output import as_json_option, picture_option, show
 from rcac_numeric.reports.design import design_sheet, tuned_sheet
 from rcac_numeric.signals.data_files import read_variables
 from rcac_numeric.signals.waveforms import Step
+from rcac_numeric.sweeps.running.progress import ProgressLine
 from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.design import design as designed
 from rcac_numeric.synthesis.files import design_arguments
@@ -71,8 +72,9 @@ def design(
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
     file with A, B and C, a transfer function such as "1/(10*s + 1)", or a log: a .csv, .mat or .npz
-    file with u and y of an open loop. What is not given is asked
-    for at a terminal; in a pipe it is refused by name, or assumed with --assume.
+    file with u and y of an open loop, or of a closed one in which a command r or a dither moves u.
+    What is not given is asked for at a terminal; in a pipe it is refused by name, or assumed
+    with --assume.
     """
     found = designed(**_known(**options), seeds=seeds)
     show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
@@ -85,18 +87,29 @@ def design(
 @click.option("--held-out", type=click.IntRange(min=1), default=8, show_default=True,
               help="Plants to judge the best on.")  # fmt: skip
 @click.option("--seed", type=int, default=0, show_default=True, help="Of points and plants.")
+@click.option("--store", type=click.Path(file_okay=False, path_type=Path),
+              help="A folder that keeps every run: stopped, the same command goes on.")  # fmt: skip
+@click.option("--workers", type=click.IntRange(min=0),
+              help="Processes, with --store; by default one for each processor.")  # fmt: skip
 @picture_option("Draw cost against robustness of all that was tried into this file.")
 @as_json_option
 def tune_command(
-    *, budget: int, held_out: int, seed: int, output: Path | None, picture: Path | None,
-    as_json: bool, **options: Any,
+    *, budget: int, held_out: int, seed: int, store: Path | None, workers: int | None,
+    output: Path | None, picture: Path | None, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """From a plant to a controller as rcac design, with settings found by trying.
 
     The best of many settings is judged on plants and noise that chose nothing; those of rcac design
     and the fixed controller are among them.
     """
-    found = tune(designed(**_known(**options), seeds=1), budget, held_out=held_out, seed=seed)
+    begun = designed(**_known(**options), seeds=1)
+    line = ProgressLine() if sys.stderr.isatty() else None
+    try:
+        found = tune(begun, budget, held_out=held_out, seed=seed, store=store, workers=workers,
+                     progress=line)  # fmt: skip
+    finally:
+        if line is not None:
+            line.end()
     show(tuned_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
 
 
