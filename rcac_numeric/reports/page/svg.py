@@ -7,7 +7,7 @@ import io
 import re
 import threading
 
-from rcac_numeric.arrays import figures
+from compensator_theory import figures
 from rcac_numeric.arrays.wording import in_a_line
 
 # What our pictures are drawn in, and the page's own colours.
