@@ -64,9 +64,7 @@ nb_merge_streams = True
 os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
 
 html_theme = "furo"
-PROJECT = tomllib.loads((Path(__file__).resolve().parents[1] / "pyproject.toml").read_text())[
-    "project"
-]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 if repository := PROJECT.get("urls", {}).get("Repository"):
     html_theme_options = {
         "source_repository": repository, "source_branch": "main", "source_directory": "docs/",

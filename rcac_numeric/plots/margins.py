@@ -313,6 +313,7 @@ def draw_disk(axis: Axes, curve: LoopCurve) -> None:
         axis.plot(factor, 0, "s", mfc="none", mec=SECOND, ms=7, label="gain margins")
     if curve.phase is not None:
         axis.plot(1, abs(curve.phase[1]), "o", mfc="none", mec=WANTED, ms=7, label="phase margin")
+    axis.set_ylim(0, 1.08 * max(axis.get_ylim()[1], abs(curve.phase[1]) if curve.phase else 0))
     found = dict(zip(*reversed(axis.get_legend_handles_labels()), strict=True))
     axis.legend(found.values(), found, fontsize=8, loc="best", frameon=False)
 
