@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 import compensator_theory as exact
-from rcac_numeric import ClosedLoop, stability_margins
+from compensator_theory.errors import InputError
+from rcac_numeric import ClosedLoop, explore, stability_margins
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.explorer.case import SCENES, case_of
@@ -501,3 +502,31 @@ def test_the_pole_that_is_missed_is_that_which_no_pole_is_near(scripts):
         "known.distances([[0.5, 0], [0.5, 0], [0, 1]], [[0, 1], [0.5, 0], [0.9, 0], [3, 0]])"
     )
     assert far[2] == 0 and sorted(far[:2]) == [0, pytest.approx(0.4, abs=1e-15)]
+
+
+def test_a_notebook_shows_the_same_page_in_a_frame(browser, tmp_path):
+    """Its script runs and its own alone; it moves, and asks for nothing."""
+    shown = explore(own())
+    assert "<script>" not in shown._repr_html_() and "own" not in repr(shown)
+    file = tmp_path / "notebook.html"
+    file.write_text(f"<!DOCTYPE html><title>notebook</title>{shown._repr_html_()}")
+    page, wrong = browser.new_page(), []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda r: r.url.startswith(("file:", "about:")) or wrong.append(r.url))
+    page.goto(file.as_uri())
+    frame = page.frames[1]
+    frame.wait_for_selector("[data-ready]")
+    before = frame.inner_text("#sentence")
+    frame.evaluate(MOVE, ["gain", 0.05])
+    frame.evaluate(DRAWN)
+    assert frame.inner_text("#sentence") != before and not wrong
+    shown.save(tmp_path / "page.html")
+    assert (tmp_path / "page.html").read_text() == shown.text
+    page.close()
+
+
+def test_a_case_that_is_no_file_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"no\.toml"):
+        explore(tmp_path / "no.toml")
+    with pytest.raises(InputError, match="belongs to a case"):
+        explore(run="main")
