@@ -216,6 +216,13 @@ def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[HealthWarning]:
         return
     cure = what_places_them(found)
     usual = "a dither or a richer command: neither k_w nor R_theta alone places them"
+    structure = None if found.obstacle else found.structure
+    if structure is not None and found.comparison.can_be_placed_by(structure) is False:
+        cure = (
+            f"another structure or target, where these poles matter: no theta of {structure.name} "
+            f"with {structure.l_theta} coefficients places them; iir with n_c = "
+            f"{found.comparison.plant.n} has enough"
+        )
     if found.run.bounded > HELD * found.run.steps:
         usual = (
             f"wider bounds, where these poles matter: theta was moved to its bounds in "

@@ -21,6 +21,7 @@ from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.frozen import measuring_command, plant_at
@@ -147,6 +148,12 @@ class LoopAnalysis(Value):
     def reads_command(self) -> bool:
         """Whether the controller reads the command r beside y."""
         return self.compensator.l_y > self.plant.l_y
+
+    @property
+    def structure(self) -> Structure | None:
+        """What the coefficients weigh; None for a controller of several parts, and for none."""
+        settings = self.run.settings
+        return settings.structure if isinstance(settings, ControllerSettings) else None
 
     @cached_property
     def obstacle(self) -> str:
