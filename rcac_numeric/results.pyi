@@ -29,6 +29,7 @@ from .estimation.refinement.refinement import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .estimation.smoothing import SmoothedStates as SmoothedStates
 from .experiments.verdicts import Verification as Verification
+from .explorer.display import ExplorerPage as ExplorerPage
 from .export.folder import Export as Export
 from .h2.agreement import ExactAgreement as ExactAgreement
 from .h2.conversion import ConversionCertificate as ConversionCertificate

@@ -215,6 +215,13 @@ def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[HealthWarning]:
         return
     cure = what_places_them(found)
     usual = "a dither or a richer command: neither k_w nor R_theta alone places them"
+    structure = None if found.obstacle else found.structure
+    if structure is not None and found.comparison.can_be_placed_by(structure) is False:
+        cure = (
+            f"another structure or target, where these poles matter: no theta of {structure.name} "
+            f"with {structure.l_theta} coefficients places them; iir with n_c = "
+            f"{found.comparison.plant.n} has enough"
+        )
     yield HealthWarning(
         "missed poles",
         f"A pole that the target asks for is missed by {missed:.2g}.",

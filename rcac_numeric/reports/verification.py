@@ -73,7 +73,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
             )
         )
     elif not main.first.obstacle and not health.is_held:
-        said += missed_poles(main.first.comparison)
+        said += missed_poles(main.first.comparison, main.first.structure)
     first, *rest = health_lines(health)
     said.append(first)
     if changed := sum(verdict.has_changed for verdict in verification.verdicts):

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest, ttest_1samp
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
@@ -429,7 +429,7 @@ def _expected(
     logged: LoggedPlant | None, disturbance: Any, noise: float | None, command: Any,
     u_range: float, model: DesignPlant,
 ) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
-    """As `read_expected`; what nobody said is read from the log, if there is one."""
+    """As `read_expected`; what was not given is read from the log, if there is one."""
     if logged is None:
         return read_expected(disturbance, noise, command, u_range, model.low_gain, model.m)
     is_unsaid = isinstance(disturbance, str) and disturbance == UNKNOWN
@@ -497,7 +497,10 @@ def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comp
 
 def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
     """Which controller, and why, in words."""
-    brings = f"RCAC changes the rms error by {100 * (found.ratio - 1):+.0f} %"
+    brings = (
+        f"RCAC {'lowers' if found.ratio < 1 else 'raises'} the rms error by "
+        f"{100 * abs(found.ratio - 1):.0f} %"
+    )
     if not all(nominal.stable):
         return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
     if found.losses > found.wins:

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import qmc
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer

@@ -392,7 +392,8 @@ SAMPLES = {
         *answered(seed), orders=(1,), delays=(0,)
     ),
     results.Tuned: lambda seed: rcac.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
-    # export
+    # export, explorer
+    results.ExplorerPage: lambda seed: results.ExplorerPage("own", f"page {seed}"),
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
     ),

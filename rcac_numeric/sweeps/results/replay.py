@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from compensator_theory import figures
 from compensator_theory.errors import FunctionFailedError, InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.showing import report_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value, fingerprint
