@@ -103,7 +103,7 @@ def judged(model, kind, ratio, seed):
     return False, not sure, (near, close, found.model.sign == model.sign, *of_ways)
 
 
-def said(rows, name):
+def print_shares(rows, name):
     made = np.array([columns for refused, _, columns in rows if not refused])
     refused, unsure = (sum(row[i] for row in rows) for i in (0, 1))
     sure = [columns for _, cannot, columns in rows if not cannot]
@@ -124,10 +124,10 @@ def main(count=30, first=80_000, ratios=RATIOS):
             (kind, judged(read_plant(G, 1.0, late), kind, ratio, seed))
             for seed, kind, G, late in plants
         ]
-        said([row for _, row in rows], f"ratio {ratio}")
+        print_shares([row for _, row in rows], f"ratio {ratio}")
         for group in GROUPS:
             if own := [row for kind, row in rows if kind == group]:
-                said(own, f"  {group}")
+                print_shares(own, f"  {group}")
         print(f"{time.perf_counter() - start:.0f} s", flush=True)
 
 

@@ -14,11 +14,13 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.identification.regressors import lagged
 from rcac_numeric.identification.scalar_record import (
+    SHARE,
     ScalarModel,
     ScalarRecord,
     Shape,
     information_criterion,
     inside,
+    integrated_share,
     late,
     scalar_record,
     shapes,
@@ -30,7 +32,6 @@ REFINED = (5, 3)  # of the best, by the output error itself, in two passes
 PENALTY = 3.0  # times that of BIC: noise that is not white asks for more
 INTEGRATOR = np.array([1.0, -1.0])  # 1 - q^-1
 COLOUR = 4  # order of the noise model under which a pole at 1 is compared with a free one
-LOW, SHARE = 0.02, 0.3  # rad/step, and of the gain there: what an integrator must make of it
 
 Found = dict[Shape, tuple[float, Array]]  # the criterion and the coefficients of each model
 
@@ -164,7 +165,9 @@ def _of_two(
     record: ScalarRecord, free: tuple[Shape, Array], imposed: tuple[Shape, Array]
 ) -> tuple[Shape, Array]:
     """The better one of a model with free poles and one with a pole at 1."""
-    if not _integrated_share(*imposed) > SHARE:
+    shape, coefficients = imposed
+    A, B = np.split(coefficients, [shape[0] - 1])
+    if not integrated_share(np.r_[1.0, A], B) > SHARE:
         return free
     e = [_residual(record, *one) for one in (free, imposed)]
     past = lagged(e[0][:, None], COLOUR + 1)
@@ -174,14 +177,6 @@ def _of_two(
         for one, ((n, _, sums), _) in zip(e, (free, imposed), strict=True)
     ]
     return imposed if values[1] < values[0] else free
-
-
-def _integrated_share(shape: Shape, coefficients: Array) -> float:
-    """What the integrator makes of the gain at low frequency: its residue over w abs(G)."""
-    A, B = np.r_[1.0, coefficients[: shape[0] - 1]], coefficients[shape[0] - 1 :]
-    there = np.exp(-1j * LOW)
-    gain = np.polyval(B[::-1], there) / (np.polyval(A[::-1], there) * (1 - there))
-    return float(abs(B.sum() / A.sum() / LOW) / abs(gain)) if A.sum() and gain else 0.0
 
 
 def _fitted(record: ScalarRecord, tried: list[Shape], free: Found) -> Found:

@@ -14,11 +14,13 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.identification.regressors import lagged
 from rcac_numeric.identification.scalar_record import (
+    SHARE,
     ScalarModel,
     ScalarRecord,
     Shape,
     information_criterion,
     inside,
+    integrated_share,
     late,
     scalar_record,
     scalar_signal,
@@ -149,7 +151,8 @@ def identify_in_closed_loop(
     best = None
     for sums in sorted({sums for *_, sums in tried}):
         found = _best(_Differenced(record, sums), [one for one in tried if one[-1] == sums])
-        best = found if best is None or found.value < best.value else best
+        if best is None or (found.value < best.value and found.share > SHARE):
+            best = found
     assert best is not None
     if not best.value < _least(_Differenced(record, best.shape[-1]), best.shape):
         raise InputError(
@@ -197,8 +200,8 @@ def answers(u: ArrayLike, y: ArrayLike) -> bool:
     alone, beside = _regressed(control, scalar_signal(y, "y"), PAST_Y)
     if not np.std(alone) > STIRRED * np.std(control):
         return False  # sinusoids and steps follow from their own past
-    unsaid = information_criterion(alone, 0, FEEDBACK)
-    return information_criterion(beside, PAST_Y, FEEDBACK) < unsaid
+    open_loop = information_criterion(alone, 0, FEEDBACK)
+    return information_criterion(beside, PAST_Y, FEEDBACK) < open_loop
 
 
 def _regressed(u: Array, y: Array, count: int) -> tuple[Array, Array]:
@@ -253,6 +256,13 @@ class _Found:
     D: Array
     e: Array
     value: float
+
+    @property
+    def share(self) -> float:
+        """What a pole at 1 makes of the gain."""
+        n, _, sums = self.shape
+        A, B, _ = np.split(self.linear, [n - sums, 2 * n - sums])
+        return integrated_share(np.r_[1.0, A], B)
 
 
 def _best(data: _Differenced, tried: list[Shape]) -> _Found:

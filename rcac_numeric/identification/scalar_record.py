@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array
+from rcac_numeric.arrays.validation import integer, items, real_array
 from rcac_numeric.arrays.values import Value
 
 STEPS_EACH = 10  # steps that a record must have for each of the longest model's lags
+LOW, SHARE = 0.02, 0.3  # rad/step, and of the gain there: what an integrator must make of it
 FASTEST = 1.0  # modulus: a root of a filter outside the circle is reflected into it
 
 Shape = tuple[int, int, int]  # order, delay and number of integrators of a model
@@ -97,9 +98,9 @@ def scalar_record(
 
 def shapes(orders: Iterable[int], delays: Iterable[int], integrators: Iterable[int]) -> list[Shape]:
     """What is tried: every order, delay and number of integrators that go together."""
-    ns = [integer(n, "order", at_least=1) for n in orders]
-    ds = [integer(d, "delay") for d in delays]
-    poles = [integer(i, "integrators", at_most=1) for i in integrators]
+    ns = [integer(n, "order", at_least=1) for n in items(orders, "orders")]
+    ds = [integer(d, "delay") for d in items(delays, "delays")]
+    poles = [integer(i, "integrators", at_most=1) for i in items(integrators, "integrators")]
     found = [(n, d, i) for i in poles for n in ns for d in ds]
     if not found:
         raise InputError("there is nothing to try: give an order, a delay, and integrators (0,).")
@@ -141,3 +142,21 @@ def information_criterion(e: Array, parameters: int, penalty: float) -> float:
     """N log(mean e^2) + penalty x parameters x log N."""
     size = max(float(np.mean(e**2)), np.finfo(float).tiny)
     return float(len(e) * np.log(size) + penalty * parameters * np.log(len(e)))
+
+
+def integrated_share(A: Array, B: Array) -> float:
+    """What the pole at 1 of B/((1 - q^-1) A) makes of the gain at 0.02 rad/step.
+
+    Its residue over 0.02 abs(G): 1 for an integrator alone, 0 where a zero cancels it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from rcac_numeric.identification.scalar_record import integrated_share
+    >>> lag, cancelled = np.array([1.0, -0.5]), np.array([1.0, -1.0])
+    >>> round(integrated_share(lag, np.array([2.0])), 2), integrated_share(lag, cancelled)
+    (1.0, 0.0)
+    """
+    there = np.exp(-1j * LOW)
+    gain = np.polyval(B[::-1], there) / (np.polyval(A[::-1], there) * (1 - there))
+    return float(abs(B.sum() / A.sum() / LOW) / abs(gain)) if A.sum() and gain else 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -35,6 +35,7 @@ from rcac_numeric.synthesis.logs import LoggedPlant, plant_from_log
 from rcac_numeric.synthesis.plants import (
     DesignPlant,
     Uncertainty,
+    Variation,
     read_plant,
     variations,
 )
@@ -329,21 +330,13 @@ def design(
     integer(seeds, "seeds", at_least=1)
     integer(steps, "steps", at_least=100, at_most=LONGEST)
     saturation = _limits(u_limits)
-    logged = None
+    around = _Surroundings(disturbance, noise, command, saturation, uncertainty)
     if isinstance(plant, ControllerLog):
-        logged = plant_from_log(plant, sample_time, dead_time)
-        model, usual = logged.plant, logged.uncertainty
+        basis = _basis_of_log(plant, sample_time, dead_time, around)
     else:
-        model, usual = read_plant(plant, sample_time, dead_time), Uncertainty()
-    uncertain = uncertainty or usual
-    expected, assumed = _expected(logged, disturbance, noise, command, _range(saturation), model)
-    cases = variations(model, uncertain)
-    try:
-        reference = reference_loop(model, expected, _range(saturation), cases)
-    except NoSolutionError as error:
-        if logged is None or not logged.integrates:
-            raise
-        raise NoSolutionError(f"the plant of the log integrates: {INTEGRATES}. {error}") from None
+        basis = _basis_of(read_plant(plant, sample_time, dead_time), Uncertainty(), around)
+    model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
+    reference = basis.reference
     settings = settings_of(model, reference, expected)
     fixed = FixedController(reference.compensator)
     controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
@@ -359,13 +352,77 @@ def design(
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
     return Design(
         plant=servo, settings=settings, fixed=fixed, verdict=verdict_of(evidence),
-        questions=_questions(model, fixed, expected, assumed, saturation, uncertain, logged),
+        questions=_questions(basis, fixed, saturation),
         reasons=reasons_of(model, reference, expected, settings, Knobs()),
         alternatives=alternatives,
         evidence=evidence, reference=reference, expected=expected, model=model,
-        uncertainty=uncertain, saturation=saturation, logged=logged,
+        uncertainty=basis.uncertainty, saturation=saturation, logged=logged,
         runs=dict(zip(controllers, runs, strict=True)), steps=steps,
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Surroundings:
+    """What `design` was asked for beside the plant."""
+
+    disturbance: Any
+    noise: float | None
+    command: Any
+    saturation: Saturation | None
+    uncertainty: Uncertainty | None
+
+
+@dataclass(frozen=True)
+class _Basis:
+    """A plant with what acts on it, and its reference loop."""
+
+    model: DesignPlant
+    uncertainty: Uncertainty
+    expected: Expected
+    assumed: tuple[str, ...]
+    cases: tuple[Variation, ...]
+    reference: Reference
+    logged: LoggedPlant | None
+    obstacle: str = ""  # why the best model of the log is not the one that is taken
+
+
+def _basis_of(
+    model: DesignPlant, usual: Uncertainty, around: _Surroundings, logged: LoggedPlant | None = None
+) -> _Basis:
+    u_range = _range(around.saturation)
+    expected, assumed = _expected(
+        logged, around.disturbance, around.noise, around.command, u_range, model
+    )
+    uncertain = around.uncertainty or usual
+    cases = variations(model, uncertain)
+    reference = reference_loop(model, expected, u_range, cases)
+    return _Basis(model, uncertain, expected, assumed, cases, reference, logged)
+
+
+def _basis_of_log(
+    log: ControllerLog, sample_time: float | None, dead_time: float, around: _Surroundings
+) -> _Basis:
+    """The best model of a log for which there is a controller.
+
+    Where a pole and a zero of the model all but cancel beside the unit circle, which fits the
+    noise, there may be none; then one of lower order is taken.
+    """
+    logged = plant_from_log(log, sample_time, dead_time)
+    first: NoSolutionError | None = None
+    while True:
+        try:
+            found = _basis_of(logged.plant, logged.uncertainty, around, logged)
+            return found if first is None else replace(found, obstacle=str(first))
+        except NoSolutionError as error:
+            if first is None:
+                why = f"the plant of the log integrates: {INTEGRATES}. " * logged.integrates
+                first = NoSolutionError(f"{why}{error}")
+        if logged.model.order == 1:
+            raise first
+        try:
+            logged = plant_from_log(log, sample_time, dead_time, logged.model.order - 1)
+        except InputError:
+            raise first from None
 
 
 def _expected(
@@ -486,10 +543,11 @@ def _first_response(model: DesignPlant, fixed: FixedController) -> float:
 
 
 def _questions(
-    model: DesignPlant, fixed: FixedController, expected: Expected, assumed: tuple[str, ...],
-    saturation: Saturation | None, uncertainty: Uncertainty, logged: LoggedPlant | None,
-) -> tuple[Question, ...]:  # fmt: skip
+    basis: _Basis, fixed: FixedController, saturation: Saturation | None
+) -> tuple[Question, ...]:
     """What only the owner of the plant knows."""
+    model, expected, assumed = basis.model, basis.expected, basis.assumed
+    uncertainty, logged = basis.uncertainty, basis.logged
     late = model.delay + model.fraction
     least, most = max(late - uncertainty.delay, 0), late + uncertainty.delay
     found = []
@@ -523,6 +581,11 @@ def _questions(
             "sample_time", "kept",
             f"the first response of e to d is {first:.1e} of the largest: the loop is sampled "
             "faster than it is good for",
+        ))  # fmt: skip
+    if basis.obstacle:
+        found.append((
+            "plant", "a model of lower order than the log supports",
+            f"the best one has no controller: {basis.obstacle}",
         ))  # fmt: skip
     if logged is not None and logged.integrates:
         found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))

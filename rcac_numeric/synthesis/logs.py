@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import Legendre
@@ -12,6 +13,7 @@ from scipy.stats import ttest_1samp
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.validation import number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.controllers.compensator import Compensator
@@ -126,7 +128,7 @@ class LoggedPlant(Value):
 
 
 def plant_from_log(
-    log: ControllerLog, sample_time: float | None = None, dead_time: float = 0.0
+    log: ControllerLog, sample_time: float | None = None, dead_time: float = 0.0, most: int = 5
 ) -> LoggedPlant:
     """The plant that a log shows, whether u moved by itself or answered to y.
 
@@ -142,6 +144,8 @@ def plant_from_log(
         In seconds.
     dead_time : float
         Where it is known: in seconds, in steps without a sample time; 0 looks for it.
+    most : int
+        The highest order that is tried, without the dead time.
 
     Raises
     ------
@@ -168,8 +172,15 @@ def plant_from_log(
             "a log takes one of each. Give design a model: identification.eigensystem_realisation "
             "makes one of Markov parameters."
         )
-    steps = round(dead_time / (sample_time or 1.0))
-    known = {"delays": (steps,)} if steps else {}
+    late, period = number(dead_time, "dead_time"), number(sample_time or 1.0, "sample_time")
+    if late < 0 or not period > 0:
+        raise InputError(
+            f"dead_time = {late:g} with sample_time = {period:g}: give both in seconds, none of "
+            "them negative."
+        )
+    steps = round(late / period)
+    known: dict[str, Any] = {"orders": range(1, most + 1)}
+    known |= {"delays": (steps,)} if steps else {}
     is_closed = (log.r is not None and np.ptp(log.r) > 0) or answers(log.u, log.y)
     identify = identify_in_closed_loop if is_closed else identify_output_error
     model: LogModel = identify(log.u, log.y, integrators=(0, 1), **known)
@@ -233,8 +244,9 @@ def _held_out(log: ControllerLog, model: LogModel) -> tuple[float, bool]:
 
 
 def _plant_of(model: LogModel, sample_time: float | None) -> DesignPlant:
-    A, B, C, _ = tf2ss(model.numerator, model.denominator)
-    A, B, C = balanced(A, B, C)
+    size = float(np.abs(model.numerator).max()) or 1.0  # SciPy takes 1e-14 for nothing
+    A, B, C, _ = tf2ss(model.numerator / size, model.denominator)
+    A, B, C = balanced(A, B, C * size)
     made = DesignPlant(A, B, C, model.delay, sample_time=sample_time)
     if not made.low_gain > 0:
         raise InputError("the model of the log has no gain: y does not answer to u.")

@@ -214,6 +214,8 @@ def _runner(
     store: str | Path | None, workers: int | None, progress: Callable[[Progress], None] | None
 ) -> Runner:
     """What runs the trials of a round of this name: in threads, or into a store."""
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress = {progress!r} cannot be called; give ProgressLine().")
     if store is None:
         if workers is not None:
             raise InputError(
@@ -228,12 +230,17 @@ def _runner(
             return found
 
         return in_threads
-    folder = Path(store)
+    folder = Path(instance_of(store, "store", str | Path))
     if folder.exists() and not folder.is_dir():
         raise InputError(f"store = {folder} is a file, and a folder is needed.")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            f"store = {folder} cannot be made: {error.strerror}. Give a folder that can."
+        ) from None
 
     def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
-        folder.mkdir(parents=True, exist_ok=True)
         return stored(trials, folder / f"{name}.sqlite", workers, progress)
 
     return into_store

@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import signal
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +94,16 @@ def case_of_functions(rng, gain, x_0=0.0):
     w = rng.standard_normal((40, 1))
     start = np.array([x_0 * rng.standard_normal()])
     return rcac.SimulationCase(plant, settings, w, {"x_0": start})
+
+
+@dataclass(frozen=True)
+class CaseWithData:
+    """The same, the initial state being data that it holds."""
+
+    x_0: float
+
+    def __call__(self, rng, gain):
+        return case_of_functions(rng, gain, self.x_0)
 
 
 def case_that_raises(rng, gain):

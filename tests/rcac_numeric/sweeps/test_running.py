@@ -281,6 +281,22 @@ def test_a_study_of_a_function(tmp_path):
     assert replayed.is_identical and replayed.analysed.run.x_0 is not None
 
 
+def test_a_study_of_a_function_that_holds_data(tmp_path):
+    def of(x_0):
+        base = studies.CaseWithData(x_0)
+        return studies.study(2, base=base, axes=[Axis("gain", [1, 3])], keep=[Kept("peak")])
+
+    store = tmp_path / "store.sqlite"
+    run_study(of(5.0), store, workers=0)
+    assert len(read_table(store)) == 4
+    assert of(5.0).fingerprint == of(5.0).fingerprint != of(4.0).fingerprint
+    with pytest.raises(StoreError, match="another study"):
+        run_study(of(4.0), store, workers=0)
+    assert replay_run(store, 1, {"CaseWithData": studies.CaseWithData(5.0)}).is_identical
+    with pytest.raises(StoreError, match="holds other data"):
+        replay_run(store, 1, {"CaseWithData": studies.CaseWithData(4.0)})
+
+
 def test_a_case_that_raises_is_a_run_that_failed(tmp_path):
     study = studies.study(
         12, base=studies.case_that_raises, axes=[Axis("gain", [1, 3])], keep=[Kept("steps")]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from compensator_theory.errors import InputError
+from compensator_theory.errors import InputError, NoSolutionError
 from rcac_numeric import (
     ClosedLoop,
     ControllerLog,
@@ -21,7 +21,7 @@ from rcac_numeric import (
 from rcac_numeric.arrays.values import equal
 from rcac_numeric.synthesis.logs import PARTS, plant_from_log
 from rcac_numeric.synthesis.plants import read_plant
-from rcac_numeric.synthesis.reference import sensitivity_peak
+from rcac_numeric.synthesis.reference import reference_loop, sensitivity_peak
 
 TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
 QUICK = {"seeds": 1, "steps": 300}
@@ -109,6 +109,24 @@ def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
     assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
 
 
+def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monkeypatch):
+    def of_order_1(model, *arguments):
+        if len(model.A) > least:
+            raise NoSolutionError("no such controller")
+        return reference_loop(model, *arguments)
+
+    monkeypatch.setattr("rcac_numeric.synthesis.design.reference_loop", of_order_1)
+    least = 1
+    lower = design(log_of(), **QUICK)
+    assert lower.logged.model.order == 1 and lower.logged.model.delay >= 2
+    assert any("no such controller" in question.words for question in lower.questions)
+    true = read_plant(TRUE, None, 2)
+    assert sensitivity_peak(ClosedLoop(true.servo(), lower.fixed.compensator)) < np.inf
+    least = 0
+    with pytest.raises(NoSolutionError, match="no such controller"):
+        design(log_of(), **QUICK)
+
+
 def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
     """A log of 1/((q - 1.05)(q - 0.5)), one step late, held by LQG; and the plant."""
     true = read_plant("0.1/((q - 1.05)*(q - 0.5))", None, 1)
@@ -130,6 +148,18 @@ def test_an_unstable_plant_from_the_log_of_its_loop():
     assert not any("stabilised loop" in question.words for question in found.questions)
     with_r = design(ControllerLog(u, y, r=r), **QUICK)
     assert equal(with_r.settings, found.settings)
+
+
+@pytest.mark.parametrize(("u_unit", "y_unit", "period"), [(1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)])
+def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, period):
+    u, y, *_ = looped()
+    one = design(ControllerLog(u, y), sample_time=1.0, **QUICK)
+    other = design(ControllerLog(u_unit * u, y_unit * y), sample_time=period, **QUICK)
+    ours, theirs = one.fixed.compensator, other.fixed.compensator
+    assert np.allclose(theirs.past_u, ours.past_u, rtol=1e-6)
+    assert np.allclose(theirs.past_y * y_unit / u_unit, ours.past_y, rtol=1e-6)
+    assert other.settings.R_z.nu * y_unit == pytest.approx(one.settings.R_z.nu, rel=1e-6)
+    assert other.verdict.use == one.verdict.use
 
 
 def test_a_loop_that_nothing_moves_shows_no_plant():

@@ -138,12 +138,12 @@ def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_pat
         kept.append([len(read_table(one)) for one in sorted((tmp_path / "runs").iterdir())
                      if one.suffix == ".sqlite"])  # fmt: skip
     assert 0 < sum(kept[0]) < sum(kept[1])
-    said = []
-    resumed = tune(found, **arguments, progress=said.append)
+    seen = []
+    resumed = tune(found, **arguments, progress=seen.append)
     assert resumed.candidates == tuned.candidates and resumed.chosen == tuned.chosen
     assert resumed.beside_rule == tuned.beside_rule
     assert equal(resumed.design.evidence, tuned.design.evidence)
-    assert said[0].done >= kept[1][0] and said[-1].done == said[-1].total
+    assert seen[0].done >= kept[1][0] and seen[-1].done == seen[-1].total
     again = []
     tune(found, **arguments, progress=again.append)
     assert all(now.done == now.total for now in again)  # nothing is run twice
