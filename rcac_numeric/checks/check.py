@@ -134,9 +134,9 @@ class ControllerCheck(Value):
         return self.report()
 
     def __repr__(self) -> str:
-        said = "consistent" if self.is_consistent else "u is not the output of theta"
+        verdict = "consistent" if self.is_consistent else "u is not the output of theta"
         loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
-        return f"ControllerCheck({said}, {loop}, {len(self.unanswered)} unanswered)"
+        return f"ControllerCheck({verdict}, {loop}, {len(self.unanswered)} unanswered)"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and its sheet of pictures."""

@@ -72,7 +72,7 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
                 "bad",
             )
         )
-    elif not main.first.obstacle:
+    elif not main.first.obstacle and not health.is_held:
         said += missed_poles(main.first.comparison, main.first.structure)
     first, *rest = health_lines(health)
     said.append(first)
