@@ -33,6 +33,7 @@ from rcac_numeric.synthesis.expected import KINDS
 from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, Variation, continuous_of
 from rcac_numeric.synthesis.plants import variations as corners
 from rcac_numeric.synthesis.road import Knobs, settings_of
+from rcac_numeric.synthesis.stored_trials import stored
 from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, Trials
 
 RULE = "rule"
@@ -230,7 +231,6 @@ def _runner(
     folder = Path(store)
     if folder.exists() and not folder.is_dir():
         raise InputError(f"store = {folder} is a file, and a folder is needed.")
-    from rcac_numeric.synthesis.stored_trials import stored  # SQLite and processes
 
     def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
         folder.mkdir(parents=True, exist_ok=True)
