@@ -51,6 +51,18 @@ def regulator_data(
     return a, b, e_1, e_2
 
 
+def _require_signal(E_1: MatrixLike, E_2: MatrixLike | None) -> None:
+    """Tell who gives weights by their places what their names are."""
+    if E_2 is None:
+        return
+    first, second = exact_matrix(E_1, "E_1"), exact_matrix(E_2, "E_2")
+    if first.rows == first.cols != second.rows == second.cols:
+        raise InputError(
+            f"E_1 is {first.rows} x {first.cols} and E_2 {second.rows} x {second.cols}, and "
+            "z = E_1 x + E_2 u needs as many rows in both; weights are named: Q=..., R=..."
+        )
+
+
 def read_weights(
     A: MatrixLike,
     B: MatrixLike,
@@ -75,6 +87,7 @@ def read_weights(
             "give the weights either as E_1 and E_2, with z = E_1 x + E_2 u, or as Q, R and N"
         )
     if E_1 is not None:
+        _require_signal(E_1, E_2)
         a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2, symbols=symbols)
         return a, b, e_1.T * e_1, e_2.T * e_2, e_1.T * e_2
     if E_2 is not None:

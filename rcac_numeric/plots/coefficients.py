@@ -16,6 +16,7 @@ from rcac_numeric.plots.style import line_style
 NAMED = 12  # lines that a legend can name; more are told apart by the signal that they weigh
 SHORT, COLUMN = 16, 1.1  # characters of a label that stands in a column of so many inches
 LONG = 200_000  # rows of theta that are drawn
+FEW = 3
 GAINS = ("P", "I", "D", "PI", "PD", "ID", "PID")
 
 
@@ -68,9 +69,11 @@ def draw_theta(
     k = run.first_step + np.arange(len(run.theta)) * run.stride
     every = max(len(run.theta) // LONG, 1)
     rows = slice(None, None, every) if shown is None else shown
-    draw_coefficients(
-        axis, k[rows] * period, run.theta[rows], coefficient_names(run), legend=legend and not above
-    )
+    k, theta = k[rows], run.theta[rows]
+    if shown is None and run.stride > 1:  # what became of it after the last row that was kept
+        k = np.append(k, run.first_step + run.steps)
+        theta = np.vstack([theta, run.theta_final])
+    draw_coefficients(axis, k * period, theta, coefficient_names(run), legend=legend and not above)
     if above:
         legend_above(axis, above, title)
     elif title:
@@ -106,6 +109,8 @@ def draw_coefficients(
         style = line_style(kinds.index(group) if many else i)
         if many:
             style["linestyle"] = "-"  # dashes of fifty lines are a carpet
+        if len(k) < FEW:
+            style |= {"linestyle": "none", "marker": "."}  # no line tells what lies between
         first = groups.index(group) == i
         label = (f"of ${group}$" if first else None) if many else f"${name}$"
         axis.plot(k, theta[:, i], linewidth=0.9 if many else 1.2, label=label, **style)

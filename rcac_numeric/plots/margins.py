@@ -21,6 +21,7 @@ from rcac_numeric.plots.style import (
     WANTED,
     axes_given,
     checked_width,
+    figure_of,
     tidy,
 )
 
@@ -120,9 +121,7 @@ def plot_disk_margin(
     if ax is not None:
         (axis,) = axes_given(ax, 1)
         draw_disk_region(axis, margin.alpha)
-        found = axis.get_figure(root=True)
-        assert found is not None
-        return found
+        return figure_of(axis)
     width = checked_width(width)
     figure = Figure(figsize=(width, 0.85 * width), layout="constrained")
     draw_disk_region(figure.subplots(), margin.alpha)
@@ -154,9 +153,7 @@ def plot_loop(
     if ax is not None:
         axes = axes_given(ax, VIEWS[view])
         _draw(axes, view, curve)
-        figure = axes[0].get_figure(root=True)
-        assert figure is not None
-        return figure
+        return figure_of(axes[0])
     width = checked_width(width)
     narrow = width < NARROW
     if view == "all":

@@ -17,6 +17,7 @@ from rcac_numeric.plots.style import (
     WANTED,
     axes_given,
     checked_width,
+    figure_of,
     tidy,
 )
 
@@ -40,9 +41,7 @@ def plot_root_locus(
     if ax is not None:
         (axis,) = axes_given(ax, 1)
         _draw(axis, locus)
-        figure = axis.get_figure(root=True)
-        assert figure is not None
-        return figure
+        return figure_of(axis)
     width = checked_width(width)
     figure = Figure(figsize=(width, 1.2 * width if width < NARROW else 5.4), layout="constrained")
     _draw(figure.subplots(), locus)

@@ -183,6 +183,23 @@ def axes_given(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
     return given
 
 
+def figure_of(axis: Axes) -> Figure:
+    """The whole figure that axes stand in, of which they may be in a part.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from rcac_numeric.plots.style import figure_of
+    >>> figure = Figure()
+    >>> figure_of(figure.subfigures(1, 2)[0].subplots()) is figure
+    True
+    """
+    part = axis.figure
+    assert part is not None
+    whole: Figure = part.figure  # of the root, itself
+    return whole
+
+
 def checked_width(width: float) -> float:
     """Return the width of a figure in inches.
 

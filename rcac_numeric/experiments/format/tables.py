@@ -434,6 +434,13 @@ class Kind(Generic[T]):
             for key in variant.table.keys:
                 if key.is_required and key.name not in own:
                     return None
+        required = [key.name for key in variant.table.keys if key.is_required]
+        markers = [] if variant.marker else [one.marker for one in self.variants if one.marker]
+        if markers and required and not set(required) & set(own):
+            raise here.error(
+                f"{here.where} needs the key {' or '.join(map(repr, markers))}, "
+                f"or instead {', '.join(required)}."
+            )
         return variant.table.read(own, here)
 
     def read_whole(self, selector: str, table: Raw, here: Place) -> Any:

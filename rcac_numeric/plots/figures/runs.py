@@ -14,7 +14,13 @@ from rcac_numeric.engine.runs import Run
 from rcac_numeric.plots.coefficients import draw_theta, legend_above
 from rcac_numeric.plots.figures.histories import thinned
 from rcac_numeric.plots.library import Axes, Figure
-from rcac_numeric.plots.style import INK, draw_over_decades, label_words, line_style
+from rcac_numeric.plots.style import (
+    INK,
+    draw_over_decades,
+    figure_of,
+    label_words,
+    line_style,
+)
 
 NARROW = 6.0  # inches: below, legends stand above their axes and letters are smaller
 NARROWEST = 3.0
@@ -101,9 +107,7 @@ def plot_runs(
         if len(axes) != len(panels):
             raise InputError(f"ax has {len(axes)} axes; {len(panels)} are drawn, one for each.")
         _draw_panels(axes, panels, runs, names, period, 0.0)
-        figure = axes[0].get_figure(root=True)
-        assert isinstance(figure, Figure)
-        return figure
+        return figure_of(axes[0])
     longest = max(map(len, names)) if len(runs) > 1 else 0
     above = width if narrow or LETTER * longest > MOST_LEGEND * width else 0.0
     rows = len(panels)

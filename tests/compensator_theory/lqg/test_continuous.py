@@ -225,3 +225,9 @@ def test_a_limit_on_the_boundary_is_said():
     with pytest.raises(NoSolutionError):
         locus.at(0)
     assert locus.at(1).enclosure.degree == 2
+
+
+def test_weights_that_are_given_by_place_are_told_their_names():
+    """As `lqr(A, B, Q, R)` of other software has them."""
+    with pytest.raises(InputError, match="weights are named: Q"):
+        solve_riccati([[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 0]], [[1]], time="continuous")

@@ -121,3 +121,13 @@ def test_results_in_numbers_are_latex_and_pictures():
     forms = numeric_observer_forms("1/((s+1)*(s+2))", compensator)
     assert forms._repr_latex_().count("K_{") == min(len(forms), 6)
     assert np.array_equal(forms.plot().axes[1].lines[0].get_ydata(), forms.condition)
+
+
+def test_what_was_kept_of_theta_is_seen_whatever_the_stride():
+    """With one row kept the axes were empty: theta(0) is zero, and the last one stood nowhere."""
+    case = load_example("9.1").main_run.execute().first.run
+    assert len(case.theta) == 1
+    figure = plot_runs([case], signals=["theta"])
+    for line, last in zip(figure.axes[0].lines, case.theta_final, strict=True):
+        assert line.get_ydata().tolist() == [0.0, last]
+        assert line.get_xdata()[-1] == case.steps and line.get_marker() == "."

@@ -347,6 +347,7 @@ def test_an_expected_divergence_is_no_surprise(expected, tables, status):
             {"controllers": [{}, {"structure": "fir"}], "saturation": {"high": 1}},
             "Set shared_u = true in [controller]",
         ),
+        ({"plant": {"G": None}}, "[plant] needs the key 'G', or instead A, B, C"),
         ({"plant": {"changes": [{"gain": 2}]}}, "needs the key 'start'"),
         ({"plant": {"changes": [{"start": 5, "gian": 2}]}}, "Did you mean 'gain'"),
         ({"plant": {"changes": [{"start": 5, "gain": "g"}]}}, "gain = 'g' is not a real number"),

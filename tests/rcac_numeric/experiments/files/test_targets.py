@@ -78,7 +78,7 @@ FIR = 'model = "fir"'
 @pytest.mark.parametrize(
     ("target", "signals", "message"),
     [
-        ('model = "markov"', "", r"\[target\] needs the key 'n_bar'"),
+        ('model = "markov"', "", r"\[target\] needs the key 'markov_parameters', or instead n_bar"),
         ('model = "markov"\nn_bar = 0', "", "relative degree d_zu = 1"),
         ('model = "markov"\nmarkov_parameters = [0, 0, 1.0]', "", "has relative degree 2"),
         ('model = "markov"\nH = 1', "", "'H', which model = \"markov\" does not read"),
