@@ -2,7 +2,8 @@
 From mathcomp Require Import all_ssreflect all_algebra ring.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
-From Compensators.theorems Require ForwardRiccati ExactMatch MinimalLoops.
+From Compensators.theorems Require ForwardRiccati ExactMatch MinimalLoops Lyapunov.
+From Compensators.theorems Require StabilisingSolution.
 From Compensators.theorems Require ClosedLoopOrder UdUpdate RetrospectiveInput.
 From Compensators.theorems Require Import Kalman ReturnDifference HighAuthorityPoles Stein Riccati.
 From Compensators.theorems Require Import HighAuthorityLqg.
@@ -223,4 +224,25 @@ move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 1 0 0 _ 1%:M); 
   by rewrite /RetrospectiveInput.quadratic_part mulmx0 add0r; apply: one_definite.
 rewrite /RetrospectiveInput.retrospective_input /RetrospectiveInput.linear_part !(mulmx0, mul0mx) scaler0.
 by rewrite mulmx0 scaler0 oppr0; apply: one_is_not_zero.
+Qed.
+
+Lemma lyapunov_semidefinite : ltac:(can_be_met (@Lyapunov.lyapunov_semidefinite)).
+Proof.
+move=> absurd; apply: (absurd RR 1%N O 0 0 inside_O); rewrite ?trmx0 //.
+  exact: zero_semidefinite.
+by rewrite mulmx0 mul0mx addr0.
+Qed.
+
+(* x+ = u with the cost of u alone. *)
+Lemma stabilising_solution : ltac:(can_be_met (@StabilisingSolution.stabilising_solution)).
+Proof.
+move=> absurd; apply: (absurd RR 0%N 1%N O 0 E 0 1%:M); last exact: one_definite.
+- by exists 0; rewrite mulmx0 addr0; apply: inside_O.
+- move=> z x u circle state _; rewrite trmx0 map_mx0 mul0mx add0r map_mx1 mul1mx => u0.
+  move: state; rewrite u0 mulmx0 addr0 /number raddf0 map_mx0 mul0mx => /esym/eqP.
+  by rewrite scaler_eq0 -normr_eq0 circle oner_eq0 => /eqP.
+pose Phi : 'M[[rcfType of realalg]]_(1, 1 + 1) := row_mx (0 : 'M_1) 1%:M.
+have -> : block_mx 0 0 0^T 1%:M = Phi^T *m 1%:M *m Phi.
+  by rewrite /Phi tr_row_mx !trmx0 trmx1 mulmx1 mul_col_row !mul0mx mulmx0 mulmx1.
+exact/semidefinite_congruence/definite_semidefinite/one_definite.
 Qed.

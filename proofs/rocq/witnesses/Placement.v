@@ -231,7 +231,8 @@ Proof. by move=> absurd; apply: (absurd Q). Qed.
 
 Lemma heymann : ltac:(can_be_met (@StateFeedback.heymann)).
 Proof.
-move=> absurd; apply: (absurd Q 0%N 1%N o e 1%:M); first by rewrite StateFeedback.controllable_pair_1 reaches.
+move=> absurd; apply: (absurd Q 0%N 1%N o e 1%:M);
+  first by rewrite StateFeedback.controllable_pair_1 reaches.
 by rewrite mulmx1; apply: one_is_not_zero.
 Qed.
 
