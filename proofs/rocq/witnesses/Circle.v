@@ -3,7 +3,7 @@ From mathcomp Require Import all_ssreflect all_algebra ring.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
 From Compensators.theorems Require ForwardRiccati ExactMatch MinimalLoops Lyapunov.
-From Compensators.theorems Require StabilisingSolution.
+From Compensators.theorems Require StabilisingSolution MarkovParameters UnscentedTransformation.
 From Compensators.theorems Require ClosedLoopOrder UdUpdate RetrospectiveInput.
 From Compensators.theorems Require Import Kalman ReturnDifference HighAuthorityPoles Stein Riccati.
 From Compensators.theorems Require Import HighAuthorityLqg.
@@ -246,3 +246,27 @@ have -> : block_mx 0 0 0^T 1%:M = Phi^T *m 1%:M *m Phi.
   by rewrite /Phi tr_row_mx !trmx0 trmx1 mulmx1 mul_col_row !mul0mx mulmx0 mulmx1.
 exact/semidefinite_congruence/definite_semidefinite/one_definite.
 Qed.
+
+Lemma predictor_gain_is_dual : ltac:(can_be_met (@ForwardRiccati.predictor_gain_is_dual)).
+Proof.
+by move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 0 0 (trmx0 _ _ _) (trmx0 _ _ _)).
+Qed.
+
+Lemma state_8_36 : ltac:(can_be_met (@MarkovParameters.state_8_36)).
+Proof.
+move=> absurd; apply: (absurd [ringType of rat] 1%N 1%N 1%N 0 0 0 (fun=> 0) (fun=> 0) (fun=> 0) _ 0%N 0%N).
+by move=> k; rewrite !mulmx0 !addr0.
+Qed.
+
+Lemma performance_8_37 : ltac:(can_be_met (@MarkovParameters.performance_8_37)).
+Proof.
+move=> absurd; apply: (absurd [ringType of rat] 1%N 1%N 1%N 1%N 0 0 0 0 (fun=> 0) (fun=> 0) (fun=> 0)
+  (fun=> 0) _ 0%N 0%N).
+by move=> k; rewrite !mulmx0 !addr0.
+Qed.
+
+Lemma mean_8_12 : ltac:(can_be_met (@UnscentedTransformation.mean_8_12)).
+Proof. by move=> absurd; apply: (absurd Q 1%N 0 0 1 1). Qed.
+
+Lemma covariance_8_12 : ltac:(can_be_met (@UnscentedTransformation.covariance_8_12)).
+Proof. by move=> absurd; apply: (absurd Q 1%N 0 0 0 1 1); rewrite ?mul0mx ?expr1n. Qed.

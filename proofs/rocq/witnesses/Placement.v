@@ -241,3 +241,9 @@ Proof.
 move=> absurd; apply: (absurd Q 0%N 1%N o e 'X _ (monicX _) (size_polyX _)).
 by rewrite StateFeedback.pair_duality StateFeedback.controllable_pair_1 -duality sees.
 Qed.
+
+Lemma residual_4_6 : ltac:(can_be_met (@Intercalation.residual_4_6)).
+Proof.
+move=> absurd; apply: (absurd [zmodType of rat] [zmodType of rat] [additive of idfun] 0 0 0 0).
+by rewrite subr0.
+Qed.
