@@ -149,6 +149,7 @@ from .state_feedback.eigenstructure import reachable_eigenvectors as reachable_e
 from .state_feedback.gain_families import state_feedback_family as state_feedback_family
 from .state_feedback.observer_gain_families import observer_gain_family as observer_gain_family
 from .structure.coprime_fractions import coprime_fractions as coprime_fractions
+from .structure.descriptor_realisations import descriptor_realisation as descriptor_realisation
 from .structure.expansions import markov_parameters as markov_parameters
 from .structure.expansions import partial_fractions as partial_fractions
 from .structure.hankel_matrices import hankel_matrix as hankel_matrix
@@ -170,6 +171,7 @@ from .systems.controllability import controllability_matrix as controllability_m
 from .systems.controllability import is_controllable as is_controllable
 from .systems.controllability import uncontrollable_polynomial as uncontrollable_polynomial
 from .systems.conversions import transfer_function as transfer_function
+from .systems.descriptor_systems import DescriptorSystem as DescriptorSystem
 from .systems.difference_equations import compensator_polynomials as compensator_polynomials
 from .systems.matrix_conversions import transfer_matrix as transfer_matrix
 from .systems.realisations import Realisation as Realisation

@@ -86,6 +86,7 @@ from .structure.minimal_realisations import MinimalRealisation as MinimalRealisa
 from .structure.zero_directions import ZeroDirection as ZeroDirection
 from .structure.zero_directions import Zeros as Zeros
 from .structure.zero_order_hold import SampledPlant as SampledPlant
+from .systems.descriptor_systems import WeierstrassForm as WeierstrassForm
 from .youla_kucera.doubly_coprime import DoublyCoprimeFractions as DoublyCoprimeFractions
 from .youla_kucera.stabilising_compensators import AffineMap as AffineMap
 from .youla_kucera.stabilising_compensators import (

@@ -21,10 +21,10 @@ from compensator_theory.canonical_forms.smith import smith_form
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import diagonal, displayed, latex, unless
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.flint_matrices import is_rational_matrix, to_flint
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.residues import pivots
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     polynomial_matrix,

@@ -14,9 +14,9 @@ from compensator_theory.canonical_forms.row_forms import row_reduced_form
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial, to_flint_polynomial
 from compensator_theory.matrices.residues import pivots
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,

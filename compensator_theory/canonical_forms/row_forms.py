@@ -9,11 +9,9 @@ from sympy import Expr, ImmutableMatrix, Symbol
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.echelon import echelon
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.equivalence import by_rows, elimination_of
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    exceptional_factors,
-)
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,

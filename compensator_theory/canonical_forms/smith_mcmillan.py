@@ -11,7 +11,7 @@ from compensator_theory.canonical_forms.smith import SmithForm, smith_form
 from compensator_theory.latex import diagonal, displayed, fraction, unless
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.echelon import echelon
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical, monic

@@ -10,14 +10,12 @@ from compensator_theory.canonical_forms.minimal_bases import MinimalBasis, minim
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.elimination import Elimination
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators,
-    exceptional_factors,
-)
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
     PolynomialMatrixLike,
+    denominators,
     joint_ring,
     polynomial_matrix,
     read_into,

@@ -12,12 +12,12 @@ from compensator_theory.bezout.resultants import resultant
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import solve
-from compensator_theory.polynomial_matrices.exceptional_factors import (
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
     denominators,
-    exceptional_factors,
 )
-from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import (

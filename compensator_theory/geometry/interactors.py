@@ -11,8 +11,8 @@ from compensator_theory.errors import ImproperError, NoSolutionError
 from compensator_theory.geometry.subspaces import Subspaces
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import rank
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical

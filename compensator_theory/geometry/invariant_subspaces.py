@@ -10,11 +10,8 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.geometry.subspaces import Subspaces
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators_of,
-    exceptional_factors,
-)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text

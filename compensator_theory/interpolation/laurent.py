@@ -14,9 +14,9 @@ from sympy.polys.constructor import construct_domain
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.flint_matrices import rational
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import ask, decimal_digits, integer
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import is_rational

@@ -13,10 +13,7 @@ from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators_of,
-    exceptional_factors,
-)
+from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.polynomials.budget import ask, integer
 from compensator_theory.polynomials.numbers import NumberLike, read_coefficients
 from compensator_theory.polynomials.poly import canonical, from_coefficients

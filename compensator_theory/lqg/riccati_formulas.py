@@ -13,11 +13,8 @@ from compensator_theory.lqg.regulator_data import Weights, read_weights
 from compensator_theory.lqg.riccati import RiccatiSolution, solve_riccati
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike
+from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant, solve
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators_of,
-    exceptional_factors,
-)
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import Time, require_time

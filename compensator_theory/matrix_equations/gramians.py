@@ -10,9 +10,9 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.matrix_equations.sylvester_equations import solve_lyapunov, solve_stein
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import is_rational
 from compensator_theory.polynomials.values import ExactValue

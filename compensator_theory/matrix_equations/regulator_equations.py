@@ -11,8 +11,8 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrix_equations.solutions import solve_by_kronecker
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation

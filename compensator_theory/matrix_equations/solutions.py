@@ -14,10 +14,7 @@ from compensator_theory.errors import NoSolutionError
 from compensator_theory.latex import displayed, latex, total, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import contradictions, echelon
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators_of,
-    exceptional_factors,
-)
+from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.printing import text

@@ -15,6 +15,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.exceptional_factors import denominators_of
 from compensator_theory.matrices.flint_matrices import (
     from_flint,
     is_rational_matrix,
@@ -27,7 +28,6 @@ from compensator_theory.matrix_equations.solutions import (
     certified,
     solve_by_kronecker,
 )
-from compensator_theory.polynomial_matrices.exceptional_factors import denominators_of
 from compensator_theory.polynomials.budget import ask, decimal_digits
 
 

@@ -14,13 +14,11 @@ from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.echelon import contradictions
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators,
-    exceptional_factors,
-)
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
+    denominators,
     polynomial_matrix,
 )
 from compensator_theory.polynomials.budget import ask, integer, listed

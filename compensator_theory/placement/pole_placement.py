@@ -16,8 +16,10 @@ from compensator_theory.loops.siso import require_sign
 from compensator_theory.matrices.echelon import contradictions
 from compensator_theory.matrices.linear_algebra import solve_affine
 from compensator_theory.placement.solutions import PolePlacement
-from compensator_theory.polynomial_matrices.exceptional_factors import denominators
-from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
+    denominators,
+)
 from compensator_theory.polynomials.budget import integer, shown
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import (

@@ -15,12 +15,12 @@ from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.latex import displayed, fraction, latex
 from compensator_theory.loops.sensitivity import sensitivity_function
 from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.placement.rounding_effects import rounding_effect
-from compensator_theory.polynomial_matrices.exceptional_factors import (
+from compensator_theory.polynomial_matrices.polynomial_matrices import (
+    PolynomialMatrix,
     denominators,
-    exceptional_factors,
 )
-from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.poly import canonical, over_one_field, scaled

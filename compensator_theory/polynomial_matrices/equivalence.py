@@ -8,13 +8,11 @@ from dataclasses import dataclass
 from sympy import Expr
 
 from compensator_theory.matrices.certificates import Certificate, certificate_of
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.elimination import Elimination
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators,
-    exceptional_factors,
-)
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
+    denominators,
     joint_ring,
     read_into,
     written,

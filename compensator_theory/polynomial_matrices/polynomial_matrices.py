@@ -199,6 +199,28 @@ def polynomial_matrix(
     return PolynomialMatrix(read.numerators)
 
 
+def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
+    """Return what coefficients are divided by, polynomials in the symbols.
+
+    An identity between polynomial matrices holds for all values of the symbols where none of these
+    is zero, whatever was divided by on the way to it.
+
+    Examples
+    --------
+    >>> from compensator_theory import polynomial_matrix
+    >>> from compensator_theory.polynomial_matrices.polynomial_matrices import denominators
+    >>> denominators(polynomial_matrix([["s/a", "b*s/(a + 1)"]], "s"))
+    [a, a + 1]
+    """
+    found: dict[Expr, None] = {}
+    for poly in (entry for matrix in matrices for row in matrix.rows for entry in row):
+        if poly.domain.is_FractionField:
+            for coefficient in poly.rep.to_list():
+                bottom = poly.domain.denom(coefficient)
+                found[poly.domain.get_ring().to_sympy(bottom)] = None
+    return [bottom for bottom in found if bottom.free_symbols]
+
+
 def joint_ring(*matrices: PolynomialMatrix) -> Ring:
     """Return the ring that has the entries of all matrices.
 

@@ -14,8 +14,8 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import solve, solve_affine
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import listed, shown
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue

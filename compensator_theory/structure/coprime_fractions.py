@@ -8,14 +8,12 @@ from sympy import Expr, Poly, Symbol
 
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.elimination import Elimination
 from compensator_theory.polynomial_matrices.equivalence import certificate_of_products
-from compensator_theory.polynomial_matrices.exceptional_factors import (
-    denominators,
-    exceptional_factors,
-)
 from compensator_theory.polynomial_matrices.polynomial_matrices import (
     PolynomialMatrix,
+    denominators,
     joint_ring,
     read_into,
     written,

@@ -10,8 +10,8 @@ from sympy import Expr, ImmutableMatrix, Poly, Symbol
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon, independent_columns
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue

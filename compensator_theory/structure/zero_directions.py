@@ -10,7 +10,7 @@ from sympy import Expr, ImmutableMatrix, Poly
 from compensator_theory.canonical_forms.smith import SmithForm
 from compensator_theory.latex import displayed, latex, unless, words
 from compensator_theory.matrices.certificates import Certificate
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
@@ -86,8 +86,8 @@ class Zeros(ExactValue):
 
     def __str__(self) -> str:
         found = f"zeros of {format_polynomial(self.polynomial)}"
-        said = found if self.polynomial.degree() else "no zeros"
-        return "\n".join([said, *map(str, self.directions)])
+        heading = found if self.polynomial.degree() else "no zeros"
+        return "\n".join([heading, *map(str, self.directions)])
 
     def _repr_latex_(self) -> str:
         directions = [latex(direction) for direction in self.directions]

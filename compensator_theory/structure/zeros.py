@@ -6,7 +6,7 @@ import sympy
 from sympy import ImmutableMatrix, Symbol
 
 from compensator_theory.canonical_forms.smith import smith_form
-from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
+from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.structure.coprime_fractions import coprime_fractions
 from compensator_theory.structure.zero_directions import Zeros, zeros_of
 from compensator_theory.systems.canonical_forms import RealisationLike, realisation

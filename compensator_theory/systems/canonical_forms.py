@@ -13,6 +13,7 @@ from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.reading import is_one_of
 from compensator_theory.polynomials.variables import as_symbol, time_of
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign
 from compensator_theory.systems.realisations import Realisation
 from compensator_theory.systems.state_space import controllable_canonical_form
@@ -70,6 +71,8 @@ def realisation(
         if variable is not None and as_symbol(variable) != obj.variable:
             raise InputError(f"the realisation has the variable {obj.variable}, not {variable}")
         return obj
+    if isinstance(obj, DescriptorSystem):
+        return realisation(obj.realisation(), variable)
     if isinstance(obj, tuple | list) and len(obj) in (3, 4):
         symbol = as_symbol("s" if variable is None else variable)
         A, B, C = obj[:3]

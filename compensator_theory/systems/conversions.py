@@ -23,6 +23,7 @@ from compensator_theory.polynomials.variables import (
     evident_variable,
     require_no_other_operator,
 )
+from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import (
     Contents,
     ForeignSystem,
@@ -44,6 +45,7 @@ TransferFunctionLike: TypeAlias = (
     TransferFunction
     | TransferMatrix
     | Realisation
+    | DescriptorSystem
     | PolynomialLike
     | tuple[PolynomialLike, PolynomialLike]
     | tuple[MatrixLike, MatrixLike, MatrixLike]
@@ -69,7 +71,7 @@ def transfer_function(
 
     Parameters
     ----------
-    obj : TransferFunction, Realisation, str, Expr, pair, matrices, mapping, or foreign system
+    obj : TransferFunction, Realisation, DescriptorSystem, text, Expr, pair, matrices, mapping, ...
         A pair is (numerator, denominator), each of which :func:`polynomial` reads; matrices are
         (A, B, C) or (A, B, C, D), and need the variable. A mapping has
         the keys ``zeros``, ``poles``, ``gain``. Foreign systems are the transfer functions, state
@@ -117,7 +119,7 @@ def transfer_function(
         raise InputError("give either a transfer function or zeros, poles and gain, not both")
     if are_bare_matrices(obj):
         obj = of_bare_matrices(cast("Sequence[Any]", obj), variable)
-    if isinstance(obj, Realisation):
+    if isinstance(obj, Realisation | DescriptorSystem):
         obj = obj.transfer_function() if obj.is_siso else obj.transfer_matrix()
     if isinstance(obj, TransferMatrix):
         obj = obj.scalar()

@@ -20,6 +20,7 @@ from compensator_theory.polynomials.variables import (
     require_one_symbol_a_name,
 )
 from compensator_theory.systems.conversions import TransferFunctionLike, transfer_function
+from compensator_theory.systems.descriptor_systems import DescriptorSystem
 from compensator_theory.systems.foreign import Matrices, contents_of, is_foreign, joined_of
 from compensator_theory.systems.realisations import (
     Realisation,
@@ -45,7 +46,7 @@ def transfer_matrix(
 
     Parameters
     ----------
-    rows : nested sequences, sympy.Matrix, TransferMatrix, Realisation, or foreign system
+    rows : nested sequences, sympy.Matrix, TransferMatrix, Realisation, DescriptorSystem, ...
         Each entry is anything :func:`transfer_function` reads; p rows of m entries. A transfer
         function alone makes a 1 x 1 matrix. Transfer functions and state spaces with several
         signals are read from python-control and SymPy, and a tuple (A, B, C) or (A, B, C, D) of
@@ -70,14 +71,12 @@ def transfer_matrix(
     >>> print(transfer_matrix([["1/(s + 1)", 0], [2, "1/(s + a)"]]))
     [[s + a, 0], [2*s**2 + (2*a + 2)*s + 2*a, s + 1]]/(s**2 + (a + 1)*s + a)
     """
-    if isinstance(rows, TransferMatrix):
-        if variable is not None and as_symbol(variable) != rows.variable:
-            raise InputError(f"the transfer matrix is in {rows.variable}, not in {variable}")
-        return rows
     if isinstance(rows, tuple) and are_bare_matrices(rows):
         rows = of_bare_matrices(rows, variable)
-    if isinstance(rows, Realisation):
-        return rows.transfer_matrix()
+    if isinstance(rows, TransferMatrix | Realisation | DescriptorSystem):
+        if variable is not None and as_symbol(variable) != rows.variable:
+            raise InputError(f"the system is in {rows.variable}, not in {variable}")
+        return rows if isinstance(rows, TransferMatrix) else rows.transfer_matrix()
     entries = _entries(rows, variable)
     if isinstance(entries, TransferMatrix):
         return entries
@@ -167,7 +166,7 @@ def _variable(entries: list[list[Any]], variable: str | Symbol | None) -> Symbol
     fixed: set[Symbol] = set()
     occurring: set[Symbol] = set()
     for entry in (entry for row in entries for entry in row):
-        if isinstance(entry, TransferFunction | TransferMatrix | Realisation):
+        if isinstance(entry, TransferFunction | TransferMatrix | Realisation | DescriptorSystem):
             fixed.add(entry.variable)
         elif isinstance(entry, Poly):
             fixed |= set(entry.gens)

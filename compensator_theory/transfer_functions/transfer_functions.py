@@ -104,6 +104,9 @@ class TransferFunction(ExactValue):
     >>> G = transfer_function("1/(s + 1)")
     >>> print(G + 2, G * G, G**-2 / "s + a", sep=", ")
     (2*s + 3)/(s + 1), (1)/(s**2 + 2*s + 1), (s**2 + 2*s + 1)/(s + a)
+    >>> import sympy
+    >>> sympy.simplify(G), sympy.limit(G, "s", 0)  # SymPy's functions take it as an expression
+    (1/(s + 1), 1)
     >>> G = transfer_function("1/(s + a)", "s")
     >>> print(G(1), G.subs({"a": 2}), G.subs({"a": 1}).compose("(z - 1)/(z + 1)"), sep=", ")
     1/(a + 1), (1)/(s + 2), (z/2 + 1/2)/(z)
@@ -328,6 +331,11 @@ class TransferFunction(ExactValue):
         return TransferFunction(sides[0], sides[1], sample_time=period)
 
     __array_ufunc__ = None  # an array of numbers times a transfer function is refused, not looped
+    _op_priority = 20.0  # an expression of SymPy leaves sums and products with one to us
+
+    def _sympy_(self) -> Expr:
+        """Answer SymPy's functions: simplify, apart, limit, inverse_laplace_transform, ..."""
+        return self.as_expr()
 
     def __add__(self, other: Operand) -> TransferFunction:
         return self._join(other, added)

@@ -114,6 +114,14 @@ DELAYS = st.sampled_from([["s", "1"], ["s**2 + 4", "-1"], ["s**2 + 2*s + 5", "4"
     exact.stability_delays
 )
 
+DESCRIPTORS = SYMBOLS.map(
+    lambda a: exact.DescriptorSystem(
+        [[1, 0, 0], [0, 0, a], [0, 0, 0]],
+        [[a, 0, 1], [0, 1, 0], [0, 0, 1]],
+        [[1], [0], [a]],
+        [[1, 1, 0]],
+    )
+)
 STATE_SPACES = st.builds(
     lambda plant, a: exact.Realisation(*plant, variable="z") if a is None else
     exact.Realisation([[0, a], [0, 0]], [[0], [1]], [[1, 0]], variable="q"),
@@ -296,6 +304,8 @@ SAMPLES = {
     ),
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
+    exact.DescriptorSystem: DESCRIPTORS,
+    results.WeierstrassForm: DESCRIPTORS.map(lambda system: system.weierstrass_form()),
     results.StabilityMargins: MARGINS,
     results.GainCrossover: MARGINS.map(lambda found: found.gain_crossovers[0]),
     results.PhaseCrossover: MARGINS.map(lambda found: found.phase_crossovers[0]),

@@ -137,7 +137,7 @@ GOOD = {
         name: ([_MATRIX], {})
         for name in (
             "coprime_fractions", "mcmillan_degree", "minimal_realisation", "smith_mcmillan_form",
-            "transmission_zeros", "transfer_matrix",
+            "transmission_zeros", "transfer_matrix", "descriptor_realisation",
         )
     },
     "hankel_matrix": ([_MATRIX, 2, 2], {}),
@@ -180,7 +180,7 @@ GOOD = {
     "decentralised_fixed_modes": ([_R, [([0], [0])]], {}),
     "interactor": ([_MATRIX], {}),
     "frobenius_form": ([_A], {}),
-    "jordan_form": ([_A], {}),
+    "jordan_form": ([[["a", 1], [0, "b"]]], {}),
     "kronecker_form": ([_A, [[1, 0], [0, 0]]], {}),
     "popov_form": ([[["s**2", "s**2 + 1"], ["s", "s"]]], {}),
     "h_infinity_norm": ([_MATRIX], {}),
@@ -192,7 +192,7 @@ GOOD = {
     "decide_bounded_real": ([_MATRIX], {}),
     "decide_positive_real": ([_MATRIX], {}),
     "laurent_expansion": ([_G, -1, 3], {}),
-    "nevanlinna_pick": ([[1, 2], [1, -1], 5], {}),
+    "nevanlinna_pick": ([[1, 2], [1, [-1, 2]], 5], {}),
     "pade_approximant": ([[1, -1, "1/2", "-1/6", "1/24"], 2, 2], {}),
     "partial_realisation": ([[1, 2, -8, 20]], {}),
     "decide_interval_stability": ([[1, (3, 4), (4, 5), (1, 5)]], {}),

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Matrix, Poly, eye
 
-from compensator_theory import InputError, jordan_form
+from compensator_theory import CompensatorError, exceptional_cases, jordan_form
+from compensator_theory.matrices.nonsingularity import is_proven_nonsingular
 from compensator_theory.strategies.plants import unimodular_matrices
 
 s = sympy.Symbol("s")
@@ -93,15 +94,55 @@ def test_a_factor_of_degree_three_has_a_block_of_its_own():
         sympy.zeros(3, 1).row_join(Matrix([[0, 0, 2], [1, 0, 0], [0, 1, 0]]))
     )  # fmt: skip
     assert str(jordan_form(A)) == "rational Jordan blocks of (s - 1), (s**3 - 2)"
-    with pytest.raises(InputError, match="degree 3"):
+    with pytest.raises(CompensatorError, match="degree 3"):
         jordan_form(A, over="complex")
+
+
+SYMBOLIC = [
+    [["a", 1], [0, "b"]],
+    [[0, 1], ["-w**2", "-2*d*w"]],
+    [["a", 1, 0], [0, "a", 0], [1, 0, "b"]],
+    [[0, 1, 0, 0], ["-k", 0, 1, 0], [0, 0, 0, 1], [0, 0, "-k", 0]],
+    [["a", "b"], ["b", "1/a"]],
+    [["a", 0, 1], [0, "a", "s"], [0, 0, "s"]],
+]
+
+
+@settings(max_examples=12)
+@given(st.sampled_from(SYMBOLIC), st.sampled_from(["rational", "complex"]), st.data())
+def test_a_form_with_symbols_holds_at_every_point_that_is_not_excepted(matrix, over, data):
+    """A similarity to what is a Jordan form, whatever the symbols are, decided by balls."""
+    found, A = jordan_form(matrix, over=over), Matrix(matrix)
+    values = {x: sympy.Rational(data.draw(st.integers(-6, 6)), 2) for x in A.free_symbols}
+    if any(f.subs(values) == 0 for f in found.exceptional):
+        return
+    there, T, J = (M.subs(values) for M in (A, found.T, found.form))
+    assert zero(there * T - T * J) and is_proven_nonsingular(Matrix(T))
+    if over == "complex":
+        above = {J[i, i + 1] for i in range(A.rows - 1)}
+        assert above <= {0, 1} and all(J[i, i] == J[i + 1, i + 1]
+                                       for i in range(A.rows - 1) if J[i, i + 1])  # fmt: skip
+
+
+def test_the_eigenvalues_of_a_damped_oscillator():
+    """w (-d +- sqrt(d^2 - 1)), and a chain where d = 1: from any text."""
+    w, d = sympy.symbols("w d")
+    found = jordan_form([[0, 1], ["-w**2", "-2*d*w"]], over="complex")
+    roots = {sympy.expand(found.form[i, i].subs({w: 2, d: 3})) for i in (0, 1)}
+    assert roots == {-6 + 4 * sympy.sqrt(2), -6 - 4 * sympy.sqrt(2)}
+    assert set(found.exceptional) == {w, d - 1, d + 1}
+    cases = exceptional_cases(jordan_form, [[0, 1], ["-w**2", "-2*d*w"]], over="complex")
+    assert "(s + w)**2" in str(cases)
 
 
 @pytest.mark.parametrize(
     ("matrix", "over", "words"),
-    [([[1, 2]], "rational", "square"), ([["a"]], "rational", "rationals"), ([[1]], "p", "over"),
+    [([[1, 2]], "rational", "square"), ([[1]], "p", "over"),
+     ([["a*sqrt(2)"]], "real", "irrational"),
+     ([["sqrt(a)"]], "rational", "rational"), ([["a", 1], ["b", "c"]], "real", "depends on"),
+     ([[f"x{i}{j}" for j in range(4)] for i in range(4)], "rational", "terms"),
      ([["sqrt(2)"]], "real", "irrational"), ([[1]], None, "over")],
 )  # fmt: skip
 def test_refusals(matrix, over, words):
-    with pytest.raises(InputError, match=words):
+    with pytest.raises(CompensatorError, match=words):
         jordan_form(matrix, over=over)

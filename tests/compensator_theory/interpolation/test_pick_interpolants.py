@@ -5,7 +5,7 @@ import pytest
 import sympy
 from hypothesis import given
 from hypothesis import strategies as st
-from sympy import I, Rational
+from sympy import QQ_I, I, Rational
 
 from compensator_theory import (
     CompensatorError,
@@ -145,6 +145,75 @@ def test_values_of_a_bounded_function_are_feasible(data, drawn, size):
         check(f, points, values, 1)
 
 
+@st.composite
+def touching_data(draw, variable):
+    """Points with a value and up to two derivatives of a real function each."""
+    points, values = draw(closed_data(most=2))
+    lengths = {p: draw(st.integers(0, 2)) for p in points if sympy.im(p) >= 0}
+    chains = []
+    for p, w in zip(points, values, strict=True):
+        k = lengths.get(p, lengths.get(sympy.conjugate(p)))
+        if sympy.im(p) < 0:  # what its partner has, conjugated
+            chains.append([sympy.conjugate(v) for v in chains[-1]])
+        else:
+            chains.append([w, *(draw(HALVES) for _ in range(k))])
+    if variable == "z":
+        points = in_discrete_time(points)
+    return points, chains
+
+
+def derivatives(f, point, count):
+    """By SymPy, of the quotient."""
+    x = f.variable
+    return [sympy.simplify(sympy.diff(f.as_expr(), x, k).subs(x, point)) for k in range(count)]
+
+
+@fewer(4)
+@given(st.data(), st.sampled_from(["s", "z"]), st.integers(0, 5))
+def test_an_interpolant_has_the_derivatives_that_were_given(data, variable, choice):
+    points, chains = data.draw(touching_data(variable))
+    if any(p == sympy.zoo for p in points):
+        return
+    least = nevanlinna_pick(points, chains, 1, variable).enclosure.upper
+    bound = Rational(int(sympy.ceiling(sympy.sqrt(least) * 8)) + 1, 8) + Rational(1, 8)
+    found = nevanlinna_pick(points, chains, bound, variable)
+    f = found.interpolant(PARAMETERS[variable][choice])
+    check(f, points, [chain[0] for chain in chains], bound)
+    for point, chain in zip(points, chains, strict=True):
+        assert derivatives(f, point, len(chain)) == chain
+    assert found.matrix == found.matrix.H and found.values == tuple(map(tuple, chains))
+
+
+@fewer(4)
+@given(st.data(), st.sampled_from(["s", "z"]))
+def test_derivatives_are_limits_of_values_nearby(data, variable):
+    """The least bound is that of values of a polynomial with these derivatives, close together."""
+    p = Rational(data.draw(st.integers(3, 8)), 2)
+    chain = [data.draw(HALVES) for _ in range(2)]
+    least = nevanlinna_pick([p], [chain], 1, variable).enclosure
+    h = Rational(1, 10**8)
+    values = [chain[0], chain[0] + h * chain[1]]
+    nearby = nevanlinna_pick([p, p + h], values, 1, variable).enclosure
+    assert abs(float(least.lower - nearby.upper)) <= 1e-5 * (1 + float(least.upper))
+
+
+@fewer(4)
+@given(blaschke_products(), st.integers(1, 5))
+def test_a_blaschke_product_comes_back_from_its_derivatives_at_one_point(drawn, point):
+    product, order = drawn
+    point += Rational(1, 4)  # no zero of the product
+    chain = [sympy.simplify(sympy.diff(product, s, k).subs(s, point)) for k in range(order + 1)]
+    found = nevanlinna_pick([point], [chain])
+    assert found.is_unique and sympy.cancel(found.interpolant().as_expr() - product) == 0
+
+
+def test_a_double_zero_of_the_sensitivity():
+    """By hand: f(1) = 0, f'(1) = d: f = (s - 1)/(s + 1) g, d = g(1)/2, so that |d| <= 1/2."""
+    assert nevanlinna_pick([1], [[0, "1/2"]]).is_unique
+    assert not nevanlinna_pick([1], [[0, "51/100"]]).is_feasible
+    assert nevanlinna_pick([1], [[0, "1/3"]]).least_squared == Rational(4, 9)
+
+
 def test_known_functions():
     assert str(nevanlinna_pick([2, 3], ["1/3", "1/2"]).interpolant()) == "(s - 1)/(s + 1)"
     assert str(nevanlinna_pick([2, -2], [1, 1], 1, "q").interpolant()) == "(1)/(1)"
@@ -160,7 +229,12 @@ def test_known_functions():
     [(lambda: nevanlinna_pick([1, 2], [1, -1], 5).interpolant(), NoSolutionError, "least bound is"),
      (lambda: nevanlinna_pick(["1+j"], ["1/2"]).interpolant(), InputError, "conjugates"),
      (lambda: nevanlinna_pick(["1+j", "1-j"], ["1/2", "1/3"]).interpolant(), InputError, "conjug"),
-     (lambda: nevanlinna_pick([1], ["j/2"]).interpolant(), InputError, "conjugates")],
+     (lambda: nevanlinna_pick([1], ["j/2"]).interpolant(), InputError, "conjugates"),
+     (lambda: nevanlinna_pick([1], [["1/2", "j/9"]]).interpolant(), InputError, "f'.1. = I/9"),
+     (lambda: nevanlinna_pick(["1+j", "1-j"], [["1/2", 0], "1/2"]).interpolant(), InputError,
+      "f'.1 . I. = 0"),
+     (lambda: nevanlinna_pick([1, 1], ["1/2", 0]), InputError, "in one list"),
+     (lambda: nevanlinna_pick([1], [[]]), InputError, "its value")],
 )  # fmt: skip
 def test_what_no_real_function_does(call, error, words):
     with pytest.raises(error, match=words):
@@ -185,4 +259,4 @@ def test_a_function_that_misses_is_refused(monkeypatch):
     with pytest.raises(NoSolutionError, match="FAILS"):
         found.interpolant()
     with pytest.raises(NoSolutionError, match="bounded real"):  # 2 is above the bound
-        solve_pick([Rational(1)], [Rational(2)], s, transfer_function(0, "s"), discrete=False)
+        solve_pick([(QQ_I(1), [QQ_I(2)])], s, transfer_function(0, "s"), discrete=False)

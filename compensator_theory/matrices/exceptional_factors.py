@@ -7,8 +7,6 @@ from collections.abc import Iterable
 import sympy
 from sympy import Expr, Matrix
 
-from compensator_theory.polynomial_matrices.polynomial_matrices import PolynomialMatrix
-
 
 def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     """Return the irreducible polynomials in the symbols where one of the divisors is 0 or infinite.
@@ -22,7 +20,7 @@ def exceptional_factors(divisors: Iterable[Expr]) -> tuple[Expr, ...]:
     --------
     >>> from sympy import Integer
     >>> from sympy.abc import a, b
-    >>> from compensator_theory.polynomial_matrices.exceptional_factors import exceptional_factors
+    >>> from compensator_theory.matrices.exceptional_factors import exceptional_factors
     >>> exceptional_factors([Integer(2), a**2 - a, a / (b + 1)])
     (a, a - 1, b + 1)
     """
@@ -45,7 +43,7 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
     Examples
     --------
     >>> from sympy import Matrix
-    >>> from compensator_theory.polynomial_matrices.exceptional_factors import denominators_of
+    >>> from compensator_theory.matrices.exceptional_factors import denominators_of
     >>> denominators_of([Matrix([["1/a", "2*b"]])])
     [a]
     """
@@ -56,25 +54,3 @@ def denominators_of(matrices: Iterable[Matrix]) -> list[Expr]:
         if entry.free_symbols
     )
     return [bottom for bottom in dict.fromkeys(bottoms) if bottom.free_symbols]
-
-
-def denominators(*matrices: PolynomialMatrix) -> list[Expr]:
-    """Return what coefficients are divided by, polynomials in the symbols.
-
-    An identity between polynomial matrices holds for all values of the symbols where none of these
-    is zero, whatever was divided by on the way to it.
-
-    Examples
-    --------
-    >>> from compensator_theory import polynomial_matrix
-    >>> from compensator_theory.polynomial_matrices.exceptional_factors import denominators
-    >>> denominators(polynomial_matrix([["s/a", "b*s/(a + 1)"]], "s"))
-    [a, a + 1]
-    """
-    found: dict[Expr, None] = {}
-    for poly in (entry for matrix in matrices for row in matrix.rows for entry in row):
-        if poly.domain.is_FractionField:
-            for coefficient in poly.rep.to_list():
-                bottom = poly.domain.denom(coefficient)
-                found[poly.domain.get_ring().to_sympy(bottom)] = None
-    return [bottom for bottom in found if bottom.free_symbols]
