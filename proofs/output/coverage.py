@@ -58,7 +58,7 @@ def strength(entry: Entry) -> str:
     --------
     >>> from proofs.ledger.ledger import select
     >>> from proofs.output.coverage import strength
-    >>> strength(select(["lemma-1"])[0]), strength(select(["riccati-duality"])[0])
+    >>> strength(select(["lemma-1"])[0]), strength(select(["cross-weight"])[0])
     ('Coq', 'identity')
     """
     sentences = set(range(1, len(entry.conclusion) + 1))

@@ -1,9 +1,15 @@
 """Controllability, coprimeness and the gains of single-input, single-output realisations."""
 
 from hypothesis import strategies as st
-from sympy import Expr, Matrix, Symbol
+from sympy import Expr, Matrix, Poly, Symbol
 
-from compensator_theory import observer_gain, polynomial_from_roots, regulator_gain
+from compensator_theory import (
+    TransferFunction,
+    markov_parameters,
+    observer_gain,
+    polynomial_from_roots,
+    regulator_gain,
+)
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank
 from compensator_theory.strategies import matrices, minimal_plants, spectra
 
@@ -53,3 +59,21 @@ def minimal_is_coprime(A: Matrix, B: Matrix, C: Matrix, hidden: int) -> bool:
     D = characteristic_polynomial(A, s)
     N = D - characteristic_polynomial(A + B * C, s)
     return bool((reached == seen == 3) == (D.gcd(N).degree() == 0))
+
+
+@for_all(A=matrices(3, 3), B=matrices(3, 1), C=matrices(1, 3), terms=st.integers(0, 5))
+def markov_expansion(A: Matrix, B: Matrix, C: Matrix, terms: int) -> bool:
+    """s^N times the numerator is det(sI - A) times H_1 s^(N-1) + ... + H_N, plus the numerator of
+    C A^N, where H_i = C A^(i-1) B are the coefficients of the expansion at infinity.
+    """
+    A, B, C = (Matrix(M) for M in (A, B, C))
+    D = characteristic_polynomial(A, s)
+
+    def numerator(row: Matrix) -> Poly:
+        return D - characteristic_polynomial(A + B * row, s)
+
+    H = [(C * A**i * B)[0] for i in range(terms)]
+    head = Poly([*H, 0], s).quo(Poly(s, s)) if H else Poly(0, s)
+    left = Poly(s**terms, s) * numerator(C)
+    same = markov_parameters(TransferFunction(numerator(C), D), terms + 1)[1:]
+    return bool(left == D * head + numerator(C * A**terms) and list(same) == H)

@@ -1,5 +1,6 @@
 """High-authority LQG and the Riccati equation, solved exactly where the zeros are rational."""
 
+from hypothesis import assume
 from hypothesis import strategies as st
 from sympy import Matrix, Poly, Rational, Symbol, kronecker_product, prod
 
@@ -96,6 +97,40 @@ def _is_semidefinite(M: Matrix) -> bool:
         return False
     descending = characteristic_polynomial(M, q).all_coeffs()
     return all((-1) ** i * coefficient >= 0 for i, coefficient in enumerate(descending))
+
+
+@st.composite
+def regulators(draw: st.DrawFn) -> tuple[Matrix, Matrix, Matrix, Matrix]:
+    """Draw A and B with two inputs, and E_1, E_2 with R_1 > 0 and R_2 > 0 and a cross weight."""
+    n = draw(st.integers(1, 2))
+    A, B, X, U = (Matrix(draw(matrices(*size))) for size in ((n, n), (n, 2), (n, 2), (2, 2)))
+    assume(rank(Matrix.hstack(B, A * B)) == n)
+    E_1 = Matrix.vstack(Matrix.eye(n), X.T, Matrix.zeros(2, n))
+    E_2 = Matrix.vstack(Matrix.zeros(n, 2), U, Matrix.eye(2))
+    return A, B, E_1, E_2
+
+
+@for_all(case=regulators())
+def several_inputs(case: tuple[Matrix, Matrix, Matrix, Matrix]) -> bool:
+    """With two inputs and R_2 > 0 there is a solution P > 0 of (A.7) with its closed loop Schur: a
+    rational P near it leaves a residual as small as its distance and M = A + BK allow.
+
+    The Riccati map moves by M'DM where P moves by D, but for terms in D^2.
+    """
+    A, B, E_1, E_2 = case
+    n = A.rows
+    balls = solve_riccati(A, B, E_1, E_2, time="discrete").P_enclosure
+    P = Matrix(n, n, lambda i, j: balls[i][j].centre)
+    W = E_2.T * E_2 + B.T * P * B
+    gain = -W.inv() * (B.T * P * A + E_2.T * E_1)
+    M = A + B * gain
+    residual = A.T * P * A + E_1.T * E_1 - gain.T * W * gain - P
+    distance = n * max(ball.radius for row in balls for ball in row)
+    allowed = 2 * distance * (1 + sum(entry**2 for entry in M))
+    chi = characteristic_polynomial(M, q)
+    inside = chi.eval(1) > 0 and (-1) ** n * chi.eval(-1) > 0 and abs(chi.eval(0)) < 1
+    positive = all(P[:k, :k].det() > 0 for k in range(1, n + 1))
+    return bool(inside and positive and all(abs(entry) <= allowed for entry in residual))
 
 
 @st.composite

@@ -72,7 +72,7 @@ def test_names_only():
     assert found.exit_code == 0
     assert [line.split()[1] for line in found.stdout.splitlines()] == [
         "riccati-duality", "forward-riccati", "forward-riccati-observer", "subsystem-recursion",
-        "retrospective-input",
+        "retrospective-input", "unscented-transformation", "past-inputs",
     ]  # fmt: skip
 
 

@@ -2,6 +2,7 @@
    number of states and inputs, R_2 > 0, over an ordered field. *)
 From mathcomp Require Import all_ssreflect all_algebra ring.
 From Compensators.foundations Require Import PositiveDefinite.
+From Compensators.theorems Require Import RecursiveLeastSquares.
 Set Implicit Arguments. Unset Strict Implicit. Unset Printing Implicit Defensive.
 Import Order.Theory GRing.Theory Num.Theory.
 Local Open Scope ring_scope.
@@ -72,4 +73,31 @@ Theorem forward_riccati_is_semidefinite (R : realFieldType) n m (A R_1 P_0 : 'M[
 Proof.
 move=> P_pos R_1_pos R_2_pos; elim: k => //= k IH.
 exact: forward_step_is_semidefinite.
+Qed.
+
+(* (8.99) and (8.100) are (8.95) and (8.96) for A', C', V_1 and V_2; and (2.46) is (8.100) for A = I,
+   C = Phi_f and V_2 = (R_z + R_u)^-1, with Q as process noise: a Kalman predictor of theta. *)
+Section Dual.
+Variables (R : realFieldType) (n p : nat).
+Variables (A Q V_1 : 'M[R]_n) (C : 'M[R]_(p, n)) (V_2 : 'M[R]_p).
+
+Definition predictor_gain := A *m Q *m C^T *m invmx (V_2 + C *m Q *m C^T).
+Definition predictor_step :=
+  A *m Q *m A^T + V_1 - A *m Q *m C^T *m invmx (V_2 + C *m Q *m C^T) *m C *m Q *m A^T.
+
+Theorem predictor_step_is_dual : predictor_step = forward_step A^T Q V_1 C^T V_2.
+Proof. by rewrite /forward_step !trmxK. Qed.
+
+Theorem predictor_gain_is_dual : Q^T = Q -> V_2^T = V_2 ->
+  predictor_gain = - (forward_gain A^T Q C^T V_2)^T.
+Proof.
+move=> Q_T V_T; rewrite /forward_gain linearN /= opprK !trmx_mul !trmxK trmx_inv Q_T.
+by rewrite linearD /= !trmx_mul !trmxK Q_T V_T !mulmxA.
+Qed.
+End Dual.
+
+Theorem update_2_46 (R : realFieldType) l p (P Q : 'M[R]_l) (Phi : 'M[R]_(p, l)) (weight : 'M[R]_p) :
+  next_P P Phi weight 1 + Q = predictor_step 1%:M P Q Phi (invmx weight).
+Proof.
+by rewrite /next_P /Upsilon invr1 !scale1r /predictor_step trmx1 !mul1mx !mulmx1 addrAC.
 Qed.

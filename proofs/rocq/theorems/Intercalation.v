@@ -96,3 +96,15 @@ move=> loop; have : Dtilde * u = D * D_c * u_bar.
 by move/(canRL (mulKf nz_Dtilde)) => ->; field; rewrite nz_Dtilde nz_D.
 Qed.
 End ScalarSignals.
+
+(* The residual of the fit, (4.1)-(4.6): G_f acts on signals and keeps sums; v is Phi theta. *)
+Section Residual.
+Variables (U Z : zmodType) (G_f : {additive U -> Z}).
+
+Theorem performance_4_1 (z : Z) (u v : U) : z + G_f v - G_f u = z - G_f (u - v).
+Proof. by rewrite raddfB opprB addrA. Qed.
+
+Theorem residual_4_6 (z : Z) (u u_star u_tilde : U) : u_tilde = u - u_star ->
+  u = u_star + u_tilde /\ z - G_f (u - u_star) = z - G_f u_tilde.
+Proof. by move=> ->; rewrite addrC subrK. Qed.
+End Residual.

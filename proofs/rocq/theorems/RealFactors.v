@@ -28,6 +28,33 @@ Variable R : rcfType.
 Implicit Types p q r s : {poly R}.
 Local Notation toC := (real_complex R).
 
+(* A complex root and its conjugate: a monic quadratic factor. *)
+Lemma conjugate_pair p a b : b != 0 -> root (map_poly toC p) (a +i* b) ->
+  exists q, [/\ q \is monic, degree_is q 2, q %| p
+    & map_poly toC q = ('X - (a +i* b)%:P) * ('X - (conjc (a +i* b))%:P)].
+Proof.
+move=> nz_b root_z; pose q : {poly R} := 'X^2 - (a + a) *: 'X + (a * a + b * b)%:P.
+have lower : (size ((- ((a + a) *: 'X) + (a * a + b * b)%:P)%R : {poly R}) < 3)%N.
+  rewrite (leq_ltn_trans (size_add _ _)) // gtn_max size_opp.
+  rewrite (leq_ltn_trans (size_scale_leq _ _)) ?size_polyX //.
+  by rewrite (leq_ltn_trans (size_polyC_leq1 _)).
+set z := a +i* b in root_z *.
+have product : z * conjc z = toC (a * a + b * b).
+  by apply/eqP; rewrite eq_complex /= sum_of_squares cross_terms !eqxx.
+have sum : z + conjc z = toC (a + a) by apply/eqP; rewrite eq_complex /= subrr !eqxx.
+have over_C : map_poly toC q = ('X - z%:P) * ('X - (conjc z)%:P).
+  rewrite /q rmorphD rmorphB /= map_polyXn map_polyZ map_polyX map_polyC /=.
+  by rewrite -product -sum -mul_polyC quadratic.
+exists q; split=> //.
+- by rewrite /q -addrA monicE lead_coefDl ?size_polyXn // lead_coefXn.
+- by rewrite /q -addrA size_addl size_polyXn.
+rewrite -(dvdp_map [rmorphism of toC]) /= over_C Gauss_dvdp.
+  rewrite !dvdp_XsubCl root_z andTb -complex_root_conj -map_poly_comp.
+  by rewrite (@eq_map_poly _ _ _ toC) // => x /=; rewrite oppr0.
+apply: coprimep_XsubC2; apply: contra nz_b => /eqP.
+by move/(congr1 (@complex.Im R)) => /= /eqP; rewrite -opprD oppr_eq0 -mulr2n mulrn_eq0.
+Qed.
+
 (* Degree 2 or more: a monic quadratic factor. *)
 Lemma quadratic_factor p : (2 < size p)%N ->
   exists q, [/\ q \is monic, degree_is q 2 & q %| p].
@@ -51,27 +78,8 @@ have [b0|nz_b] := eqVneq b 0.
   - by rewrite monicE lead_coefZ mulVf // lead_coef_eq0.
   - by rewrite size_scale ?invr_eq0 ?lead_coef_eq0.
   - by rewrite dvdpZl ?dvdpp // invr_eq0 lead_coef_eq0.
-(* a pair of complex roots *)
-pose q : {poly R} := 'X^2 - (a + a) *: 'X + (a * a + b * b)%:P.
-have lower : (size ((- ((a + a) *: 'X) + (a * a + b * b)%:P)%R : {poly R}) < 3)%N.
-  rewrite (leq_ltn_trans (size_add _ _)) // gtn_max size_opp.
-  rewrite (leq_ltn_trans (size_scale_leq _ _)) ?size_polyX //.
-  by rewrite (leq_ltn_trans (size_polyC_leq1 _)).
-exists q; split.
-- by rewrite /q -addrA monicE lead_coefDl ?size_polyXn // lead_coefXn.
-- by rewrite /q -addrA size_addl size_polyXn.
-rewrite -(dvdp_map [rmorphism of toC]) /=; set z := a +i* b in root_z.
-have product : z * conjc z = toC (a * a + b * b).
-  by apply/eqP; rewrite eq_complex /= sum_of_squares cross_terms !eqxx.
-have sum : z + conjc z = toC (a + a) by apply/eqP; rewrite eq_complex /= subrr !eqxx.
-have -> : map_poly toC q = ('X - z%:P) * ('X - (conjc z)%:P).
-  rewrite /q rmorphD rmorphB /= map_polyXn map_polyZ map_polyX map_polyC /=.
-  by rewrite -product -sum -mul_polyC quadratic.
-rewrite Gauss_dvdp.
-  rewrite !dvdp_XsubCl root_z andTb -complex_root_conj -map_poly_comp.
-  by rewrite (@eq_map_poly _ _ _ toC) // => x /=; rewrite oppr0.
-apply: coprimep_XsubC2; apply: contra nz_b => /eqP.
-by move/(congr1 (@complex.Im R)) => /= /eqP; rewrite -opprD oppr_eq0 -mulr2n mulrn_eq0.
+have [q [monic_q deg_q divides _]] := conjugate_pair nz_b root_z.
+by exists q.
 Qed.
 
 (* A factor of every even degree that is at most the polynomial's own. *)

@@ -1,6 +1,7 @@
 (* The stabilising solution of the Riccati equation (A.7): there is at most one, with every cross term
    and any number of signals; and for one input and scalar z = E_1 x + E_2 u there is one, where
-   (A, B) is controllable and N_zu has no zero on the unit circle, R_2 = E_2^2 = 0 included. *)
+   (A, B) is controllable and N_zu has no zero on the unit circle, R_2 = E_2^2 = 0 included. For any
+   number of inputs and R_2 > 0 see StabilisingSolution. *)
 From mathcomp Require Import all_ssreflect all_algebra zify ring.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices.

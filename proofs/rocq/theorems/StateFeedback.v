@@ -1,6 +1,6 @@
 (* State feedback with several inputs, over any field: Heymann's lemma, by the argument of Hautus, and
-   with it placement of every polynomial, which is possible for controllable pairs and for no others;
-   and the dual, output injection with several outputs. *)
+   with it placement of every polynomial, possible for controllable pairs and for no others; and the
+   dual, output injection with several outputs. *)
 From mathcomp Require Import all_ssreflect all_algebra zify.
 From Compensators.foundations Require Import Vocabulary Matrices.
 From Compensators.theorems Require Import Kalman PolePlacement Coprimeness.
@@ -190,7 +190,8 @@ have [d [L [X [free LA LB]]]] : exists d (L : 'M[R]_(d.+1, n)) X,
 have d_n : (d.+1 <= n)%N by rewrite -(eqP free) rank_leq_col.
 pose f := char_poly X * 'X^(n - d.+1).
 have size_f : size f = n.+1.
-  by rewrite size_monicM ?char_poly_monic ?monic_neq0 ?monicXn // size_char_poly size_polyXn addSn /= addnS subnKC.
+  by rewrite size_monicM ?char_poly_monic ?monic_neq0 ?monicXn // size_char_poly size_polyXn addSn
+    /= addnS subnKC.
 have small : (size (1%R : {poly R}) < size f)%N by rewrite size_f size_poly1.
 have [||K placed] := places (f + 1).
 - by rewrite monicE lead_coefDl // -monicE monicMl ?monicXn ?char_poly_monic.
@@ -216,7 +217,8 @@ End StateFeedback.
 (* With one input the word means what it meant. *)
 Lemma controllable_pair_1 (R : fieldType) order (A : 'M[R]_order.+1) (B : 'cV[R]_order.+1) :
   controllable_pair A B = controllable A B.
-Proof. by apply/idP/idP=> [/controllable_pairP|/controllableP] only_zero; [apply/controllableP | apply/controllable_pairP]. Qed.
+Proof. by apply/idP/idP=> [/controllable_pairP|/controllableP] only_zero;
+  [apply/controllableP | apply/controllable_pairP]. Qed.
 
 Section OutputInjection.
 Variables (R : fieldType) (order outputs : nat).

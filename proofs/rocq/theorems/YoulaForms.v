@@ -31,7 +31,8 @@ have -> : char_poly (block_mx A 0 0 A' + col_mx B B' *m row_mx C C')
 rewrite rank_one; last first.
   rewrite /W mulmx_block !mul0mx !mulmx0 !addr0 !add0r -!scalemxAl !mul_adj_mx -/d -/d'.
   by rewrite scalar_mx_block !scale_scalar_mx [d' * d]mulrC.
-rewrite [char_poly (block_mx _ _ _ _)]/char_poly blocks det_M mulmxN mxE opprD opprK addrA subrr add0r.
+rewrite [char_poly (block_mx _ _ _ _)]/char_poly blocks det_M mulmxN mxE.
+rewrite opprD opprK addrA subrr add0r.
 rewrite /c /b /W map_row_mx map_col_mx mul_row_block !mulmx0 addr0 add0r mul_row_col.
 by rewrite -!scalemxAr -!scalemxAl [_ 0 0]mxE; congr (_ + _); rewrite mxE.
 Qed.
@@ -89,7 +90,8 @@ by rewrite addNr /observer_matrix [A + B *m K]addrC -addrA addKr.
 Qed.
 
 Section Forms.
-Variables (A_c : 'M[R]_((order + r).+1)) (B_c : 'cV[R]_((order + r).+1)) (C_c : 'rV[R]_((order + r).+1)).
+Variables (A_c : 'M[R]_((order + r).+1)) (B_c : 'cV[R]_((order + r).+1)).
+Variables (C_c : 'rV[R]_((order + r).+1)).
 Local Notation Atilde := (closed_loop A B C A_c B_c C_c).
 Local Notation form := (youla_form A_c B_c C_c).
 Implicit Types (T : 'M[R]_(n + r)) (p : {poly R}).
@@ -165,7 +167,8 @@ have deg_g : degree_below g r.
   rewrite Eg size_Mmonic ?char_poly_monic // size_char_poly.
   by move: nz_g; rewrite -size_poly_gt0; move: (size g); lia.
 have [] := canonical_form monic_Q deg_Q deg_g.
-move: (companion r p_Q) (canonical_input R extra) (canonical_output extra g) => A_q B_q C_q filter N_q.
+move: (companion r p_Q) (canonical_input R extra) (canonical_output extra g) 
+  => A_q B_q C_q filter N_q.
 pose M := youla_matrix K F A_q B_q C_q.
 have same_N : N_c = numerator M (col_mx F B_q) (row_mx K C_q).
   rewrite youla_numerator N_q -/(denominator A_q) filter -/N_o [char_poly A * g]mulrC.
@@ -181,7 +184,8 @@ Qed.
 (* And only one, up to the coordinates of the filter. *)
 Theorem youla_form_is_unique T K F A_q B_q C_q T' K' F' A_q' B_q' C_q' :
   form T K F A_q B_q C_q -> form T' K' F' A_q' B_q' C_q' ->
-  char_poly (A + B *m K) = char_poly (A + B *m K') -> char_poly (A - F *m C) = char_poly (A - F' *m C) ->
+  char_poly (A + B *m K) = char_poly (A + B *m K') ->
+  char_poly (A - F *m C) = char_poly (A - F' *m C) ->
   [/\ K = K', F = F' & exists U : 'M[R]_r, [/\ U \in unitmx, T' = T *m block_mx 1%:M 0 0 U,
     A_q *m U = U *m A_q', U *m B_q' = B_q & C_q *m U = C_q']].
 Proof.
@@ -224,7 +228,8 @@ have minimal_q T0 Aq Bq Cq : form T0 K F Aq Bq Cq -> minimal Aq Bq Cq.
   have step (y : 'M[R]_(m, r)) : y *m Bq = 0 ->
       row_mx 0 y *m youla_matrix K F Aq Bq Cq = row_mx 0 (y *m Aq).
     by move=> zero; rewrite mul_row_block !mul0mx !add0r mulmxN mulmxA zero mul0mx oppr0.
-  have moved k : row_mx (0 : 'M[R]_(m, n)) eta *m M ^+ k = row_mx (0 : 'M[R]_(m, n)) (eta *m Aq ^+ k).
+  have moved k : row_mx (0 : 'M[R]_(m, n)) eta *m M ^+ k
+      = row_mx (0 : 'M[R]_(m, n)) (eta *m Aq ^+ k).
     elim: k => [|k IH]; first by rewrite !expr0 !mulmx1.
     by rewrite exprSr -mulmxE mulmxA IH exprSr -mulmxE mulmxA; apply: step.
   have : row_mx (0 : 'M[R]_(m, n)) eta *m invmx T0 = 0.
@@ -247,7 +252,8 @@ have moved : A_c *m T_U = T_U *m youla_matrix K F A_q' B_q' C_q'.
   by rewrite -mulmxA outputs_U mulmxN mulmxA inputs_U.
 clearbody T_U.
 apply/eqP; rewrite -subr_eq0; apply/eqP.
-have [_ /observableP only_zero] := minimal_compensator; apply: only_zero => k; rewrite -mulmxA mulmxBr.
+have [_ /observableP only_zero] := minimal_compensator; apply: only_zero => k;
+  rewrite -mulmxA mulmxBr.
 rewrite (power_similar _ similar') (power_similar _ moved) mulmxBr !mulmxA.
 by rewrite outputs' seen subrr.
 Qed.

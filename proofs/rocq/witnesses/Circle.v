@@ -2,7 +2,8 @@
 From mathcomp Require Import all_ssreflect all_algebra ring.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
-From Compensators.theorems Require ForwardRiccati ExactMatch MinimalLoops.
+From Compensators.theorems Require ForwardRiccati ExactMatch MinimalLoops Lyapunov.
+From Compensators.theorems Require StabilisingSolution MarkovParameters UnscentedTransformation.
 From Compensators.theorems Require ClosedLoopOrder UdUpdate RetrospectiveInput.
 From Compensators.theorems Require Import Kalman ReturnDifference HighAuthorityPoles Stein Riccati.
 From Compensators.theorems Require Import HighAuthorityLqg.
@@ -224,3 +225,48 @@ move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 1 0 0 _ 1%:M); 
 rewrite /RetrospectiveInput.retrospective_input /RetrospectiveInput.linear_part !(mulmx0, mul0mx) scaler0.
 by rewrite mulmx0 scaler0 oppr0; apply: one_is_not_zero.
 Qed.
+
+Lemma lyapunov_semidefinite : ltac:(can_be_met (@Lyapunov.lyapunov_semidefinite)).
+Proof.
+move=> absurd; apply: (absurd RR 1%N O 0 0 inside_O); rewrite ?trmx0 //.
+  exact: zero_semidefinite.
+by rewrite mulmx0 mul0mx addr0.
+Qed.
+
+(* x+ = u with the cost of u alone. *)
+Lemma stabilising_solution : ltac:(can_be_met (@StabilisingSolution.stabilising_solution)).
+Proof.
+move=> absurd; apply: (absurd RR 0%N 1%N O 0 E 0 1%:M); last exact: one_definite.
+- by exists 0; rewrite mulmx0 addr0; apply: inside_O.
+- move=> z x u circle state _; rewrite trmx0 map_mx0 mul0mx add0r map_mx1 mul1mx => u0.
+  move: state; rewrite u0 mulmx0 addr0 /number raddf0 map_mx0 mul0mx => /esym/eqP.
+  by rewrite scaler_eq0 -normr_eq0 circle oner_eq0 => /eqP.
+pose Phi : 'M[[rcfType of realalg]]_(1, 1 + 1) := row_mx (0 : 'M_1) 1%:M.
+have -> : block_mx 0 0 0^T 1%:M = Phi^T *m 1%:M *m Phi.
+  by rewrite /Phi tr_row_mx !trmx0 trmx1 mulmx1 mul_col_row !mul0mx mulmx0 mulmx1.
+exact/semidefinite_congruence/definite_semidefinite/one_definite.
+Qed.
+
+Lemma predictor_gain_is_dual : ltac:(can_be_met (@ForwardRiccati.predictor_gain_is_dual)).
+Proof.
+by move=> absurd; apply: (absurd [realFieldType of rat] 1%N 1%N 0 0 0 0 (trmx0 _ _ _) (trmx0 _ _ _)).
+Qed.
+
+Lemma state_8_36 : ltac:(can_be_met (@MarkovParameters.state_8_36)).
+Proof.
+move=> absurd; apply: (absurd [ringType of rat] 1%N 1%N 1%N 0 0 0 (fun=> 0) (fun=> 0) (fun=> 0) _ 0%N 0%N).
+by move=> k; rewrite !mulmx0 !addr0.
+Qed.
+
+Lemma performance_8_37 : ltac:(can_be_met (@MarkovParameters.performance_8_37)).
+Proof.
+move=> absurd; apply: (absurd [ringType of rat] 1%N 1%N 1%N 1%N 0 0 0 0 (fun=> 0) (fun=> 0) (fun=> 0)
+  (fun=> 0) _ 0%N 0%N).
+by move=> k; rewrite !mulmx0 !addr0.
+Qed.
+
+Lemma mean_8_12 : ltac:(can_be_met (@UnscentedTransformation.mean_8_12)).
+Proof. by move=> absurd; apply: (absurd Q 1%N 0 0 1 1). Qed.
+
+Lemma covariance_8_12 : ltac:(can_be_met (@UnscentedTransformation.covariance_8_12)).
+Proof. by move=> absurd; apply: (absurd Q 1%N 0 0 0 1 1); rewrite ?mul0mx ?expr1n. Qed.

@@ -231,7 +231,8 @@ Proof. by move=> absurd; apply: (absurd Q). Qed.
 
 Lemma heymann : ltac:(can_be_met (@StateFeedback.heymann)).
 Proof.
-move=> absurd; apply: (absurd Q 0%N 1%N o e 1%:M); first by rewrite StateFeedback.controllable_pair_1 reaches.
+move=> absurd; apply: (absurd Q 0%N 1%N o e 1%:M);
+  first by rewrite StateFeedback.controllable_pair_1 reaches.
 by rewrite mulmx1; apply: one_is_not_zero.
 Qed.
 
@@ -239,4 +240,10 @@ Lemma output_injection_places : ltac:(can_be_met (@StateFeedback.output_injectio
 Proof.
 move=> absurd; apply: (absurd Q 0%N 1%N o e 'X _ (monicX _) (size_polyX _)).
 by rewrite StateFeedback.pair_duality StateFeedback.controllable_pair_1 -duality sees.
+Qed.
+
+Lemma residual_4_6 : ltac:(can_be_met (@Intercalation.residual_4_6)).
+Proof.
+move=> absurd; apply: (absurd [zmodType of rat] [zmodType of rat] [additive of idfun] 0 0 0 0).
+by rewrite subr0.
 Qed.
