@@ -88,6 +88,13 @@ def test_pick_matrix_of_two_points():
     assert equal(least(nevanlinna_pick([1, 2], [1, -1])), (3 + 2 * sqrt(2)) ** 2)
 
 
+def test_interpolation_at_a_pair_of_points():
+    """The least norm of a stable real f with f(1) = 0 and f(1 + i) = 1."""
+    found = nevanlinna_pick([1, "1 + j", "1 - j"], [0, 1, 1])
+    # f = g (s - 1)/(s + 1), g(1 + i) = 1 - 2 i: 2 (x - 5)^2 = |x + 3 + 4 i|^2
+    assert equal(least(found), 25)
+
+
 def test_derivative_data():
     """The least norm of a stable f with f(1) = 0 and f'(1) = 1."""
     found = nevanlinna_pick([1], [[0, 1]], 3)

@@ -65,6 +65,23 @@ def test_oscillator():
     assert equal(found.K, [[-1, -sqrt(2)]])
 
 
+def test_oscillator_of_any_frequency():
+    """The optimal gain of x'' = -w^2 x + u with Q = diag(q, 0) and R = 1."""
+    found = riccati_formula(
+        [[0, 1], ["-w**2", 0]], B, Q=[["q", 0], [0, 0]], R=[[1]], time="continuous"
+    )
+    # P: p_12^2 + 2 w^2 p_12 = q, p_22^2 = 2 p_12
+    p_12 = sympy.sympify("sqrt(w**4 + q) - w**2")
+    assert equal(found.K, [[-p_12, -sqrt(2 * p_12)]])
+
+
+def test_delay_line():
+    """x_1(k + 1) = x_2(k), x_2(k + 1) = u(k): the optimal u and P for Q = diag(a, b)."""
+    found = riccati_formula(A, B, Q=[["a", 0], [0, "b"]], R=[["r"]], time="discrete")
+    assert equal(found.K, [[0, 0]])  # nothing that u could make smaller
+    assert equal(found.P, [["a", 0], [0, "a + b"]])
+
+
 def test_cross_weight():
     """x' = u with the cost x^2 + 2 n x u + u^2, n = 3/5."""
     found = solve_riccati([[0]], [[1]], Q=[[1]], R=[[1]], N=[["3/5"]], time="continuous")
