@@ -12,7 +12,7 @@ from compensator_theory import (
     reduced_order_observer,
     regulator_gain,
 )
-from compensator_theory.errors import CompensatorError
+from compensator_theory.errors import CompensatorError, InputError
 from tests.support.exercises import equal
 
 s = sympy.Symbol("s")
@@ -75,8 +75,11 @@ def test_speed_under_an_unknown_force():
 def test_unknown_input_that_is_measured():
     """x_1' = x_2, x_2' = -x_1 + d with x_2 measured: estimate x_1 without knowing d."""
     A, B, C = [[0, 1], [-1, 0]], [[0], [0]], [[0, 1]]
-    with pytest.raises(CompensatorError):  # x_1 is the integral of the output: the pole 0 is fixed
+    # x_1 is the integral of the output, so that the pole 0 cannot be moved
+    with pytest.raises(InputError, match=r"the root\(s\) of s cannot be moved"):
         functional_observer((A, B, C), [[1, 0]], [-1], "s", unknown_inputs=[[0], [1]])
+    found = functional_observer((A, B, C), [[1, 0]], [], "s", unknown_inputs=[[0], [1]])
+    assert equal([found.N[0], found.J[0], found.error_polynomial], [0, 1, "s"])
 
 
 def test_compensator_of_a_double_integrator():

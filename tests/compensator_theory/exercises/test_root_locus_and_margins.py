@@ -5,6 +5,7 @@ import sympy
 from sympy import Rational, pi, sqrt
 
 from compensator_theory import root_locus, stability_delays, stability_margins
+from compensator_theory.errors import InputError
 from tests.support.exercises import encloses
 
 
@@ -87,6 +88,22 @@ def test_margins_of_an_unstable_plant():
     assert found.is_stable
     assert (found.gains.lower, found.gains.upper) == (Rational(3, 4), sympy.oo)
     assert abs(found.encirclements) == 1  # one unstable pole
+
+
+def test_margins_of_a_real_loop():
+    """Has 1/s^2 under unity feedback phase crossovers?"""
+    with pytest.raises(InputError, match="see root_locus"):  # L < 0 at every frequency
+        stability_margins("1/s**2", feedback=-1)
+
+
+@pytest.mark.parametrize(("plant", "gain"), [("1/s**2", 0), ("1/(s**2 + 1)", -1)])
+def test_locus_on_the_axis(plant, gain):
+    """Where do the branches of 1/s^2 and of 1/(s^2 + 1) meet, and where do they cross the axis?"""
+    found = root_locus(plant, feedback=-1)
+    assert [(b.value, b.gain) for b in found.breaks] == [(0, gain)]
+    assert set(found.asymptotes) == {pi / 2, 3 * pi / 2}
+    assert found.crossings is None  # they stay on it
+    assert not found.stable.intervals
 
 
 def test_delay_margin_of_an_integrator():

@@ -39,6 +39,14 @@ def test_compensator_of_a_wanted_sensitivity():
     assert equal(found.reduced(), "(3*s + 1)/s")  # (1/S - 1)/P
 
 
+def test_sensitivity_that_cancels_an_unstable_pole():
+    """The compensator of 1/(s - 1) whose sensitivity is (s + 1)/(s + 2): is the loop stable?"""
+    found = compensator_from_sensitivity("1/(s - 1)", "(s + 1)/(s + 2)", feedback=-1)
+    assert equal(found, "(s - 1)/(s + 1)")  # S(1) is not 0: the pole 1 is cancelled
+    loop = sympy.expand((s - 1) * found.denominator.as_expr() + found.numerator.as_expr())
+    assert not decide_stability(loop, time="continuous").is_stable
+
+
 def test_youla_parameter_of_a_proportional_gain():
     """Is u = -3 y among the stabilising compensators of 1/(s - 1), and for which parameter?"""
     every = stabilising_compensators("1/(s - 1)", [-1], [-1], feedback=-1)
