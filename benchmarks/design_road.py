@@ -244,7 +244,7 @@ def judged(G, period, late, seed):
             cases.append(SimulationCase(servo, controller, w, {"stride": STEPS}))
             keys.append((way, true.name))
     runs = simulate_many(cases, threads=1)
-    found = dict(zip(keys, (measured(run, STEPS) for run in runs), strict=True))
+    found = dict(zip(keys, (measured(run) for run in runs), strict=True))
     _, tail, peak, _ = found.get(("fixed, signals known", "nominal"), (False, 1.0, 1.0, 1.0))
     scaled = {
         key: (stable, rms / tail, highest / peak, Ms)

@@ -1,6 +1,7 @@
 import os
 import sys
 import tempfile
+import tomllib
 import warnings
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,7 +21,8 @@ from docs.exercises_page import sources as exercise_files
 from docs.notebook_pages import copy_notebooks, write_settings
 from docs.numbered_items import FILE as ITEMS
 from docs.numbered_items import counts, table
-from docs.reference_pages import changed, write_reference
+from docs.reference_pages import ROOT, changed, write_reference
+from docs.thumbnails import insert_thumbnails
 from rcac_numeric.explorer.page import explorer_page
 from rcac_numeric.reports.page.rendering import write_page
 from tests.house.layers import LAYERS
@@ -48,7 +50,7 @@ extensions = [
     "sphinx_design",
 ]
 source_suffix = {".md": "myst-nb"}
-exclude_patterns = ["_build", "_static"]
+exclude_patterns = ["_build", "_static", "jupyter_execute"]  # what a build leaves behind
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 smartquotes_action = "De"  # dashes and dots; a quote after a letter is a transpose
@@ -64,6 +66,11 @@ nb_merge_streams = True
 os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
 
 html_theme = "furo"
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+if repository := PROJECT.get("urls", {}).get("Repository"):
+    html_theme_options = {
+        "source_repository": repository, "source_branch": "main", "source_directory": "docs/",
+    }  # fmt: skip
 html_title = "compensator-theory"
 html_static_path = ["_static"]
 # Formulas are set without the network where the extra `docs` is installed as it stands now.
@@ -162,6 +169,7 @@ def insert_judging(app, name, source):
 def setup(app):
     setup_equations(app)
     app.connect("builder-inited", build_explorer)
+    app.connect("doctree-resolved", insert_thumbnails)
     app.connect("autodoc-skip-member", skip_foreign)
     app.connect("missing-reference", resolve_public)
     app.connect("source-read", insert_ledger)

@@ -8,8 +8,8 @@ that is not public.
 import ast
 import re
 import tomllib
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 
@@ -56,6 +56,8 @@ class Group:
     title: str
     says: str
     names: tuple[str, ...]
+    terms: tuple[str, ...] = ()  # under which the index has it, where its title has other words
+    named: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # the same of single names
 
 
 def write_reference(target: Path, layers: dict[str, list[str]]) -> None:
@@ -86,7 +88,7 @@ def write_reference(target: Path, layers: dict[str, list[str]]) -> None:
 def groups(package: str) -> Iterator[Group]:
     """The public names of a package by task."""
     for group in tomllib.loads((GROUPS / f"{package}.toml").read_text())["group"]:
-        yield Group(package=package, **{**group, "names": tuple(group["names"])})
+        yield Group(package=package, **group)
 
 
 @cache
@@ -181,7 +183,9 @@ def _group_page(group: Group, homes: dict[str, str]) -> str:
         (f"[`{name}`]({page_of(group.package, name)}.md)", _summary(homes[name], name))
         for name in group.names
     ]
-    return f"# {group.title}\n\n{group.says} All of `{group.package}`.\n\n{_table('name', rows)}\n"
+    indexed = _index_entry(group.terms)
+    says = f"{group.says} All of `{group.package}`."
+    return f"# {group.title}\n\n{indexed}{says}\n\n{_table('name', rows)}\n"
 
 
 def _name_page(group: Group, name: str, home: str) -> str:
@@ -197,10 +201,16 @@ def _name_page(group: Group, name: str, home: str) -> str:
     is_folder = ROOT.joinpath(*home.split(".")).is_dir()
     folder = home if is_folder else home.rpartition(".")[0]
     return (
-        f"{ORPHAN}# {public_path(group.package, name)}\n\n[Reference](../index.md) / "
+        f"{ORPHAN}# {public_path(group.package, name)}\n\n"
+        f"{_index_entry(group.named.get(name, ()))}[Reference](../index.md) / "
         f"[{group.title}](../{group.page}.md)\n\n```{{eval-rst}}\n{directive}\n```\n\n"
         f"Written in `{home}`; [its folder](../{folder}.md).\n"
     )
+
+
+def _index_entry(terms: Sequence[str]) -> str:
+    """The directive that puts words of the field into the index, which a search asks first."""
+    return f"```{{index}} {', '.join(f'! {term}' for term in terms)}\n```\n\n" if terms else ""
 
 
 def _folder_page(folder: str, homes: dict[str, str]) -> str | None:

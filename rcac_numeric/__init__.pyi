@@ -74,6 +74,7 @@ from .experiments.figure_requests import FigureRequest as FigureRequest
 from .experiments.files.builder import load_experiment as load_experiment
 from .experiments.files.schema import json_schema as json_schema
 from .experiments.verdicts import verify as verify
+from .explorer.display import explore as explore
 from .export.fmu import export_fmu as export_fmu
 from .export.folder import export_controller as export_controller
 from .h2.conversion import compensator_from_state_space as compensator_from_state_space

@@ -29,6 +29,7 @@ from .estimation.refinement.refinement import RefinementRun as RefinementRun
 from .estimation.refinement.subsystems import Linearisation as Linearisation
 from .estimation.smoothing import SmoothedStates as SmoothedStates
 from .experiments.verdicts import Verification as Verification
+from .explorer.display import ExplorerPage as ExplorerPage
 from .export.folder import Export as Export
 from .h2.agreement import ExactAgreement as ExactAgreement
 from .h2.conversion import ConversionCertificate as ConversionCertificate
@@ -37,11 +38,13 @@ from .h2.riccati.equations import ContinuousSolution as ContinuousSolution
 from .h2.riccati.solutions import StabilisingSolution as StabilisingSolution
 from .health.health import LoopHealth as LoopHealth
 from .identification.bootstrap import BootstrapZeros as BootstrapZeros
+from .identification.data_targets import DataFact as DataFact
 from .identification.data_targets import DataTarget as DataTarget
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.online.zeros import OnlineZeros as OnlineZeros
 from .identification.output_error import OutputErrorModel as OutputErrorModel
+from .identification.prediction_error import PredictionErrorModel as PredictionErrorModel
 from .identification.zeros import IdentifiedZeros as IdentifiedZeros
 from .margins.boundaries import StabilityBoundary as StabilityBoundary
 from .margins.classical import Margins as Margins

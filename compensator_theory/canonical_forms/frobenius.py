@@ -15,7 +15,12 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import denominators_of, exceptional_factors
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    determinant,
+    in_lowest_terms,
+    multiplied,
+)
 from compensator_theory.polynomials.budget import ask
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.poly import canonical
@@ -145,7 +150,7 @@ def _cyclic(a: ImmutableMatrix) -> tuple[ImmutableMatrix, Expr] | None:
     for start in [*starts, Matrix([1] * n), Matrix(range(1, n + 1))]:
         columns, degree, written = [start], 0, 0
         for _ in range(n - 1):
-            columns.append(_simple(a * columns[-1]))
+            columns.append(multiplied(a, columns[-1]))
             degree += _degree(columns[-1], symbols)
             written += sum(bool(entry.free_symbols) for entry in columns[-1])
             terms = written * math.comb(degree + len(symbols), degree) // 2
@@ -178,12 +183,12 @@ def _by_smith_form(
         highest = max(int(e.degree()) for e in column if not e.is_zero)
         generator = sympy.zeros(n, 1)
         for k in range(highest, -1, -1):  # Horner's rule in A
-            generator = _simple(
+            generator = in_lowest_terms(
                 a * generator + Matrix([entry.coeff_monomial(s**k) for entry in column])
             )
         for _ in range(int(invariant.degree())):
             blocks.append(generator)
-            generator = _simple(a * generator)
+            generator = multiplied(a, generator)
     return ImmutableMatrix.hstack(*blocks), tuple(polynomials), list(smith.exceptional)
 
 
@@ -198,7 +203,3 @@ def _companions(polynomials: tuple[Poly, ...]) -> ImmutableMatrix:
             form[start + k, start + size - 1] = -p.coeff_monomial(p.gen**k)
         start += size
     return ImmutableMatrix(form)
-
-
-def _simple(matrix: Matrix) -> Matrix:
-    return matrix.applyfunc(sympy.cancel) if matrix.free_symbols else matrix

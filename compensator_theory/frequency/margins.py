@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import flint
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
+from compensator_theory import figures
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.latex import displayed, latex, words
 from compensator_theory.loops.siso import LoopPart, closed_loop_of_pair, read_loop
@@ -19,6 +21,7 @@ from compensator_theory.polynomials.variables import Time, time_of
 from compensator_theory.roots.certified import root_balls
 from compensator_theory.roots.counts import RootCount, count_roots, half_plane_image
 from compensator_theory.roots.enclosures import Enclosure, enclosure_of_ball
+from compensator_theory.showing import picture_of
 from compensator_theory.stabilisation.critical_values import (
     even_and_odd,
     real_roots,
@@ -154,6 +157,39 @@ class StabilityMargins(ExactValue):
         if not self.gain_crossovers:
             return None
         return min((c.delay for c in self.gain_crossovers), key=lambda delay: delay.centre)
+
+    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
+        """Draw Nyquist's curve and Bode's plot of L, the margins marked.
+
+        Parameters
+        ----------
+        view : {"all", "nyquist", "bode"}
+            One of them, or both.
+        ax : matplotlib Axes or sequence of Axes, optional
+            Where it is drawn instead of in a new figure: one pair of axes for Nyquist's curve, two
+            for Bode's plot, three for both.
+        width : float
+            Of the figure in inches; 3.5 fits the column of a journal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window.
+
+        Raises
+        ------
+        InputError
+            If the view is none of these, `ax` has not as many axes, or the figure is narrower than
+            3 inches.
+
+        Examples
+        --------
+        >>> from compensator_theory import stability_margins
+        >>> figure = stability_margins("10/(s*(s + 1)*(s + 5))", feedback=-1).plot("bode")
+        >>> [axis.get_title() for axis in figure.axes]
+        ['gain margin 3 at 2.24', 'phase margin 25.4 degrees at 1.23']
+        """
+        return picture_of(self, view=view, **options)
 
     def __str__(self) -> str:
         verdict = "stable" if self.is_stable else f"not stable ({self.closed_loop})"

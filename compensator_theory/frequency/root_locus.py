@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import flint
 import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError
 from compensator_theory.frequency.margins import (
     frequency_of,
@@ -30,6 +32,7 @@ from compensator_theory.printing import text
 from compensator_theory.roots.certified import Root, certified_roots, root_balls
 from compensator_theory.roots.counts import half_plane_image
 from compensator_theory.roots.enclosures import Enclosure, enclosure_of_ball
+from compensator_theory.showing import picture_of
 from compensator_theory.stabilisation.critical_values import real_roots
 from compensator_theory.stabilisation.stability_intervals import (
     StabilityIntervals,
@@ -180,6 +183,35 @@ class RootLocus(ExactValue):
         both = self.denominator.as_expr() + GAIN * self.numerator.as_expr()
         whole = sympy.expand(both * self.hidden.as_expr())
         return stability_intervals(Poly(whole, s, domain=QQ[GAIN]), GAIN)
+
+    def plot(self, **options: Any) -> figures.Figure:
+        """Draw the branches for k > 0, the breaks and crossings with their gains, the asymptotes.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Where it is drawn instead of in a new figure.
+        width : float
+            Of the figure in inches, 6 by default; 3.5 fits the column of a journal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window. The branches are those of python-control.
+
+        Raises
+        ------
+        InputError
+            If the figure is narrower than 3 inches, or `ax` is not one pair of axes.
+
+        Examples
+        --------
+        >>> from compensator_theory import root_locus
+        >>> locus = root_locus("1/(s*(s + 4)*(s**2 + 4*s + 20))", feedback=-1)
+        >>> [note.get_text() for note in locus.plot().axes[0].texts]
+        ['k = 100', 'k = 64', 'k = 260']
+        """
+        return picture_of(self, **options)
 
     def __str__(self) -> str:
         lines = [

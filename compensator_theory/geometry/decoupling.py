@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import sympy
-from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import diagonal, displayed, fraction, latex, unless
@@ -15,6 +15,8 @@ from compensator_theory.matrices.exceptional_factors import denominators_of, exc
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
+    in_lowest_terms,
+    multiplied,
     solve,
 )
 from compensator_theory.polynomials.budget import listed
@@ -136,9 +138,9 @@ def decouple(
     below = ImmutableMatrix.vstack(
         *(_applied(source, i, p) for i, p in enumerate(targets))
     )  # C_i p_i(A)
-    W = _simple(solve(star, sympy.eye(m)))
-    F = _simple(-W * below)
-    modes = characteristic_polynomial(ImmutableMatrix(_simple(A + B * F)), source.variable)
+    W = in_lowest_terms(solve(star, sympy.eye(m)))
+    F = in_lowest_terms(-W * below)
+    modes = characteristic_polynomial(ImmutableMatrix(in_lowest_terms(A + B * F)), source.variable)
     visible = sympy.prod(targets, start=Poly(1, source.variable, domain=sympy.QQ))
     top, bottom = modes.unify(visible)
     field = top.domain.get_field()
@@ -161,10 +163,10 @@ def _relative_degree(plant: Realisation, i: int) -> tuple[int, ImmutableMatrix]:
         return 0, plant.D[i, :]
     row = plant.C[i, :]
     for d in range(1, plant.n + 1):
-        seen = _simple(row * plant.B)
+        seen = multiplied(row, plant.B)
         if not seen.is_zero_matrix:
             return d, seen
-        row = _simple(row * plant.A)
+        row = multiplied(row, plant.A)
     raise NoSolutionError(f"no input reaches output {i + 1}; leave that output out")
 
 
@@ -196,18 +198,14 @@ def _applied(plant: Realisation, i: int, p: Poly) -> ImmutableMatrix:
     return row
 
 
-def _simple(matrix: Matrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
-
-
 def _certificate(
     plant: Realisation, F: ImmutableMatrix, W: ImmutableMatrix, targets: tuple[Poly, ...]
 ) -> Certificate:
     loop = transfer_matrix_of_realisation(
-        _simple(plant.A + plant.B * F),
-        _simple(plant.B * W),
-        _simple(plant.C + plant.D * F),
-        _simple(plant.D * W),
+        in_lowest_terms(plant.A + plant.B * F),
+        multiplied(plant.B, W),
+        in_lowest_terms(plant.C + plant.D * F),
+        multiplied(plant.D, W),
         plant.variable,
     )
     left = [

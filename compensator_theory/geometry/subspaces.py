@@ -8,6 +8,7 @@ import sympy
 from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.matrices.echelon import echelon, independent_columns
+from compensator_theory.matrices.linear_algebra import in_lowest_terms
 
 
 @dataclass
@@ -47,12 +48,12 @@ class Subspaces:
             return ImmutableMatrix(sympy.eye(matrix.cols))
         found = echelon(ImmutableMatrix(matrix))
         self.divisors.append(found.divided_by)
-        return _simple(found.kernel())
+        return in_lowest_terms(found.kernel())
 
     def intersection(self, left: Matrix, right: Matrix) -> ImmutableMatrix:
         """Return a basis of what lies in both."""
         meeting = self.kernel(left.row_join(-right))
-        return _simple(ImmutableMatrix(left * meeting[: left.cols, :]))
+        return in_lowest_terms(ImmutableMatrix(left * meeting[: left.cols, :]))
 
     def preimage(self, A: Matrix, space: Matrix) -> ImmutableMatrix:
         """Return a basis of the vectors that A maps into a space."""
@@ -69,7 +70,7 @@ class Subspaces:
             return ImmutableMatrix(space)
         found = echelon(ImmutableMatrix(space.T))
         self.divisors.append(found.divided_by)
-        return _simple(ImmutableMatrix(found.matrix.T))
+        return in_lowest_terms(ImmutableMatrix(found.matrix.T))
 
     def coordinates(self, basis: Matrix, vectors: Matrix) -> ImmutableMatrix | None:
         """Return X with basis X = vectors, its free entries 0; None if there is none."""
@@ -80,8 +81,4 @@ class Subspaces:
         X = Matrix.zeros(basis.cols, vectors.cols)
         for row, pivot in enumerate(found.pivots):
             X[pivot, :] = found.matrix[row, basis.cols :]
-        return _simple(ImmutableMatrix(X))
-
-
-def _simple(matrix: ImmutableMatrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel)) if matrix.free_symbols else matrix
+        return in_lowest_terms(ImmutableMatrix(X))

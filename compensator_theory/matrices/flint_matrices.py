@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import flint
-from sympy import QQ, ImmutableMatrix, Matrix, Rational
+from sympy import QQ, ImmutableMatrix, Matrix, Rational, Symbol
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.sdm import SDM
 
@@ -75,6 +75,19 @@ def kept_rational(matrix: Matrix) -> DomainMatrix | None:
     if isinstance(kept, DomainMatrix) and (kept.domain.is_ZZ or kept.domain.is_QQ):
         return kept
     return None
+
+
+def symbols_in(matrix: Matrix) -> set[Symbol]:
+    """Return the symbols of a matrix; one of numbers only is not looked through.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.flint_matrices import symbols_in
+    >>> symbols_in(Matrix([["a", 1]])), symbols_in(Matrix([[1, 2]]))
+    ({a}, set())
+    """
+    return set() if kept_rational(matrix) is not None else set(matrix.free_symbols)
 
 
 def from_flint(matrix: flint.fmpq_mat) -> ImmutableMatrix:

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
+from operator import mul
 
+import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from sympy.polys.domains.domainelement import DomainElement
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from compensator_theory.errors import InputError, NoSolutionError
-from compensator_theory.matrices.flint_matrices import from_flint, rational, rational_in_flint
+from compensator_theory.matrices.flint_matrices import (
+    from_flint,
+    rational,
+    rational_in_flint,
+    symbols_in,
+)
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.polynomials.poly import canonical
 from compensator_theory.polynomials.values import ExactValue
@@ -135,6 +143,38 @@ def solve_affine(matrix: Matrix, right_side: Matrix) -> AffineSolution:
             vector[pivot] = -reduced[row, column]
         basis.append(ImmutableMatrix(vector))
     return AffineSolution(ImmutableMatrix(particular), tuple(basis))
+
+
+def in_lowest_terms(matrix: Matrix) -> ImmutableMatrix:
+    """Return the same matrix with every rational function of symbols in lowest terms.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.linear_algebra import in_lowest_terms
+    >>> in_lowest_terms(Matrix([["(a**2 - a)/a", 2]]))
+    Matrix([[a - 1, 2]])
+    """
+    return ImmutableMatrix(matrix.applyfunc(sympy.cancel) if symbols_in(matrix) else matrix)
+
+
+def multiplied(*factors: Matrix) -> ImmutableMatrix:
+    """Return the product of matrices, with symbols in lowest terms: nothing is expanded in SymPy.
+
+    Examples
+    --------
+    >>> from sympy import Matrix
+    >>> from compensator_theory.matrices.linear_algebra import multiplied
+    >>> multiplied(Matrix([["1/a", "b"]]), Matrix(["a", 0]))
+    Matrix([[1]])
+    """
+    if any(0 in factor.shape for factor in factors):
+        return ImmutableMatrix.zeros(factors[0].rows, factors[-1].cols)
+    raw = [rational_in_flint(factor) for factor in factors]
+    if all(factor is not None for factor in raw):
+        return from_flint(reduce(mul, raw))
+    fields = [factor.to_field() for factor in _unified(*factors)]
+    return ImmutableMatrix(reduce(mul, fields).to_Matrix())
 
 
 def _echelon(matrix: Matrix) -> tuple[ImmutableMatrix, tuple[int, ...]]:

@@ -10,7 +10,13 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    in_lowest_terms,
+    multiplied,
+    rank,
+    solve,
+)
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.numbers import NumberLike, exact_number
 from compensator_theory.polynomials.values import ExactValue
@@ -56,7 +62,7 @@ class ObserverForm(ExactValue):
     @property
     def K(self) -> ImmutableMatrix:
         """Regulator gain C_c T; u = Kx on the invariant subspace."""
-        return _simplified(self.compensator.C * self.T)
+        return multiplied(self.compensator.C, self.T)
 
     @property
     def F(self) -> ImmutableMatrix | None:
@@ -70,7 +76,7 @@ class ObserverForm(ExactValue):
         A, B, C = self.plant.A, self.plant.B, self.plant.C
         C_y = C + self.plant.D * self.compensator.C * self.T
         left = self.compensator.B * C_y + self.compensator.A * self.T
-        return _simplified(left - self.T * (A + B * self.K))
+        return in_lowest_terms(left - self.T * (A + B * self.K))
 
     @property
     def is_verified(self) -> bool:
@@ -81,16 +87,18 @@ class ObserverForm(ExactValue):
         checks = [
             self.residual.is_zero_matrix,
             rank(self.T) == min(self.T.shape),
-            _equal(characteristic_polynomial(_simplified(A + B * K), s), self.regulator),
+            _equal(characteristic_polynomial(in_lowest_terms(A + B * K), s), self.regulator),
             _equal(
-                characteristic_polynomial(_simplified(inner - self.T * B * self.compensator.C), s),
+                characteristic_polynomial(
+                    in_lowest_terms(inner - self.T * B * self.compensator.C), s
+                ),
                 self.observer,
             ),
         ]
         F = self.F
         if F is not None:
             built = A + B * K - F * C - F * self.plant.D * K
-            checks.append(_simplified(A_c * self.T - self.T * built).is_zero_matrix)
+            checks.append(in_lowest_terms(A_c * self.T - self.T * built).is_zero_matrix)
         return all(checks)
 
     @property
@@ -193,12 +201,6 @@ def form_of_subspace(
             "state" + (": an uncontrollable mode outside the regulator" if siso else "")
         )
     return ObserverForm(plant, compensator, ImmutableMatrix(T), *spectra, parameters)
-
-
-def _simplified(matrix: Matrix) -> ImmutableMatrix:
-    if matrix.free_symbols:
-        return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
-    return ImmutableMatrix(matrix)
 
 
 def _equal(left: Poly, right: Poly) -> bool:

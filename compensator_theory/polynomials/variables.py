@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence, Set
+from functools import lru_cache
 from typing import Literal, TypeAlias, cast
 
 from sympy import Expr, Poly, Symbol
@@ -35,7 +36,7 @@ def as_symbol(variable: str | Symbol) -> Symbol:
         if not variable.is_commutative:
             raise InputError(f"{shown(variable)} does not commute, and so is no variable here")
         return variable
-    found = parse_expression(variable) if isinstance(variable, str) else None
+    found = _named(variable) if isinstance(variable, str) else None
     if not isinstance(found, Symbol):
         pair = "; coefficients go as one pair, as in ([1], [1, 2])"
         hint = pair if isinstance(variable, list | tuple) else ""
@@ -43,6 +44,12 @@ def as_symbol(variable: str | Symbol) -> Symbol:
             f"{shown(variable)} cannot be a variable; give a name such as 's' or 'q'{hint}"
         )
     return found
+
+
+@lru_cache(maxsize=64)
+def _named(text: str) -> Expr:
+    """What a text means; names are asked for again and again."""
+    return parse_expression(text)
 
 
 def is_operator(variable: Symbol) -> bool:

@@ -9,11 +9,11 @@ from sympy import Expr, ImmutableMatrix, Matrix
 
 from compensator_theory.errors import NotControllableError
 from compensator_theory.latex import displayed, latex, unless
-from compensator_theory.matrices.certificates import Certificate, proven
+from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
-from compensator_theory.matrices.linear_algebra import determinant, solve
+from compensator_theory.matrices.linear_algebra import determinant, multiplied, solve
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.values import ExactValue
 from compensator_theory.polynomials.variables import as_symbol
@@ -153,12 +153,12 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
         row = inverse[end - 1, :] if length else None
         for _ in range(length):
             rows.append(row)
-            row = _simple(row * a)
+            row = multiplied(row, a)
         if length:
             tops.append(row)  # h A^kappa
     basis_inverse = ImmutableMatrix.vstack(*rows)
     T = solve(basis_inverse, sympy.eye(n))
-    moved = _simple(basis_inverse * b)
+    moved = multiplied(basis_inverse, b)
     ends = [sum(indices[: i + 1]) - 1 for i in range(m) if indices[i]]
     used = [i for i in range(m) if indices[i]]
     gain = moved.extract(ends, used)
@@ -170,23 +170,19 @@ def brunovsky_form(A: MatrixLike, B: MatrixLike) -> BrunovskyForm:
         for column, j in enumerate(used):
             W[i, j] = free[row, column]
     for j in set(range(m)) - set(used):  # such an input does what a combination of others does
-        same = _simple(free * moved.extract(ends, [j]))
+        same = multiplied(free, moved.extract(ends, [j]))
         for row, i in enumerate(used):
             W[i, j] = -same[row, 0]
     divisors = [first.divided_by, determinant(gain)]
     basis, F, W = ImmutableMatrix(T), ImmutableMatrix(F), ImmutableMatrix(W)
     certificate = _certificate(a, b, indices, basis, F, W)
-    divisors += [sympy.fraction(sympy.cancel(e))[1] for part in (basis, F, W) for e in part]
+    divisors += [sympy.fraction(e)[1] for part in (basis, F, W) for e in part]
     return BrunovskyForm(a, b, indices, basis, F, W, exceptional_factors(divisors), certificate)
 
 
 def _variable(a: ImmutableMatrix, b: ImmutableMatrix) -> sympy.Symbol:
     taken = {symbol.name for symbol in a.free_symbols | b.free_symbols}
     return as_symbol(next(name for name in ("s", "z", "q", "lambda_") if name not in taken))
-
-
-def _simple(matrix: Matrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
 
 
 def _certificate(
@@ -198,6 +194,6 @@ def _certificate(
     W: ImmutableMatrix,
 ) -> Certificate:
     A_c, B_c = chains(indices)
-    left = [*((a + b * F) * T - T * A_c), *(b * W - T * B_c)]
-    residual = ImmutableMatrix(1, len(left), [sympy.cancel(entry) for entry in left])
-    return proven(Certificate(IDENTITY, residual), "form")
+    moved = multiplied(a.row_join(b), T.col_join(multiplied(F, T)))  # (A + B F) T
+    left = [moved - multiplied(T, A_c), multiplied(b, W) - multiplied(T, B_c)]
+    return certificate_of(IDENTITY, left, "form")

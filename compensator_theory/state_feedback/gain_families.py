@@ -17,6 +17,8 @@ from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
+    in_lowest_terms,
+    multiplied,
     rank,
     solve,
 )
@@ -73,7 +75,7 @@ class StateFeedbackFamily(ExactValue):
 
     def basis(self, parameters: MatrixLike) -> ImmutableMatrix:
         """Return X: its columns are those in which A + B K is Lambda."""
-        return _simple(self.form.T * self._stacked(self._read(parameters))[0])
+        return in_lowest_terms(self.form.T * self._stacked(self._read(parameters))[0])
 
     def determinant(self, parameters: MatrixLike) -> Expr:
         """Return det X; the gain exists where it is not zero."""
@@ -101,7 +103,7 @@ class StateFeedbackFamily(ExactValue):
                 f"det X = 0 for the parameters {phi.tolist()}: no gain belongs to them"
             ) from error
         inverse = solve(self.form.T, sympy.eye(self.shape[1]))
-        K = _simple(self.form.F + self.form.W * moved * inverse)
+        K = in_lowest_terms(self.form.F + self.form.W * moved * inverse)
         self._require(K)
         return K
 
@@ -115,7 +117,7 @@ class StateFeedbackFamily(ExactValue):
         m, n = self.shape
         if gain.shape != (m, n):
             raise InputError(f"K is {gain.rows} x {gain.cols}; here it must be {m} x {n}")
-        if not are_similar(_simple(self.form.A + self.form.B * gain), self.Lambda):
+        if not are_similar(in_lowest_terms(self.form.A + self.form.B * gain), self.Lambda):
             return ()
         images = []
         for position in range(m * n):
@@ -149,7 +151,7 @@ class StateFeedbackFamily(ExactValue):
             row = phi[i, :]
             for _ in range(length):
                 below.append(row)
-                row = _simple(row * self.Lambda)
+                row = multiplied(row, self.Lambda)
             tops.append(row)
         return ImmutableMatrix.vstack(*below), ImmutableMatrix.vstack(*tops)
 
@@ -164,7 +166,7 @@ class StateFeedbackFamily(ExactValue):
 
     def _require(self, K: ImmutableMatrix) -> None:
         """Refuse to hand out a gain whose characteristic polynomial is not the one asked for."""
-        closed = _simple(self.form.A + self.form.B * K)
+        closed = in_lowest_terms(self.form.A + self.form.B * K)
         if characteristic_polynomial(closed, self.polynomial.gen) != self.polynomial:
             raise NoSolutionError(f"K = {K.tolist()} is wrong, please report it")
 
@@ -291,10 +293,6 @@ def are_similar(first: Matrix, second: Matrix) -> bool:
 
     mixed = commutant(first, second)
     return mixed == commutant(first, first) == commutant(second, second)
-
-
-def _simple(matrix: Matrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
 
 
 def _kernel(matrix: ImmutableMatrix) -> list[ImmutableMatrix]:

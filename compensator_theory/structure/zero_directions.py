@@ -86,8 +86,8 @@ class Zeros(ExactValue):
 
     def __str__(self) -> str:
         found = f"zeros of {format_polynomial(self.polynomial)}"
-        said = found if self.polynomial.degree() else "no zeros"
-        return "\n".join([said, *map(str, self.directions)])
+        heading = found if self.polynomial.degree() else "no zeros"
+        return "\n".join([heading, *map(str, self.directions)])
 
     def _repr_latex_(self) -> str:
         directions = [latex(direction) for direction in self.directions]

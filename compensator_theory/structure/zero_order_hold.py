@@ -16,7 +16,13 @@ from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
 from compensator_theory.matrices.exponentials import fresh_symbol, matrix_exponential
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant, solve
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    determinant,
+    in_lowest_terms,
+    multiplied,
+    solve,
+)
 from compensator_theory.polynomials.budget import (
     ask,
     ask_for_number,
@@ -234,9 +240,9 @@ def tustin(
             f"2/h = {2 / h} is a pole of the plant, which z = infinity would be; take another step"
         )
     inverse = solve(below, unit) if n else below
-    A = _simple(inverse * (unit + given.A * h / 2))
-    B, C = _simple(inverse * given.B * h), _simple(given.C * inverse)
-    D = _simple(given.D + C * given.B * h / 2)
+    A = in_lowest_terms(inverse * (unit + given.A * h / 2))
+    B, C = in_lowest_terms(inverse * given.B * h), multiplied(given.C, inverse)
+    D = in_lowest_terms(given.D + C * given.B * h / 2)
     left = [below * A - unit - given.A * h / 2, below * B - given.B * h, C * below - given.C]
     certificate = certificate_of(
         "(I - Ah/2) A_d = I + Ah/2, (I - Ah/2) B_d = B h, C_d (I - Ah/2) = C", left, "sampling"
@@ -328,10 +334,6 @@ def _period(h: Expr) -> Expr | None:
     return h if h.is_Rational else None
 
 
-def _simple(matrix: ImmutableMatrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
-
-
 def _read(
     plant: RealisationLike,
     step: NumberLike,
@@ -375,8 +377,8 @@ def _sampled(
     B, D = sampled[:n, n : n + m], given.D
     if order == 2:
         slope = (sampled[:n, n + m :] / h).applyfunc(sympy.cancel)
-        B = _simple(B - slope + sampled[:n, :n] * slope)
-        D = _simple(given.D + given.C * slope)
+        B = in_lowest_terms(B - slope + sampled[:n, :n] * slope)
+        D = in_lowest_terms(given.D + given.C * slope)
     with unlimited():
         result = Realisation(sampled[:n, :n], B, given.C, D, z, sample_time=_period(h))
     divisors = [*sampled, *B, *D]
@@ -415,7 +417,7 @@ def _exponential_of(
     known = {x: value for x, value in values.items() if value.is_Rational}
     sampled = E.subs({t: h, **known}) if t != h or known else E
     for y in [y for y, value in values.items() if value is sympy.zoo]:
-        sampled = _simple(sampled.subs(y, 1 / y)).subs(y, 0)
+        sampled = sampled.subs(y, 1 / y).applyfunc(sympy.cancel).subs(y, 0)
         del values[y]
     if any(e.has(sympy.log, sympy.exp, sympy.pi) for e in sampled):
         raise InputError(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import random
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import reduce
@@ -10,7 +12,7 @@ from operator import add
 import sympy
 from sympy import Expr, ImmutableMatrix, Matrix, Poly, Rational, Symbol
 
-from compensator_theory.errors import ImproperError, InputError, NoSolutionError
+from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, certificate_of
 from compensator_theory.matrices.echelon import echelon
@@ -19,10 +21,13 @@ from compensator_theory.matrices.exceptional_factors import (
     denominators_of,
     exceptional_factors,
 )
+from compensator_theory.matrices.flint_matrices import symbols_in
 from compensator_theory.matrices.invariant_subspaces import joined
 from compensator_theory.matrices.linear_algebra import (
     characteristic_polynomial,
     determinant,
+    in_lowest_terms,
+    multiplied,
     rank,
     solve,
 )
@@ -152,19 +157,17 @@ class DescriptorSystem(ExactValue):
                 f"E is {e.rows} x {e.cols} but must be {rest.n} x {rest.n}, as A is square and has "
                 f"{rest.n} rows"
             )
-        if rest.variable in e.free_symbols:
+        if rest.variable in symbols_in(e):
             raise InputError(
                 f"E contains {rest.variable}, the variable of the transfer function; name another "
                 "one with variable="
             )
-        require_one_symbol_a_name(
-            {rest.variable}.union(e.free_symbols, *map(_symbols, rest.matrices))
-        )
+        require_one_symbol_a_name({rest.variable}.union(*map(symbols_in, (e, *rest.matrices))))
         object.__setattr__(self, "E", e)
         for name in ("A", "B", "C", "D", "variable", "sample_time"):
             object.__setattr__(self, name, getattr(rest, name))
         ask("entries", 4 * self.n**3, "a descriptor system")
-        self._resolvent()  # refuses what is not regular
+        self._point()  # refuses what is not regular
 
     @property
     def n(self) -> int:
@@ -179,8 +182,9 @@ class DescriptorSystem(ExactValue):
     @property
     def characteristic_polynomial(self) -> Poly:
         """The polynomial det(sE - A): its roots are the finite modes."""
-        point, resolvent = self._resolvent()
-        s, t = self.variable, self.variable - point
+        point, s = self._point(), self.variable
+        self._ask_for_terms(1)
+        resolvent, t = solve(point * self.E - self.A, self.E), s - point
         # det(sE - A) = det(s_0 E - A) det(I + (s - s_0) M), M = (s_0 E - A)^-1 E
         descending = characteristic_polynomial(resolvent, sympy.Dummy()).all_coeffs()
         whole = sum(c * (-t) ** k for k, c in enumerate(descending))
@@ -220,7 +224,7 @@ class DescriptorSystem(ExactValue):
                   = n + \mathrm{rank}\,E
         """
         E, A, B = self.E, self.A, self.B
-        if any(map(_symbols, (E, A, B))):
+        if any(map(symbols_in, (E, A, B))):
             return None
         above = E.row_join(ImmutableMatrix.zeros(self.n, self.n + B.cols))
         return bool(rank(above.col_join(A.row_join(E).row_join(B))) == self.n + rank(E))
@@ -253,45 +257,44 @@ class DescriptorSystem(ExactValue):
         BudgetError
             If it is too large.
         """
-        point, M = self._resolvent()
-        power, divisors = M, [determinant(point * self.E - self.A)]
-        for _ in range(max(0, (self.n - 1).bit_length())):
-            power = _simple(power * power)  # of exponent n at least
-        found = echelon(power)
-        image = echelon(ImmutableMatrix(power.T))
-        slow = image.matrix.T
-        Q = joined(self.n, [slow, found.kernel()])
-        n_1 = slow.cols
-        inside = solve(Q, _simple(M * Q))
-        below = inside[n_1:, n_1:]
-        one, other = sympy.eye(n_1), sympy.eye(self.n - n_1)
-        inverse = solve(inside[:n_1, :n_1], one) if n_1 else one
-        scale = sympy.diag(inverse, solve(point * below - other, other) if other else other)
-        P = _simple(scale * solve(Q, solve(point * self.E - self.A, sympy.eye(self.n))))
-        E, A = (_simple(P * X * Q) for X in (self.E, self.A))
+        point, length = self._point(), self._longest_chain()
+        self._ask_for_terms(length)
+        one = sympy.eye(self.n)
+        if not length:  # E is nonsingular
+            n_1, P, Q = self.n, solve(self.E, one), one
+            divisors = [determinant(self.E)]
+        else:
+            pencil = ImmutableMatrix(point * self.E - self.A)
+            M = solve(pencil, self.E)
+            power = reduce(multiplied, [M] * length)
+            found, image = echelon(power), echelon(ImmutableMatrix(power.T))
+            n_1 = len(found.pivots)
+            Q = joined(self.n, [image.matrix.T, found.kernel()])
+            inside = solve(Q, multiplied(M, Q))
+            slow, other = inside[:n_1, :n_1], sympy.eye(self.n - n_1)
+            inverse = solve(slow, sympy.eye(n_1)) if n_1 else slow
+            scale = sympy.diag(inverse, solve(point * inside[n_1:, n_1:] - other, other))
+            P = multiplied(scale, solve(Q, solve(pencil, one)))
+            divisors = [determinant(pencil), found.divided_by, image.divided_by, determinant(Q)]
+        E, A = (multiplied(P, X, Q) for X in (self.E, self.A))
         J, N = A[:n_1, :n_1], E[n_1:, n_1:]
         index, nilpotent = 0, sympy.eye(N.rows)
         while not nilpotent.is_zero_matrix and index <= N.rows:
-            nilpotent, index = _simple(nilpotent * N), index + 1
-        divisors += [
-            found.divided_by,
-            image.divided_by,
-            determinant(Q),
-            *denominators_of((P, Q, J, N)),
-        ]
+            nilpotent, index = multiplied(nilpotent, N), index + 1
+        divisors += denominators_of((P, Q, J, N))
         singular = sympy.Integer(rank(P) < self.n or rank(Q) < self.n)
-        left = [E - sympy.diag(one, N), A - sympy.diag(J, other), nilpotent, [singular]]
+        left = [E - sympy.diag(sympy.eye(n_1), N), A - sympy.diag(J, sympy.eye(N.rows)), nilpotent]
+        left.append([singular])
         certificate = certificate_of(IDENTITY, left, "Weierstrass form")
-        return WeierstrassForm(
-            P, Q, ImmutableMatrix(J), ImmutableMatrix(N), index if N.rows else 0,
-            exceptional_factors(divisors), certificate,
-        )  # fmt: skip
+        P, Q, J, N = map(ImmutableMatrix, (P, Q, J, N))
+        index = index if N.rows else 0
+        return WeierstrassForm(P, Q, J, N, index, exceptional_factors(divisors), certificate)
 
     def slow_part(self) -> Realisation:
         """Return the strictly proper part on the finite modes, (J, B_1, C_1), all of them kept."""
         form = self.weierstrass_form()
         n_1 = form.J.rows
-        B, C = _simple(form.P * self.B), _simple(self.C * form.Q)
+        B, C = multiplied(form.P, self.B), multiplied(self.C, form.Q)
         return Realisation(
             form.J, B[:n_1, :], C[:, :n_1], None, self.variable, sample_time=self.sample_time
         )
@@ -316,7 +319,7 @@ class DescriptorSystem(ExactValue):
     def _response(self) -> TransferMatrix:
         """Return (sE - A)^-1 B over det(sI - J)."""
         form, s = self.weierstrass_form(), self.variable
-        n_1, B = form.J.rows, _simple(form.P * self.B)
+        n_1, B = form.J.rows, multiplied(form.P, self.B)
         parts = []
         if n_1:
             zero = sympy.zeros(n_1, B.cols)
@@ -325,7 +328,7 @@ class DescriptorSystem(ExactValue):
         if form.N.rows:
             powers = [-B[n_1:, :]]
             for _ in range(form.index - 1):
-                powers.append(_simple(form.N * powers[-1]))
+                powers.append(multiplied(form.N, powers[-1]))
             parts.append(form.Q[:, n_1:] @ _over_one(powers, s))
         found: TransferMatrix = reduce(add, parts)
         return found
@@ -344,34 +347,66 @@ class DescriptorSystem(ExactValue):
         """
         form = self.weierstrass_form()
         n_1 = form.J.rows
-        B, C = _simple(form.P * self.B), _simple(self.C * form.Q)
+        B, C = multiplied(form.P, self.B), multiplied(self.C, form.Q)
         term = B[n_1:, :]
         direct = self.D - C[:, n_1:] * term
         for k in range(1, form.index):
-            term = _simple(form.N * term)
-            if not _simple(C[:, n_1:] * term).is_zero_matrix:
+            term = multiplied(form.N, term)
+            if not multiplied(C[:, n_1:], term).is_zero_matrix:
                 raise ImproperError(
                     f"the transfer matrix of this descriptor system has the power {k} of "
                     f"{self.variable} in it; it has no realisation (A, B, C, D)"
                 )
         return Realisation(
-            form.J, B[:n_1, :], C[:, :n_1], _simple(direct), self.variable,
+            form.J, B[:n_1, :], C[:, :n_1], in_lowest_terms(direct), self.variable,
             sample_time=self.sample_time,
         )  # fmt: skip
 
-    def _resolvent(self) -> tuple[int, ImmutableMatrix]:
-        """Return an integer s_0 and (s_0 E - A)^-1 E; n + 1 integers are enough to find one."""
-        for k in range(self.n + 1):
-            point = (k + 1) // 2 * (-1 if k % 2 else 1)  # 0, -1, 1, -2, 2, ...
-            try:
-                return point, _simple(solve(point * self.E - self.A, self.E))
-            except NoSolutionError:
-                continue
+    def _point(self) -> int:
+        """Return an integer s_0 with s_0 E - A nonsingular; n + 1 are enough to find one."""
+        points = [(k + 1) // 2 * (-1 if k % 2 else 1) for k in range(self.n + 1)]  # 0, -1, 1, ...
+        for E, A in (
+            self._at_numbers(),
+            (self.E, self.A),
+        ):  # nonsingular there, so for generic ones
+            for point in points:
+                if rank(point * E - A) == self.n:
+                    return point
         raise InputError(
             f"det({self.variable}E - A) is 0 for every {self.variable}: the equations contradict "
             "or repeat each other, so that x is not determined by u; look for one that is there "
             "twice, or for an unknown without an equation"
         )
+
+    def _longest_chain(self) -> int:
+        """The least k from which on M^k, M = (s_0 E - A)^-1 E, keeps its rank: the index.
+
+        With symbols it is that for numbers in their places, by chance smaller than the generic one;
+        the certificate of the form would tell.
+        """
+        E, A = self._at_numbers()
+        M = solve(self._point() * E - A, E)
+        power, before, k = M, self.n, 0
+        while (now := rank(power)) < before:
+            power, before, k = multiplied(power, M), now, k + 1
+        return k
+
+    def _at_numbers(self) -> tuple[ImmutableMatrix, ImmutableMatrix]:
+        """E and A with large integers in the place of the symbols, the same ones every time."""
+        numbers = random.Random(self.n)
+        values = {symbol: sympy.Integer(numbers.getrandbits(40)) for symbol in self._symbols()}
+        return in_lowest_terms(self.E.subs(values)), in_lowest_terms(self.A.subs(values))
+
+    def _symbols(self) -> list[Symbol]:
+        return sorted(symbols_in(self.E) | symbols_in(self.A), key=str)
+
+    def _ask_for_terms(self, length: int) -> None:
+        """Ask for the terms of an entry of M^length by its degree in the symbols."""
+        if symbols := self._symbols():
+            sides = (part for M in (self.E, self.A) for e in M for part in e.as_numer_denom())
+            degree = max(Poly(side, *symbols).total_degree() for side in sides)
+            degree *= self.n * max(1, length)
+            ask("terms", math.comb(degree + len(symbols), len(symbols)), "the Weierstrass form")
 
     def __str__(self) -> str:
         names = ("E", "A", "B", "C") + (() if self.D.is_zero_matrix else ("D",))
@@ -381,14 +416,6 @@ class DescriptorSystem(ExactValue):
         rows = (latex(getattr(self, name)) for name in "EABCD")
         names = ("E", "A", "B", "C", "D")
         return displayed(*(f"{name} = {row}" for name, row in zip(names, rows, strict=True)))
-
-
-def _symbols(matrix: Matrix) -> set[Symbol]:
-    return set(matrix.free_symbols)
-
-
-def _simple(matrix: Matrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel) if matrix.free_symbols else matrix)
 
 
 def _over_one(ascending: Sequence[Matrix], variable: Symbol) -> TransferMatrix:

@@ -13,6 +13,7 @@ from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, table
 from compensator_theory.matrices.certificates import Certificate
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import symbols_in
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.reading import is_one_of
@@ -184,13 +185,13 @@ class Realisation(ExactValue):
                     f"{name} is {matrix.rows} x {matrix.cols} but must be {rows} x {columns}, as "
                     "the other matrices show"
                 )
-            if symbol in matrix.free_symbols:
+            if symbol in symbols_in(matrix):
                 raise InputError(
                     f"{name} contains {symbol}, the variable of the transfer function; name "
                     "another one with variable="
                 )
             object.__setattr__(self, name, matrix)
-        require_one_symbol_a_name({symbol}.union(*(m.free_symbols for m in (a, b, c, d))))
+        require_one_symbol_a_name({symbol}.union(*map(symbols_in, (a, b, c, d))))
         if not (b.cols and c.rows):
             raise InputError(
                 f"a realisation needs inputs and outputs; it has {b.cols} and {c.rows}"

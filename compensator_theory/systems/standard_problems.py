@@ -10,6 +10,7 @@ from sympy import ImmutableMatrix, Poly, Rational, Symbol
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
 from compensator_theory.matrices.exact_matrices import MatrixLike, exact_matrix
+from compensator_theory.matrices.flint_matrices import symbols_in
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.budget import shown
 from compensator_theory.polynomials.values import ExactValue
@@ -139,10 +140,10 @@ class StandardProblem(ExactValue):
                     f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]} "
                     f"({symbolic[0]} x {symbolic[1]}, as the other matrices show)"
                 )
-            if symbol in matrix.free_symbols:
+            if symbol in symbols_in(matrix):
                 raise InputError(f"{name} contains {symbol}, the name of the shift operator")
             object.__setattr__(self, name, matrix)
-        require_one_symbol_a_name({symbol}.union(*(m.free_symbols for m in exact.values())))
+        require_one_symbol_a_name({symbol}.union(*map(symbols_in, exact.values())))
 
     @property
     def n(self) -> int:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import flint
 import sympy
-from sympy import ImmutableMatrix, Matrix, Rational, Symbol
+from sympy import ImmutableMatrix, Matrix, Poly, Rational, Symbol
 from sympy.polys.matrices import DomainMatrix
 
 from compensator_theory.matrices.certificates import Certificate, proven
-from compensator_theory.matrices.flint_matrices import from_flint, is_rational_matrix, to_flint
+from compensator_theory.matrices.flint_matrices import from_flint, rational_in_flint
+from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.poly import canonical, from_coefficients, scaled
 from compensator_theory.transfer_functions.transfer_functions import (
@@ -63,32 +66,60 @@ def transfer_matrix_of_realisation(
     >>> print(G.scalar())
     (2)/(q - a)
     """
+    found = _in_flint(A, B, C, D, variable) or _in_sympy(A, B, C, D, variable)
+    entries, denominator, residual = found
+    certificate = proven(Certificate(IDENTITY.format(variable), residual), "conversion")
+    return TransferMatrix(entries, denominator, certificate, sample_time)
+
+
+Found: TypeAlias = tuple[tuple[tuple[Poly, ...], ...], Poly, ImmutableMatrix]
+"""Numerators, denominator, and what is left of the identity."""
+
+
+def _in_flint(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found | None:
+    """Rational matrices: nothing is written in SymPy before the end."""
+    a, b, c, d = map(rational_in_flint, (A, B, C, D))
+    if a is None or b is None or c is None or d is None or not A.rows:
+        return None
+    n, denominator = A.rows, a.charpoly()
+    v, responses = b, []
+    for power in range(1, n + 1):
+        responses.append(c * v)
+        v = a * v + b * denominator[n - power]
+    rows = tuple(
+        tuple(
+            from_flint_polynomial(
+                flint.fmpq_poly([m[i, j] for m in reversed(responses)]) + denominator * d[i, j],
+                variable,
+            )
+            for j in range(D.cols)
+        )
+        for i in range(D.rows)
+    )
+    return rows, from_flint_polynomial(denominator, variable), from_flint(v)
+
+
+def _in_sympy(A: Matrix, B: Matrix, C: Matrix, D: Matrix, variable: Symbol) -> Found:
     denominator = characteristic_polynomial(A, variable)
     descending = denominator.all_coeffs()
     coefficients = [D * c for c in descending]
-    if is_rational_matrix(ImmutableMatrix([*A, *B, *C])):
-        a, b, c = map(to_flint, (A, B, C))
-        scalars, back = [flint.fmpq(int(k.p), int(k.q)) for k in descending], from_flint
-    else:
-        a, b, c = DomainMatrix.from_Matrix(A).unify(
-            DomainMatrix.from_Matrix(B), DomainMatrix.from_Matrix(C), fmt="dense"
-        )
-        scalars = [b.domain.from_sympy(sympy.sympify(k)) for k in descending]
-        back = DomainMatrix.to_Matrix
+    a, b, c = DomainMatrix.from_Matrix(A).unify(
+        DomainMatrix.from_Matrix(B), DomainMatrix.from_Matrix(C), fmt="dense"
+    )
+    scalars = [b.domain.from_sympy(sympy.sympify(k)) for k in descending]
     v = b
     for power in range(1, A.rows + 1):
-        coefficients[power] += back(c * v)
+        coefficients[power] += (c * v).to_Matrix()
         v = a * v + b * scalars[power]
-    residual = ImmutableMatrix(back(v)) if A.rows else ImmutableMatrix.zeros(0, B.cols)
-    certificate = proven(Certificate(IDENTITY.format(variable), residual), "conversion")
-    entries = tuple(
+    residual = ImmutableMatrix(v.to_Matrix()) if A.rows else ImmutableMatrix.zeros(0, B.cols)
+    rows = tuple(
         tuple(
             from_coefficients([matrix[row, column] for matrix in coefficients], variable)
             for column in range(D.cols)
         )
         for row in range(D.rows)
     )
-    return TransferMatrix(entries, denominator, certificate, sample_time)
+    return rows, denominator, residual
 
 
 def controllable_canonical_form(

@@ -11,7 +11,10 @@ from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.matrices.certificates import Certificate, proven
 from compensator_theory.matrices.exceptional_factors import exceptional_factors
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    in_lowest_terms,
+)
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.values import ExactValue
@@ -133,21 +136,21 @@ def doubly_coprime_fractions(
     else:
         K, F = ImmutableMatrix.zeros(B.cols, 0), ImmutableMatrix.zeros(0, C.rows)
     m, p = B.cols, C.rows
-    right = _simple(A + B * K)
-    left = _simple(A - F * C)
+    right = in_lowest_terms(A + B * K)
+    left = in_lowest_terms(A - F * C)
     for closed, name in ((right, "regulator"), (left, "observer")):
         require_stable(closed, s, name)
     eye_m, eye_p = sympy.eye(m), sympy.eye(p)
     first = transfer_matrix_of_realisation(
         right,
         B.row_join(F),
-        K.col_join(_simple(C + D * K)),
+        K.col_join(in_lowest_terms(C + D * K)),
         Matrix.vstack(eye_m.row_join(sympy.zeros(m, p)), D.row_join(eye_p)),
         s,
     )
     second = transfer_matrix_of_realisation(
         left,
-        _simple(-(B - F * D)).row_join(-F),
+        in_lowest_terms(-(B - F * D)).row_join(-F),
         K.col_join(C),
         Matrix.vstack(eye_m.row_join(sympy.zeros(m, p)), (-D).row_join(eye_p)),
         s,
@@ -198,10 +201,6 @@ def require_stable(matrix: ImmutableMatrix, variable: Symbol, name: str) -> None
             f"the {name} spectrum {format_polynomial(wanted)} is not stable; the fractions need "
             "stable denominators"
         )
-
-
-def _simple(matrix: Matrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))
 
 
 def _blocks(

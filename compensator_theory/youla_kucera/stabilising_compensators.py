@@ -10,7 +10,11 @@ from sympy import Expr, ImmutableMatrix, Matrix, Poly, Symbol
 from compensator_theory.errors import ImproperError, InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, unless
 from compensator_theory.loops.siso import require_sign
-from compensator_theory.matrices.linear_algebra import characteristic_polynomial, solve
+from compensator_theory.matrices.linear_algebra import (
+    characteristic_polynomial,
+    in_lowest_terms,
+    solve,
+)
 from compensator_theory.polynomials.formatting import format_polynomial
 from compensator_theory.polynomials.from_roots import SpectrumLike
 from compensator_theory.polynomials.poly import canonical
@@ -124,7 +128,9 @@ class StabilisingCompensators(ExactValue):
         )
         B = Matrix.vstack(into * R, q.B * R)
         C = (K + q.D * on_x).row_join(q.C + q.D * on_q)
-        a, b, c, d = (_simple(x) for x in (A, B, self.feedback * C, self.feedback * q.D * R))
+        a, b, c, d = (
+            in_lowest_terms(x) for x in (A, B, self.feedback * C, self.feedback * q.D * R)
+        )
         return Realisation(
             a, b, c, d, plant.variable, feedback=self.feedback,
             sample_time=shared_sample_time(plant, q),
@@ -280,7 +286,3 @@ def stabilising_compensators(
     require_sign(feedback)
     fractions = doubly_coprime_fractions(plant, regulator, observer, variable)
     return StabilisingCompensators(fractions, feedback)
-
-
-def _simple(matrix: Matrix) -> ImmutableMatrix:
-    return ImmutableMatrix(matrix.applyfunc(sympy.cancel))

@@ -108,10 +108,10 @@ def hidden_mode_rule(loop: Loop) -> bool:
     )
 
 
-@for_all(loop=minimal_loops(excess=1, max_order=2))
+@for_all(loop=st.one_of(minimal_loops(excess=1, max_order=2), minimal_loops(excess=2, max_order=1)))
 def chains_are_youla_forms(loop: Loop) -> bool:
-    """For n_c = n + 1 the chains ker p_R < ker p_R p_Q, with degrees n and n_c, are the observers
-    with a Youla parameter: every factorisation p_R p_Q p_O gives one.
+    """For n_c = n + 1 and n + 2 the chains ker p_R < ker p_R p_Q, with degrees n and n_c, are the
+    observers with a Youla parameter: every factorisation p_R p_Q p_O gives one.
     """
     plant, compensator = loop
     whole = characteristic_polynomial(closed_loop_matrix(plant, compensator), plant.variable)

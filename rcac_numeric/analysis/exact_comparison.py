@@ -13,6 +13,7 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.pairing import pairing
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -82,7 +83,33 @@ class ExactComparison(Value):
         """Euclidean distance of (D_c, N_c) to the set of compensators that place `asked`."""
         if self.compensators is None:
             return float("nan")
-        found = self.compensators
+        one, directions = self._placing(self.compensators)
+        own = np.concatenate([self.compensator.denominator, self.compensator.numerator])
+        return _distance(own - one, directions)
+
+    def can_be_placed_by(self, structure: Structure) -> bool | None:
+        """Whether coefficients of this structure place `asked`; None for one not from y to u alone.
+
+        Its compensators and those that place `asked` are two affine sets; they meet, or they are
+        apart, which is said from 1e-9 of what they are made of on.
+        """
+        if (structure.l_u, structure.l_y, structure.l_r) != (1, 1, 0) or self.asked is None:
+            return None
+        if self.compensators is None:
+            return False
+        one, directions = self._placing(self.compensators)
+
+        def vector(theta: Array) -> Array:
+            made = structure.compensator(theta)
+            return np.concatenate([made.denominator, made.numerator])
+
+        rest = vector(np.zeros(structure.l_theta))
+        free = np.array([vector(row) - rest for row in np.eye(structure.l_theta)]).T
+        gap = _distance(rest - one, np.hstack([directions, free]))
+        return bool(gap <= SAME * (np.linalg.norm(rest) + np.linalg.norm(one)))
+
+    def _placing(self, found: exact.results.PolePlacement) -> tuple[Array, Array]:
+        """(D_c, N_c) of one compensator that places `asked`, and what may be added to it."""
         length = self.compensator.n_c + 1
 
         def vector(denominator: Poly, numerator: Poly) -> Array:
@@ -92,12 +119,19 @@ class ExactComparison(Value):
             ]
             return np.concatenate(parts)
 
-        gap = np.concatenate([self.compensator.denominator, self.compensator.numerator])
-        gap = gap - vector(found.denominator, found.numerator)
-        if found.homogeneous:
-            directions = np.array([vector(dD, dN) for dN, dD in found.homogeneous]).T
-            gap = gap - directions @ np.linalg.lstsq(directions, gap, rcond=None)[0]
-        return float(np.linalg.norm(gap))
+        directions = [vector(dD, dN) for dN, dD in found.homogeneous]
+        shape = (len(directions), 2 * length)
+        return vector(found.denominator, found.numerator), np.reshape(directions, shape).T
+
+
+SAME = 1e-9
+
+
+def _distance(gap: Array, directions: Array) -> float:
+    """How far a point is from the span of directions."""
+    if directions.shape[1]:
+        gap = gap - directions @ np.linalg.lstsq(directions, gap, rcond=None)[0]
+    return float(np.linalg.norm(gap))
 
 
 def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel) -> ExactComparison:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from compensator_theory import figures
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer

@@ -15,6 +15,7 @@ from compensator_theory import (
     Realisation,
     closed_loop_matrix,
     count_observer_forms,
+    figures,
     realisation,
 )
 from compensator_theory.errors import NoSolutionError
@@ -22,7 +23,6 @@ from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.roots.certified import root_balls
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer, number

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Any
 
-from rcac_numeric.arrays import figures
+from compensator_theory import figures
 
 # Pictures and reports stand above every result and import it. A result asks their table, which is
 # imported when the first result is shown: the one import that goes upwards, and by name.

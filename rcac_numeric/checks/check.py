@@ -9,13 +9,13 @@ from typing import Any, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
+from compensator_theory import figures
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.internal_models import Drift, InternalModel, drift_of, internal_models
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, number
@@ -134,9 +134,9 @@ class ControllerCheck(Value):
         return self.report()
 
     def __repr__(self) -> str:
-        said = "consistent" if self.is_consistent else "u is not the output of theta"
+        verdict = "consistent" if self.is_consistent else "u is not the output of theta"
         loop = "no plant" if self.loop is None else f"rho = {self.loop.spectral_radius:.6g}"
-        return f"ControllerCheck({said}, {loop}, {len(self.unanswered)} unanswered)"
+        return f"ControllerCheck({verdict}, {loop}, {len(self.unanswered)} unanswered)"
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the report and its sheet of pictures."""

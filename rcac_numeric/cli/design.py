@@ -16,6 +16,7 @@ from rcac_numeric.cli.output import as_json_option, picture_option, show
 from rcac_numeric.reports.design import design_sheet, tuned_sheet
 from rcac_numeric.signals.data_files import read_variables
 from rcac_numeric.signals.waveforms import Step
+from rcac_numeric.sweeps.running.progress import ProgressLine
 from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.design import design as designed
 from rcac_numeric.synthesis.files import design_arguments
@@ -47,7 +48,7 @@ PLANT = (
         "--dead-time", type=float, default=0.0, help="In seconds, or steps without them."
     ),
     click.option("--assume", is_flag=True,
-                 help="Ask nothing: assume what is not said, and say so."),
+                 help="Ask nothing: assume what is not given, and say so."),
 )  # fmt: skip
 
 
@@ -65,16 +66,17 @@ def plant_options(command: Callable[..., None]) -> Callable[..., None]:
 @picture_option("Draw a nominal run and the rms on every plant into this file.")
 @as_json_option
 def design(
-    *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **said: Any
+    *, seeds: int, output: Path | None, picture: Path | None, as_json: bool, **options: Any
 ) -> None:
     """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
     file with A, B and C, a transfer function such as "1/(10*s + 1)", or a log: a .csv, .mat or .npz
-    file with u and y of an open loop. What nobody said is asked
-    at a terminal; in a pipe it is refused by name, or assumed with --assume.
+    file with u and y of an open loop, or of a closed one in which a command r or a dither moves u.
+    What is not given is asked for at a terminal; in a pipe it is refused by name, or assumed
+    with --assume.
     """
-    found = designed(**_known(**said), seeds=seeds)
+    found = designed(**_known(**options), seeds=seeds)
     show(design_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
 
 
@@ -85,18 +87,29 @@ def design(
 @click.option("--held-out", type=click.IntRange(min=1), default=8, show_default=True,
               help="Plants to judge the best on.")  # fmt: skip
 @click.option("--seed", type=int, default=0, show_default=True, help="Of points and plants.")
+@click.option("--store", type=click.Path(file_okay=False, path_type=Path),
+              help="A folder that keeps every run: stopped, the same command goes on.")  # fmt: skip
+@click.option("--workers", type=click.IntRange(min=0),
+              help="Processes, with --store; by default one for each processor.")  # fmt: skip
 @picture_option("Draw cost against robustness of all that was tried into this file.")
 @as_json_option
 def tune_command(
-    *, budget: int, held_out: int, seed: int, output: Path | None, picture: Path | None,
-    as_json: bool, **said: Any,
+    *, budget: int, held_out: int, seed: int, store: Path | None, workers: int | None,
+    output: Path | None, picture: Path | None, as_json: bool, **options: Any,
 ) -> None:  # fmt: skip
     """From a plant to a controller as rcac design, with settings found by trying.
 
     The best of many settings is judged on plants and noise that chose nothing; those of rcac design
     and the fixed controller are among them.
     """
-    found = tune(designed(**_known(**said), seeds=1), budget, held_out=held_out, seed=seed)
+    begun = designed(**_known(**options), seeds=1)
+    line = ProgressLine() if sys.stderr.isatty() else None
+    try:
+        found = tune(begun, budget, held_out=held_out, seed=seed, store=store, workers=workers,
+                     progress=line)  # fmt: skip
+    finally:
+        if line is not None:
+            line.end()
     show(tuned_sheet(found), as_json, picture, found.plot, lambda: _written(found, output))
 
 
@@ -104,7 +117,7 @@ def _known(
     *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
     u_limits: str | None, sample_time: float | None, dead_time: float, assume: bool,
 ) -> dict[str, Any]:  # fmt: skip
-    """The arguments of `design`, those that nobody gave asked for."""
+    """The arguments of `design`, what is not given asked for."""
     known: dict[str, Any] = {"sample_time": sample_time}
     if is_transfer_function(plant):
         known["plant"] = plant
@@ -115,19 +128,20 @@ def _known(
         known["plant"] = read_case(plant, "standard")[0]
     else:
         known["plant"] = read_log(plant)
-    said = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
-    missing = [name for name, value in said.items() if value is None and name not in known]
+    given = {"disturbance": disturbance, "noise": noise, "u_limits": u_limits}
+    missing = [name for name, value in given.items() if value is None and name not in known]
     if missing and not assume:
         if not at_a_terminal():
             names = ", ".join(f"--{name.replace('_', '-')}" for name in missing)
             raise InputError(
-                f"nobody said {names}, and there is no terminal to ask at. Give them, or --assume "
-                "to take what `rcac design` takes unasked."
+                f"{names} {'is' if len(missing) == 1 else 'are'} not given, and there is no "
+                f"terminal to ask at. Give {'it' if len(missing) == 1 else 'them'}, or --assume to "
+                f"take {', '.join(f'{name} = {ASKED[name][1]}' for name in missing)}."
             )
         for name in missing:
             words, default = ASKED[name]
-            said[name] = click.prompt(words, default=default)
-    for name, value in said.items():
+            given[name] = click.prompt(words, default=default)
+    for name, value in given.items():
         if value is not None and value != ASKED[name][1]:
             known[name] = _numbers(name, value)
     if height is not None:

@@ -11,8 +11,8 @@ from typing import Any, TypeVar
 import click
 
 import compensator_theory as exact
+from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.experiments.budgets import Budget
 from rcac_numeric.plots.formats import require_picture_format, save
 from rcac_numeric.reports.sheets.sheet import Sheet

@@ -127,21 +127,21 @@ def _written(
     is_own: bool,
 ) -> list[str]:
     """Write the files that were asked for; return what is said of them."""
-    said = []
+    written = []
     if folder is not None:
         requests = found.figure_requests
         for number, request in enumerate(requests, 1):
             save(found.plot(request), folder / f"{found.experiment.id}-{number}.svg")
-        said.append(
+        written.append(
             f"Figures: {f'{len(requests)} in {folder}' if requests else 'none; nothing ran.'}"
         )
     if kept is not None:
         found.main.first.run.save(kept)
-        said.append(f"Run: {kept}")
+        written.append(f"Run: {kept}")
     if page is not None:
         write_page((case_page if is_own else example_page)(case_of(found)), page)
-        said.append(f"Page: {page}")
-    return said
+        written.append(f"Page: {page}")
+    return written
 
 
 def _experiment(case: str, values: tuple[str, ...], budget: Budget) -> Experiment:

@@ -152,7 +152,14 @@ def _chapters(cases: Sequence[Case], wrong: Sequence[Erratum]) -> list[dict[str,
         own = [case for case in cases if case.chapter == number]
         name = "Appendix" if number in ("A", "B") else "Chapter"
         title = f"{name} {number}: {CHAPTERS[number]}" if number else "Cases"
-        examples = [{"case": case, "errata": _errata_of(case, wrong)} for case in own]
+        examples = [
+            {
+                "case": case,
+                "errata": _errata_of(case, wrong),
+                "count": Counter(row.verdict for row in case.claims),
+            }
+            for case in own
+        ]
         counts = headline(own)
         total = counts[TEXT] + counts[READING]
         found.append({"number": number, "title": title, "examples": examples, "count": total})

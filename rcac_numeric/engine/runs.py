@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from compensator_theory import figures
 from compensator_theory.errors import CompensatorError, InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.frames import DataFrame, Dataset, imported
 from rcac_numeric.arrays.record_files import read_record, write_record

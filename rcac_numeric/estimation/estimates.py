@@ -9,8 +9,8 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from compensator_theory import figures
 from compensator_theory.errors import FunctionFailedError, InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import float_array, real_array, signal_array

@@ -6,8 +6,8 @@ import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.estimation.studies import MEASURES as ESTIMATION_MEASURES

@@ -22,6 +22,7 @@ from rcac_numeric.experiments.experiment import Experiment, RunSpecification
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.explorer.modules import LARGEST_STEPS, LARGEST_TARGET
 from rcac_numeric.plants.linear import Plant
+from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.signals.signal import exogenous
 from rcac_numeric.signals.waveforms import Harmonic, Step, WhiteNoise
 
@@ -81,6 +82,7 @@ def case_of(
         "k_w": settings.k_w,
         "R_theta": repr(float(update.R_theta)),
         "lambda": repr(update.lambda_),
+        "bound": _bound(chosen.saturation),
         "steps": chosen.steps,
         "seed": chosen.seed,
         **_dialled(chosen, raw),
@@ -221,14 +223,26 @@ def _require_dials(run: RunSpecification, settings: ControllerSettings) -> None:
     for name, value in attrs.asdict(plain, recurse=False).items():
         if not _same(value, given[name]):
             _refuse(name, "leave it out of [controller]")
-    if run.saturation is not None:
-        _refuse("a saturation", "leave [saturation] out")
+    _bound(run.saturation)
     if run.x_0 is not None or run.x_0_deviation:
         _refuse("an initial state", "leave x_0 out of [run]")
     if run.reference:
         _refuse("ball arithmetic", "choose another run with --run")
     if run.steps > LARGEST_STEPS:
         _refuse(f"{run.steps} steps", f"--set run.steps={LARGEST_STEPS} or less")
+
+
+def _bound(saturation: Saturation | None) -> str:
+    """The limit of abs(u) as the page's dial says it."""
+    if saturation is None:
+        return "none"
+    low, high = saturation.low, saturation.high
+    if saturation.rate is not None:
+        _refuse("a saturation of the rate", "leave rate out of [saturation]")
+    if low is None or high is None or float(low[0]) != -float(high[0]) or not high[0] > 0:
+        _refuse("a saturation that is not the same in both directions", "give low = -high")
+    assert high is not None
+    return repr(float(high[0]))
 
 
 def _same(a: Any, b: Any) -> bool:

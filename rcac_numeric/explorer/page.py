@@ -19,8 +19,8 @@ ORDERS = range(1, 9)  # that every page has
 LONGEST_SCENE = 600
 # In the order in which one uses what stands before it.
 SCRIPTS = (
-    "rationals", "formulas", "roots", "plan", "loop", "words", "charts", "plane", "settings",
-    "explorer",
+    "rationals", "formulas", "roots", "plan", "loop", "margins", "words", "charts", "plane",
+    "settings", "explorer",
 )  # fmt: skip
 
 

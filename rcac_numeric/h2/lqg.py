@@ -7,9 +7,10 @@ from functools import cached_property
 
 import numpy as np
 
+from compensator_theory import figures
 from compensator_theory.errors import IllConditionedError, ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.arrays import figures, frames
+from rcac_numeric.arrays import frames
 from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import notebook_of, picture_of

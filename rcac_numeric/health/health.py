@@ -13,6 +13,8 @@ from rcac_numeric.health.signals import SignalHealth, SignalSize
 from rcac_numeric.health.trials import NextDisturbance
 from rcac_numeric.margins.classical import Margins
 
+HELD = 0.1  # share of the steps in which bounds moved theta
+
 
 @dataclass(frozen=True)
 class HealthWarning:
@@ -114,6 +116,11 @@ class LoopHealth(Value):
     next_disturbance: NextDisturbance | None = None
     missed_by: float | None = None
     cost_ratio: float | None = None
+
+    @property
+    def is_held(self) -> bool:
+        """Whether bounds moved theta in a tenth of the steps, and so decide where poles are."""
+        return self.bounded > HELD * self.steps
 
     @property
     def is_healthy(self) -> bool:

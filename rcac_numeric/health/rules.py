@@ -36,7 +36,6 @@ UNSETTLED = 0.1  # change of theta in the last tenth, relative
 KICKED, FAR = 10.0, 100.0  # |z| after a kick over that with theta held, and where that is grave
 IDLE = 1e-6  # of the largest of w and z: smaller is no loop at work
 COSTLY = 2.0  # cost over LQG's
-HELD = 0.1  # share of the steps in which bounds moved theta: then they are why poles are missed
 GRAVE = 1e4  # |z| or |u| over what acts on the loop, whatever the loop does in the end
 MISSED_SAMPLES = 0.05  # share of the steps
 SLOW = 0.5  # time constant of the slowest mode over the length of the run
@@ -212,14 +211,16 @@ def _wound_up(health: LoopHealth) -> Iterator[HealthWarning]:
 
 def _missed(health: LoopHealth, found: LoopAnalysis) -> Iterator[HealthWarning]:
     missed = health.missed_by
-    if missed is None or missed <= MISSED or health.outcome != "completed":
+    if missed is None or missed <= MISSED or health.outcome != "completed" or health.is_held:
         return
     cure = what_places_them(found)
     usual = "a dither or a richer command: neither k_w nor R_theta alone places them"
-    if found.run.bounded > HELD * found.run.steps:
-        usual = (
-            f"wider bounds, where these poles matter: theta was moved to its bounds in "
-            f"{found.run.bounded} of {found.run.steps} steps"
+    structure = None if found.obstacle else found.structure
+    if structure is not None and found.comparison.can_be_placed_by(structure) is False:
+        cure = (
+            f"another structure or target, where these poles matter: no theta of {structure.name} "
+            f"with {structure.l_theta} coefficients places them; iir with n_c = "
+            f"{found.comparison.plant.n} has enough"
         )
     yield HealthWarning(
         "missed poles",

@@ -5,6 +5,7 @@ from .noise_models import NeweyWest as NeweyWest
 from .online.arx import RecursiveARX as RecursiveARX
 from .online.mu_markov import RecursiveMuMarkov as RecursiveMuMarkov
 from .output_error import identify_output_error as identify_output_error
+from .prediction_error import identify_in_closed_loop as identify_in_closed_loop
 from .recursive import RecursiveMarkov as RecursiveMarkov
 from .windows import IdentifiedWindow as IdentifiedWindow
 from .windows import identify_windows as identify_windows

@@ -12,18 +12,31 @@ from scipy.signal import lfilter
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.arrays.validation import integer, real_array
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.identification.regressors import lagged
+from rcac_numeric.identification.scalar_record import (
+    ScalarModel,
+    ScalarRecord,
+    Shape,
+    information_criterion,
+    inside,
+    late,
+    scalar_record,
+    shapes,
+)
 
 ROUNDS = 10  # of the iteration; it settles in about 5
 SETTLED = 1e-4  # relative change of the coefficients
-FASTEST = 1.0  # modulus: a pole of a filter outside the circle is reflected into it
 REFINED = (5, 3)  # of the best, by the output error itself, in two passes
 PENALTY = 3.0  # times that of BIC: noise that is not white asks for more
+INTEGRATOR = np.array([1.0, -1.0])  # 1 - q^-1
+COLOUR = 4  # order of the noise model under which a pole at 1 is compared with a free one
+LOW, SHARE = 0.02, 0.3  # rad/step, and of the gain there: what an integrator must make of it
+
+Found = dict[Shape, tuple[float, Array]]  # the criterion and the coefficients of each model
 
 
 @dataclass(frozen=True, eq=False)
-class OutputErrorModel(Value):
+class OutputErrorModel(ScalarModel):
     """y(k) = q^-delay B(q)/A(q) u(k) + offset + e(k), strictly proper.
 
     Attributes
@@ -38,51 +51,55 @@ class OutputErrorModel(Value):
         e, what the model, its initial state and the offset leave of y; without the first steps,
         as many as the longest order and delay, of which u before the record is a part.
     criterion : float
-        N log(mean e^2) + 3 (2 n + 2) log N: the smallest is the best.
+        N log(mean e^2) + 3 (2 n + 2) log N: the smallest of an order and delay is the best.
     explained : float
         1 - var(e)/var(y).
+    integrators : int
+        Poles of A that are 1 exactly; then the offset is one of u, too, and y may have a slope.
     """
 
-    numerator: Array
-    denominator: Array
-    delay: int
     residual: Array
     criterion: float
     explained: float
+    integrators: int = 0
 
-    @property
-    def order(self) -> int:
-        """n, without the delay."""
-        return len(self.numerator)
-
-    @property
-    def transfer_function(self) -> tuple[Array, Array]:
-        """Coefficients of B and A in descending powers of q, without the delay."""
-        return self.numerator, self.denominator
+    def errors(self, u: ArrayLike, y: ArrayLike) -> Array:
+        """What the model, with a state, offset and slope of its own, leaves of another record."""
+        record = scalar_record(u, y, self.order + self.delay, drifts=True)
+        A = self.denominator
+        for _ in range(self.integrators):
+            A = np.polydiv(A, INTEGRATOR)[0]
+        coefficients = np.r_[A[1:], self.numerator * record.units[0] / record.units[1]]
+        shape = self.order, self.delay, self.integrators
+        return record.units[1] * _residual(record, shape, coefficients)
 
     def __str__(self) -> str:
+        pole = " with a pole at 1" if self.integrators else ""
         return (
-            f"order {self.order}, delay {self.delay}, explains {100 * self.explained:.4g} % of the "
-            f"variance of y in {len(self.residual)} steps"
+            f"order {self.order}{pole}, delay {self.delay}, explains "
+            f"{100 * self.explained:.4g} % of the variance of y in {len(self.residual)} steps"
         )
 
 
 def identify_output_error(
     u: ArrayLike, y: ArrayLike, *, orders: Iterable[int] = range(1, 6),
-    delays: Iterable[int] = range(12),
+    delays: Iterable[int] = range(12), integrators: Iterable[int] = (0,),
 ) -> OutputErrorModel:  # fmt: skip
     """The output-error model of the order and delay that a record supports.
 
     Steiglitz and McBride's iteration: least squares of A y_f = q^-delay B u_f + c, both filtered by
     1/A of the round before; of the best, least squares of the error of the output itself. Of all
-    orders and delays the smallest N log(mean e^2) + 3 (2 n + 2) log N.
+    orders and delays the smallest N log(mean e^2) + 3 (2 n + 2) log N. A pole at 1 is imposed by
+    taking the sum of u for u, which leaves the noise as it is; it is kept where the BIC of the
+    error, made white by an AR(4) model, is smaller than that of the best model with free poles,
+    y having a slope of its own in both, and where it makes 0.3 of the gain at 0.02 rad/step.
 
     Parameters
     ----------
     u, y : arrays of shape (steps,) or (steps, 1)
         Of an open loop: u must not answer to y.
-    orders, delays : iterables of int
-        What is tried.
+    orders, delays, integrators : iterables of int
+        What is tried; 0 or 1 of the poles is 1 exactly.
 
     Raises
     ------
@@ -107,158 +124,167 @@ def identify_output_error(
     >>> model.order, model.delay, model.denominator.round(2)
     (1, 2, array([ 1. , -0.8]))
     """
-    control, output = _signal(u, "u"), _signal(y, "y")
-    tried = [(integer(n, "order", at_least=1), integer(d, "delay")) for n in orders for d in delays]
-    if len(control) != len(output):
-        raise InputError(f"u has {len(control)} steps and y {len(output)}; they belong together.")
-    longest = max((n + d for n, d in tried), default=0)
-    if not tried or len(control) < 10 * (longest + 2):
-        raise InputError(
-            f"there are {len(control)} steps, and for orders and delays of {longest} together at "
-            f"least {10 * (longest + 2)} are needed. Record more, or try less."
-        )
-    unit_u, unit_y = float(np.std(control)), float(np.std(output))
-    for name, one in (("u", unit_u), ("y", unit_y)):
-        if not one > 0:
-            raise InputError(f"{name} does not move: the record shows nothing of the plant.")
-    record = _Record(
-        (control - control.mean()) / unit_u, (output - output.mean()) / unit_y, longest
-    )
-    found = _best(record, tried)
-    if found is None:
+    tried = shapes(orders, delays, integrators)
+    sums_tried = sorted({sums for *_, sums in tried})
+    longest = max(n + d for n, d, _ in tried)
+    record = scalar_record(u, y, longest, drifts=sums_tried != [0])
+    found: Found = {}
+    for sums in sums_tried:
+        found |= _fitted(record, [one for one in tried if one[-1] == sums], found)
+    best = [
+        min((one for one in found if one[-1] == sums), key=lambda one: found[one][0])
+        for sums in sums_tried
+    ]
+    models = [(shape, found[shape][1]) for shape in best]
+    shape, coefficients = models[0] if len(models) == 1 else _of_two(record, *models)
+    n, d, sums = shape
+    e = _residual(record, shape, coefficients)
+    least = information_criterion(_residual(record, (0, 0, 0), np.zeros(0)), 1, PENALTY)
+    if not _criterion(e, shape) < least:
         raise InputError(
             "the record does not show that y answers to u: no model is better than a constant. "
             "Excite u more, record longer, or try longer delays."
         )
-    n, d, coefficients = found
-    e = _residual(record, n, d, coefficients)
-    b = coefficients[n:] * unit_y / unit_u
+    A, b = np.r_[1.0, coefficients[: n - sums]], coefficients[n - sums :]
+    for _ in range(sums):
+        A = np.convolve(A, INTEGRATOR)
+    unit_u, unit_y = record.units
     left = float(np.mean(e**2))
     return OutputErrorModel(
-        b, np.r_[1.0, coefficients[:n]], d, e * unit_y, _criterion(e, n),
-        1 - left / float(np.var(record.last_y)),
+        b * unit_y / unit_u, A, d, e * unit_y, _criterion(e, shape),
+        1 - left / float(np.var(record.last_y)), sums,
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Record:
-    """u and y in units of their own, and the first step at which no earlier u is missing."""
-
-    u: Array
-    y: Array
-    first: int
-
-    @property
-    def last_y(self) -> Array:
-        """Y from there on."""
-        return self.y[self.first :]
+def _criterion(e: Array, shape: Shape) -> float:
+    return information_criterion(e, 2 * shape[0] + 2, PENALTY)
 
 
-def _signal(values: ArrayLike, name: str) -> Array:
-    found = real_array(values, name)
-    if found.ndim == 2 and found.shape[1] != 1:
-        raise InputError(f"{name} has {found.shape[1]} columns; one signal is needed.")
-    return found.ravel()
+def _of_two(
+    record: ScalarRecord, free: tuple[Shape, Array], imposed: tuple[Shape, Array]
+) -> tuple[Shape, Array]:
+    """The better one of a model with free poles and one with a pole at 1."""
+    if not _integrated_share(*imposed) > SHARE:
+        return free
+    e = [_residual(record, *one) for one in (free, imposed)]
+    past = lagged(e[0][:, None], COLOUR + 1)
+    colour = np.r_[1.0, -np.linalg.lstsq(past[:, 1:], past[:, 0], rcond=None)[0]]
+    values = [
+        information_criterion(lfilter(colour, [1.0], one)[COLOUR:], 2 * n - sums, 1.0)
+        for one, ((n, _, sums), _) in zip(e, (free, imposed), strict=True)
+    ]
+    return imposed if values[1] < values[0] else free
 
 
-def _criterion(e: Array, n: int) -> float:
-    size = max(float(np.mean(e**2)), np.finfo(float).tiny)
-    return float(len(e) * np.log(size) + PENALTY * (2 * n + 2) * np.log(len(e)))
+def _integrated_share(shape: Shape, coefficients: Array) -> float:
+    """What the integrator makes of the gain at low frequency: its residue over w abs(G)."""
+    A, B = np.r_[1.0, coefficients[: shape[0] - 1]], coefficients[shape[0] - 1 :]
+    there = np.exp(-1j * LOW)
+    gain = np.polyval(B[::-1], there) / (np.polyval(A[::-1], there) * (1 - there))
+    return float(abs(B.sum() / A.sum() / LOW) / abs(gain)) if A.sum() and gain else 0.0
 
 
-def _best(record: _Record, tried: list[tuple[int, int]]) -> tuple[int, int, Array] | None:
-    """Order, delay and coefficients of the smallest criterion; None where a constant is."""
-    found = {}
-    for n, d in tried:
-        coefficients = _iterated(record, n, d)
-        found[n, d] = _criterion(_residual(record, n, d, coefficients), n), coefficients
-    refined: set[tuple[int, int]] = set()
+def _fitted(record: ScalarRecord, tried: list[Shape], free: Found) -> Found:
+    """The best of these shapes, refined, all of one number of integrators.
+
+    Where `free` has models without a pole at 1 they are tried with their slowest pole put there.
+    """
+    found: Found = {}
+    for shape in tried:
+        starts = [_iterated(record, shape)]
+        starts += [_without_slowest(of) for one, (_, of) in free.items() if one[:2] == shape[:2]]
+        made = [(_criterion(_residual(record, shape, one), shape), one) for one in starts]
+        found[shape] = min(made, key=lambda one: one[0])
+    refined: set[Shape] = set()
     # Noise that is not white leads the iteration astray, and not at every delay alike.
     for count in REFINED:
         _share_poles(record, found)
-        for n, d in sorted(found, key=lambda one: found[one][0])[:count]:
-            if (n, d) not in refined:
-                coefficients = _refined(record, n, d, found[n, d][1])
-                found[n, d] = _criterion(_residual(record, n, d, coefficients), n), coefficients
-                refined.add((n, d))
-    n, d = min(refined, key=lambda one: found[one][0])
-    value, coefficients = found[n, d]
-    y = record.last_y
-    least = len(y) * np.log(np.mean((y - y.mean()) ** 2)) + PENALTY * np.log(len(y))
-    return (n, d, coefficients) if value < least else None
+        for shape in sorted(found, key=lambda one: found[one][0])[:count]:
+            if shape not in refined:
+                coefficients = _refined(record, shape, found[shape][1])
+                e = _residual(record, shape, coefficients)
+                found[shape] = _criterion(e, shape), coefficients
+                refined.add(shape)
+    return {shape: found[shape] for shape in refined}
 
 
-def _share_poles(record: _Record, found: dict[tuple[int, int], tuple[float, Array]]) -> None:
+def _without_slowest(coefficients: Array) -> Array:
+    """A and B of a model without the pole nearest to 1."""
+    n = len(coefficients) // 2
+    poles = np.roots(np.r_[1.0, coefficients[:n]])
+    rest = np.delete(poles, np.argmin(np.abs(poles - 1)))
+    A = np.atleast_1d(np.poly(rest)).real
+    return np.concatenate([A[1:], coefficients[n:]])
+
+
+def _driving(record: ScalarRecord, sums: int) -> Array:
+    """U, or its sum where a pole at 1 is imposed."""
+    return np.cumsum(record.u) if sums else record.u
+
+
+def _share_poles(record: ScalarRecord, found: Found) -> None:
     """At every delay the poles of the best one of that order, where they do better."""
-    for n in sorted({n for n, _ in found}):
-        best = min((one for one in found if one[0] == n), key=lambda one: found[one][0])
-        A = _inside(np.r_[1.0, found[best][1][:n]])
-        u_f, y = lfilter([1.0], A, record.u), record.last_y
-        free = _free(A, len(y))
-        for d in [d for order, d in found if order == n]:
-            forced = [_late(u_f, d + i)[record.first :] for i in range(1, n + 1)]
+    for n, sums in sorted({(n, sums) for n, _, sums in found}):
+        alike = [one for one in found if one[0] == n]
+        best = min(alike, key=lambda one: found[one][0])
+        A = inside(np.r_[1.0, found[best][1][: n - sums]])
+        u_f, y = lfilter([1.0], A, _driving(record, sums)), record.last_y
+        free = _free(A, len(y), record.drifts)
+        for shape in alike:
+            forced = [late(u_f, shape[1] + i)[record.first :] for i in range(1, n + 1)]
             columns = np.stack([*forced, *free], axis=1)
             B = np.linalg.lstsq(columns, y, rcond=None)[0]
-            value = _criterion(y - columns @ B, n)
-            if value < found[n, d][0]:
-                found[n, d] = value, np.r_[A[1:], B[:n]]
+            value = _criterion(y - columns @ B, shape)
+            if value < found[shape][0]:
+                found[shape] = value, np.r_[A[1:], B[:n]]
 
 
-def _iterated(record: _Record, n: int, d: int) -> Array:
-    """a_1, ..., a_n, b_1, ..., b_n where Steiglitz and McBride's iteration ends."""
-    A = np.zeros(n + 1)
+def _iterated(record: ScalarRecord, shape: Shape) -> Array:
+    """a_1, ..., b_1, ..., b_n where Steiglitz and McBride's iteration ends."""
+    n, d, sums = shape
+    poles = n - sums
+    A = np.zeros(poles + 1)
     A[0] = 1.0
-    found = np.zeros(2 * n)
-    late, one = _late(record.u, d), np.ones_like(record.u)
+    found = np.zeros(poles + n)
+    delayed = late(_driving(record, sums), d)
+    known = [np.ones_like(record.u), *[np.linspace(-1, 1, len(record.u))] * record.drifts]
     for _ in range(ROUNDS):
-        y_f, u_f, c_f = (lfilter([1.0], A, signal) for signal in (record.y, late, one))
-        columns = [-_late(y_f, i) for i in range(1, n + 1)]
-        columns += [_late(u_f, i) for i in range(1, n + 1)]
-        regressor = np.stack([*columns, c_f], axis=1)[record.first :]
-        found = np.linalg.lstsq(regressor, y_f[record.first :], rcond=None)[0][: 2 * n]
-        new = _inside(np.r_[1.0, found[:n]])
+        y_f, u_f, *c_f = (lfilter([1.0], A, signal) for signal in (record.y, delayed, *known))
+        columns = [-late(y_f, i) for i in range(1, poles + 1)]
+        columns += [late(u_f, i) for i in range(1, n + 1)]
+        regressor = np.stack([*columns, *c_f], axis=1)[record.first :]
+        found = np.linalg.lstsq(regressor, y_f[record.first :], rcond=None)[0][: poles + n]
+        new = inside(np.r_[1.0, found[:poles]])
         if np.abs(new - A).max() < SETTLED * np.abs(new).max():
             break
         A = new
     return found
 
 
-def _late(signal: Array, steps: int) -> Array:
-    """The signal so many steps later, at rest before."""
-    return signal if not steps else np.r_[np.zeros(steps), signal[:-steps]]
-
-
-def _inside(A: Array) -> Array:
-    """A with every root outside the circle reflected into it."""
-    roots = np.roots(A)
-    size = np.abs(roots)
-    if not (size > FASTEST).any():
-        return A
-    reflected = np.where(size > FASTEST, 1 / np.conj(np.where(size > 0, roots, 1.0)), roots)
-    return np.asarray(np.poly(reflected).real)
-
-
-def _residual(record: _Record, n: int, d: int, coefficients: Array) -> Array:
+def _residual(record: ScalarRecord, shape: Shape, coefficients: Array) -> Array:
     """What B/A u, the offset and the initial state, fitted, leave of y."""
-    A, B = _inside(np.r_[1.0, coefficients[:n]]), np.r_[0.0, coefficients[n:]]
-    columns = np.stack(_free(A, len(record.last_y)), axis=1)
-    e = record.last_y - lfilter(B, A, _late(record.u, d))[record.first :]
+    n, d, sums = shape
+    A, B = inside(np.r_[1.0, coefficients[: n - sums]]), np.r_[0.0, coefficients[n - sums :]]
+    columns = np.stack(_free(A, len(record.last_y), record.drifts), axis=1)
+    e = record.last_y - lfilter(B, A, late(_driving(record, sums), d))[record.first :]
     return np.asarray(e - columns @ np.linalg.lstsq(columns, e, rcond=None)[0])
 
 
-def _free(A: Array, steps: int) -> list[Array]:
-    """What y may be without u: an offset, and the responses to the initial state."""
+def _free(A: Array, steps: int, drifts: bool) -> list[Array]:
+    """What y may be without u: an offset, a slope, and the responses to the initial state."""
     impulse = np.zeros(steps)
     impulse[0] = 1.0
     free = lfilter([1.0], A, impulse)
-    return [np.ones(steps), *(_late(free, i) for i in range(len(A) - 1))]
+    slope = [np.linspace(-1, 1, steps)] * drifts
+    return [np.ones(steps), *slope, *(late(free, i) for i in range(len(A) - 1))]
 
 
-def _refined(record: _Record, n: int, d: int, start: Array) -> Array:
+def _refined(record: ScalarRecord, shape: Shape, start: Array) -> Array:
     """The smallest output error beside where the iteration ended."""
+    poles = shape[0] - shape[2]
     found = least_squares(
-        lambda one: _residual(record, n, d, one), start, x_scale="jac", max_nfev=25,
+        lambda one: _residual(record, shape, one), start, x_scale="jac", max_nfev=25,
         ftol=1e-12, xtol=1e-10, gtol=1e-12,
     ).x  # fmt: skip
-    found[:n] = _inside(np.r_[1.0, found[:n]])[1:]
+    found[:poles] = inside(np.r_[1.0, found[:poles]])[1:]
     return np.asarray(found)

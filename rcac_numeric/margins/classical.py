@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import notebook_of, picture_of
 from rcac_numeric.arrays.validation import number
@@ -115,9 +115,40 @@ class Margins(Value):
         """What a notebook shows: the table of margins and the Nyquist curve."""
         return notebook_of(self, self.plot)
 
-    def plot(self) -> figures.Figure:
-        """The Nyquist curve near -1 with the margins marked."""
-        return picture_of(self)
+    def plot(self, view: str = "all", **options: Any) -> figures.Figure:
+        """Nyquist's curve and Bode's plot of L with the margins marked.
+
+        Parameters
+        ----------
+        view : {"all", "nyquist", "bode", "disk"}
+            The first two together, one of them, or the gains and turns of phase that the disk
+            margin says may change together.
+        ax : matplotlib Axes or sequence of Axes, optional
+            Where it is drawn instead of in a new figure: two pairs of axes for Bode's plot, three
+            for "all", one for the others.
+        width : float
+            Of the figure in inches; 3.5 fits the column of a journal.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Not attached to a window.
+
+        Raises
+        ------
+        InputError
+            Where the view is none of these or there is no disk margin to show, `ax` has not as
+            many axes, or the figure is narrower than 3 inches.
+
+        Examples
+        --------
+        >>> import control
+        >>> from rcac_numeric import stability_margins
+        >>> margins = stability_margins(control.tf([0.5], [1, -1], True), feedback=-1)
+        >>> [axis.get_title() for axis in margins.plot("bode").axes]
+        ['gain margin 4 at 3.14', 'phase margin 75.5 degrees at 0.505']
+        """
+        return picture_of(self, view, **options)
 
 
 def stability_margins(

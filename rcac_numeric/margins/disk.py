@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import instance_of, one_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.margins.opened_loop import OpenedLoop
@@ -60,6 +63,10 @@ class DiskMargin(Value):
     def phase(self) -> float:
         """The turn, in degrees, in both directions: 2 arctan(alpha / 2)."""
         return float(np.degrees(2 * np.arctan(self.alpha / 2)))
+
+    def plot(self, **options: Any) -> figures.Figure:
+        """The gains and turns of phase that may change together; options `ax` and `width`."""
+        return picture_of(self, **options)
 
     def __str__(self) -> str:
         low, high = self.gain

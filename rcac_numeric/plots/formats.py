@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError
 from compensator_theory.libraries import require_library
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.files import replacing
 
 FORMATS = (".pdf", ".png", ".svg")

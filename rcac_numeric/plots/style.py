@@ -7,12 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from compensator_theory.errors import InputError
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.wording import in_a_line, shortened
 from rcac_numeric.plots.library import Axes, Figure, SymmetricalLogLocator
 
 INK, REACHED, WANTED, SECOND = "#222222", "#0b62a3", "#d1495b", "#2a9d8f"
+QUIET = "#7f7f7f"
+NARROW = 6.0  # inches: below, panels stand one above the other and letters are smaller
+NARROWEST = 3.0
 # Okabe and Ito's colours, told apart by every kind of colour vision, and lines for black and white.
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)))
@@ -160,3 +164,68 @@ def widen(axis: Axes, factor: float) -> None:
     if 0 < low < high < factor * low:
         middle = (low * high) ** 0.5
         axis.set_ylim(middle / factor**0.5, middle * factor**0.5)
+
+
+def axes_given(ax: Axes | Sequence[Axes], count: int) -> list[Axes]:
+    """Return the axes that somebody gave to be drawn in, as many as are drawn.
+
+    Examples
+    --------
+    >>> from rcac_numeric.plots.style import axes_given
+    >>> axes_given([], 2)
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: ax has 0 axes; 2 are drawn, one for each.
+    """
+    given = list(np.ravel(np.array(ax, dtype=object)))
+    if len(given) != count:
+        raise InputError(f"ax has {len(given)} axes; {count} are drawn, one for each.")
+    return given
+
+
+def checked_width(width: float) -> float:
+    """Return the width of a figure in inches.
+
+    Raises
+    ------
+    InputError
+        If it is no finite number, or too small.
+
+    Examples
+    --------
+    >>> from rcac_numeric.plots.style import checked_width
+    >>> checked_width(2)
+    Traceback (most recent call last):
+        ...
+    compensator_theory.errors.InputError: width = 2 inches is too narrow; 3.0 are needed.
+    """
+    try:
+        inches = float(width)
+    except (TypeError, ValueError):
+        raise InputError(f"width = {width!r} is no number of inches.") from None
+    if not (np.isfinite(inches) and inches >= NARROWEST):
+        raise InputError(f"width = {width} inches is too narrow; {NARROWEST} are needed.")
+    return inches
+
+
+def tidy(figure: Figure) -> None:
+    """Draw faint grids and, where the figure is narrow, smaller letters.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from rcac_numeric.plots.style import tidy
+    >>> figure = Figure(figsize=(3.5, 3))
+    >>> axis = figure.subplots()
+    >>> tidy(figure)
+    >>> axis.xaxis.label.get_size()
+    8.0
+    """
+    for axis in figure.axes:
+        axis.grid(alpha=0.25)
+        axis.spines[["top", "right"]].set_visible(False)
+        if figure.get_figwidth() < NARROW:
+            axis.tick_params(labelsize=8)
+            axis.xaxis.label.set_fontsize(8)
+            axis.yaxis.label.set_fontsize(8)
+            axis.title.set_fontsize(8)

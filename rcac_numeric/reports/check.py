@@ -45,7 +45,11 @@ def check_sheet(check: ControllerCheck) -> Sheet:
     return Sheet(
         title=check.log.source,
         remark=f": {check.log.steps} steps",
-        health=(*_doubt(check), *missed_poles(check.comparison), *health_lines(health)),
+        health=(
+            *_doubt(check),
+            *missed_poles(check.comparison, check.structure),
+            *health_lines(health),
+        ),
         sections=(*sections, _unsaid(check)),
     )
 

@@ -40,7 +40,13 @@ def health_lines(health: LoopHealth) -> tuple[Text, ...]:
         lines.append(Text(f"supervision: {health.supervision}"))
     if health.bounded:
         steps = f"{health.bounded} of {health.steps} steps"
-        lines.append(Text(f"bounds: theta was moved to its bounds in {steps}"))
+        words = f"bounds: theta was moved to its bounds in {steps}"
+        if health.is_held and health.missed_by is not None:
+            words += (
+                f"; they decide where the poles are, up to {health.missed_by:.2g} from those of "
+                "the target model"
+            )
+        lines.append(Text(words))
     return tuple(lines)
 
 

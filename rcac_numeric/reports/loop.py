@@ -8,6 +8,7 @@ from rcac_numeric.analysis.exact_comparison import ExactComparison
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.reports.sheets.sheet import (
     Block,
@@ -79,10 +80,11 @@ def zeros_facts(zeros: dict[str, str]) -> tuple[Fact, ...]:
 MISSED = 0.01  # a pole that is farther from the one asked for is not that pole
 
 
-def missed_poles(c: ExactComparison | None) -> tuple[Text, ...]:
+def missed_poles(c: ExactComparison | None, structure: Structure | None = None) -> tuple[Text, ...]:
     """The line that a report begins with where poles asked for are not reached.
 
-    A target model with all its poles at 0 asks for a finite response and not for poles.
+    A target model with all its poles at 0 asks for a finite response and not for poles. What no
+    theta of the structure places is no fault of the run.
     """
     if c is None or not c.target_poles.any():
         return ()
@@ -96,6 +98,12 @@ def missed_poles(c: ExactComparison | None) -> tuple[Text, ...]:
     )
     more = f" and {len(missed) - 4} more" if len(missed) > 4 else ""
     count = f"{len(missed)} of {len(c.assigned)} poles asked for"
+    if structure is not None and c.can_be_placed_by(structure) is False:
+        why = (
+            f"No theta of the structure {structure.name} with its {structure.l_theta} coefficients "
+            f"places the {len(c.poles)} poles that the target asks the loop for: "
+        )
+        return (Text(f"{why}{count} are missed, {words}{more}.", "warning"),)
     return (Text(f"NOT reached: {count} are missed, {words}{more}.", "bad"),)
 
 

@@ -72,8 +72,8 @@ def _health(verification: Verification, health: LoopHealth | None) -> tuple[Text
                 "bad",
             )
         )
-    elif not main.first.obstacle:
-        said += missed_poles(main.first.comparison)
+    elif not main.first.obstacle and not health.is_held:
+        said += missed_poles(main.first.comparison, main.first.structure)
     first, *rest = health_lines(health)
     said.append(first)
     if changed := sum(verdict.has_changed for verdict in verification.verdicts):

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest, ttest_1samp
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.files import replacing
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer, items, number
@@ -41,7 +41,7 @@ from rcac_numeric.synthesis.plants import (
 from rcac_numeric.synthesis.reference import MOST, Reference, reference_loop
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.simc import simc
-from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
+from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, Trials
 
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
@@ -279,9 +279,10 @@ def design(
     plant : Plant, PlantSchedule, ContinuousPlant, system of another package, str, ControllerLog
         Linear, strictly proper, as many inputs as outputs (4 at most, in like units); all that
         `plant_of` reads, and rows of transfer functions. A `Plant` counts as its map
-        from u to y. Of a log u and y count, in an open loop: `identify_output_error` makes a model
-        of them, what it leaves of y is noise and disturbance unless they are given, and the gain
-        is as uncertain as parts of the log disagree.
+        from u to y. Of a log u and y count, and r where it is known: `identify_output_error` makes
+        a model of an open loop, `identify_in_closed_loop` one of a closed loop, which an unstable
+        plant needs. What it leaves of y is noise and disturbance unless they are given, and the
+        gain is as uncertain as parts of the log disagree.
     disturbance : "unknown", number or Signal
         d, which adds to u, in units of u: a signal such as ``Step(0.5)`` or ``Harmonic(0.3)``, or
         the size of one that is not known otherwise. It acts on every input; so do noise and
@@ -351,9 +352,8 @@ def design(
         alternatives[PID] = controllers[PID] = simc(model)
     except NoSolutionError as error:
         alternatives[PID] = str(error)
-    evidence = run_trials(
-        controllers, model, expected, cases, steps=steps, seeds=seeds, saturation=saturation
-    )
+    trials = Trials(controllers, model, expected, cases, steps, seeds, saturation=saturation)
+    evidence = trials.in_threads()
     servo, w = model.servo(), expected.w(steps, JUDGING)
     options = {"saturation": saturation}
     runs = simulate_many([SimulationCase(servo, one, w, options) for one in controllers.values()])
@@ -372,7 +372,7 @@ def _expected(
     logged: LoggedPlant | None, disturbance: Any, noise: float | None, command: Any,
     u_range: float, model: DesignPlant,
 ) -> tuple[Expected, tuple[str, ...]]:  # fmt: skip
-    """As `read_expected`; what nobody said is read from the log, if there is one."""
+    """As `read_expected`; what was not given is read from the log, if there is one."""
     if logged is None:
         return read_expected(disturbance, noise, command, u_range, model.low_gain, model.m)
     is_unsaid = isinstance(disturbance, str) and disturbance == UNKNOWN
@@ -440,7 +440,10 @@ def compared(evidence: tuple[Trial, ...], name: str, other: str = FIXED) -> Comp
 
 def _choice(nominal: Trial, found: Comparison) -> tuple[str, str]:
     """Which controller, and why, in words."""
-    brings = f"RCAC changes the rms error by {100 * (found.ratio - 1):+.0f} %"
+    brings = (
+        f"RCAC {'lowers' if found.ratio < 1 else 'raises'} the rms error by "
+        f"{100 * abs(found.ratio - 1):.0f} %"
+    )
     if not all(nominal.stable):
         return FIXED, "RCAC ends in an unstable loop with the plant as it is given."
     if found.losses > found.wins:
@@ -523,7 +526,7 @@ def _questions(
         ))  # fmt: skip
     if logged is not None and logged.integrates:
         found.append(("plant", "what the log shows, though it seems to integrate", INTEGRATES))
-    if not model.is_stable:
+    if not model.is_stable and (logged is None or not logged.is_closed):
         found.append((
             "plant", "unstable or integrating, and known as well as said",
             "confirm it on a log of a stabilised loop before RCAC runs alone",

@@ -164,8 +164,10 @@ class DesignPlant(Value):
     @property
     def sign(self) -> str:
         """Which way y_0 goes in the end after a step of u, both scalar: to rest, or away."""
-        if self.is_stable:
-            at_rest = self.C @ np.linalg.solve(np.eye(len(self.A)) - self.A, self.B)
+        from_rest = np.eye(len(self.A)) - self.A
+        # Several poles that are 1 to rounding may be computed inside the circle.
+        if self.is_stable and np.linalg.cond(from_rest) * np.finfo(float).eps < 1:
+            at_rest = self.C @ np.linalg.solve(from_rest, self.B)
             return "+" if at_rest.item() > 0 else "-"
         x, drive = np.zeros_like(self.B), 1.0
         for _ in range(FAR):

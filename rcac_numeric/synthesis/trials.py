@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from rcac_numeric.analysis.closed_loop import frozen_loop
+from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.experiment import JUDGING
+from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.synthesis.expected import Expected
 from rcac_numeric.synthesis.plants import DesignPlant, Variation
@@ -56,57 +58,107 @@ class Trial(Value):
         )  # fmt: skip
 
 
-def run_trials(
-    controllers: Mapping[str, AnyController], plant: DesignPlant, expected: Expected,
-    variations: Sequence[Variation], *, steps: int, seeds: int,
-    saturation: Saturation | None = None, first: int = JUDGING,
-) -> tuple[Trial, ...]:  # fmt: skip
-    """Every controller on every plant with the same draws, in one batch.
+@dataclass(frozen=True, eq=False)
+class Trials(Value):
+    """Every controller on every plant with the same draws: a batch, and the case of each run.
 
-    Parameters
+    Attributes
     ----------
     controllers : mapping from names
     plant : DesignPlant
     expected : Expected
-    variations : sequence of Variation
-    steps, seeds : int
-        Length and number of the draws.
-    saturation : Saturation, optional
+    variations : tuple of Variation
+    steps : int
+        Of each run.
+    seeds : int
+        Number of the draws.
     first : int
         The first seed: by default of those that judge, and that no setting is chosen by.
+    saturation : Saturation or None
     """
-    servos = [plant.servo(one) for one in variations]
-    draws = [
-        [expected.w(steps, seed, one.noise) for seed in range(first, first + seeds)]
-        for one in variations
-    ]
-    options = {"stride": steps, "saturation": saturation}
-    cases = [
-        SimulationCase(servo, controller, w, options)
-        for controller in controllers.values()
-        for servo, ws in zip(servos, draws, strict=True) for w in ws
-    ]  # fmt: skip
-    runs = iter(simulate_many(cases))
-    return tuple(
-        _trial(name, one, [next(runs) for _ in range(seeds)], steps)
-        for name in controllers for one in variations
-    )  # fmt: skip
+
+    controllers: Mapping[str, AnyController]
+    plant: DesignPlant
+    expected: Expected
+    variations: tuple[Variation, ...]
+    steps: int
+    seeds: int
+    first: int = JUDGING
+    saturation: Saturation | None = None
+
+    def __call__(
+        self, rng: np.random.Generator, *, controller: str, plant: int, seed: int
+    ) -> SimulationCase:
+        """One run: a controller by its name, a plant by its place, a draw by its seed."""
+        changed = self.variations[plant]
+        servo = self.plant.servo(changed)
+        return self._case(servo, controller, self.expected.w(self.steps, seed, changed.noise))
+
+    @property
+    def runs(self) -> int:
+        """Their number."""
+        return len(self.controllers) * len(self.variations) * self.seeds
+
+    def of(self, numbers: Iterable[tuple[float, float, float]]) -> tuple[Trial, ...]:
+        """Their outcome, of the numbers `(rms, peak, Ms)` of every run in their order."""
+        left = iter(numbers)
+        found = []
+        for name in self.controllers:
+            for one in self.variations:
+                rms, peak, Ms = zip(*(next(left) for _ in range(self.seeds)), strict=True)
+                stable = tuple(bool(np.isfinite(value)) for value in Ms)
+                kept = tuple(a if b else np.inf for a, b in zip(rms, stable, strict=True))
+                found.append(Trial(name, one, stable, kept, peak, Ms))
+        return tuple(found)
+
+    def in_threads(self) -> tuple[Trial, ...]:
+        """All of them in one batch of this process."""
+        servos = [self.plant.servo(one) for one in self.variations]
+        draws = [
+            [self.expected.w(self.steps, self.first + i, one.noise) for i in range(self.seeds)]
+            for one in self.variations
+        ]
+        runs = simulate_many(
+            self._case(servo, name, w)
+            for name in self.controllers
+            for servo, ws in zip(servos, draws, strict=True)
+            for w in ws
+        )
+        return self.of((tail_rms(run), largest_error(run), sensitivity(run)) for run in runs)
+
+    def _case(self, servo: Plant, controller: str, w: Array) -> SimulationCase:
+        options = {"stride": self.steps, "saturation": self.saturation}
+        return SimulationCase(servo, self.controllers[controller], w, options)
 
 
-def _trial(name: str, variation: Variation, runs: list[Run], steps: int) -> Trial:
-    found = [measured(run, steps) for run in runs]
-    stable, rms, peak, Ms = zip(*found, strict=True)
-    return Trial(name, variation, stable, rms, peak, Ms)
-
-
-def measured(run: Run, steps: int) -> tuple[bool, float, float, float]:
+def measured(run: Run) -> tuple[bool, float, float, float]:
     """(stable, rms, peak, Ms) of one run of the servo problem; of several errors the norm."""
-    error = np.linalg.norm(run.z + run.w[: len(run.z), -run.z.shape[1] :], axis=1)
-    peak = float(np.abs(error).max(initial=0.0))
+    Ms = sensitivity(run)
+    stable = bool(np.isfinite(Ms))
+    return stable, tail_rms(run) if stable else np.inf, largest_error(run), Ms
+
+
+def tail_rms(run: Run) -> float:
+    """Rms of e_0 over the last quarter; infinite where the run ended early."""
     if run.outcome != "completed":
-        return False, np.inf, np.inf, np.inf
-    Ms = sensitivity_peak(frozen_loop(run.plant, run.compensator, 0))
-    if not np.isfinite(Ms):
-        return False, np.inf, peak, np.inf
-    tail = error[-max(int(LAST * steps), 1) :]
-    return True, float(np.sqrt(np.mean(tail**2))), peak, Ms
+        return np.inf
+    error = _error(run)
+    return float(np.sqrt(np.mean(error[-max(int(LAST * run.steps), 1) :] ** 2)))
+
+
+def largest_error(run: Run) -> float:
+    """The largest abs(e_0); infinite where the run ended early."""
+    return float(_error(run).max(initial=0.0)) if run.outcome == "completed" else np.inf
+
+
+def sensitivity(run: Run) -> float:
+    """The peak of the sensitivity with the last controller; infinite where that is not stable."""
+    if run.outcome != "completed":
+        return np.inf
+    return sensitivity_peak(frozen_loop(run.plant, run.compensator, 0))
+
+
+def _error(run: Run) -> Array:
+    """The norm of e_0, the error without the sensor noise, at every step."""
+    noise = run.w[: len(run.z), -run.z.shape[1] :]
+    return np.asarray(np.linalg.norm(run.z + noise, axis=1))

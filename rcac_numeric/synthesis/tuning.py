@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from scipy.stats import qmc
 
-from rcac_numeric.arrays import figures
+from compensator_theory import figures
+from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.validation import instance_of, integer
@@ -17,6 +19,7 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.experiment import JUDGING
+from rcac_numeric.sweeps.running.progress import Progress
 from rcac_numeric.synthesis.design import (
     PEAK,
     Comparison,
@@ -30,7 +33,8 @@ from rcac_numeric.synthesis.expected import KINDS
 from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, Variation, continuous_of
 from rcac_numeric.synthesis.plants import variations as corners
 from rcac_numeric.synthesis.road import Knobs, settings_of
-from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, run_trials
+from rcac_numeric.synthesis.stored_trials import stored
+from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, Trials
 
 RULE = "rule"
 # The unit cube's edges: the base-10 logarithms of N_0, nu, width and 1 - lambda; the spare order.
@@ -39,6 +43,8 @@ HALF = 0.5  # of the points have lambda = 1
 KEPT = 0.5  # of the candidates: those that go on to the next round, with twice the draws
 ROUNDS = 4
 LEARNING = 1_000  # the first seed that settings are chosen by
+
+Runner = Callable[[str, Trials], tuple[Trial, ...]]
 
 
 @dataclass(frozen=True)
@@ -140,6 +146,9 @@ def tune(
     seeds: int = 3,
     steps: int | None = None,
     seed: int = 0,
+    store: str | Path | None = None,
+    workers: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
 ) -> Tuned:
     """Try other settings than the rule's, and judge the best on plants that chose nothing.
 
@@ -162,11 +171,22 @@ def tune(
         Of each run; by default those of the design.
     seed : int
         Of the sequence and of the plants.
+    store : path, optional
+        A folder, made where there is none: every run is kept there, and the same call after
+        whatever stopped it goes on with the rest, to the same result. Without it all run in
+        threads of this process.
+    workers : int, optional
+        Processes that run into the store; as many as there are processors by default, and 0 for
+        this process alone.
+    progress : callable, optional
+        Called with a `Progress` while runs end, round by round; `ProgressLine()` writes it down.
 
     Raises
     ------
     InputError
-        Where this is no design, or a number is out of range.
+        Where this is no design, a number is out of range, or there are workers and no store.
+    StoreError
+        Where the store is one of another design or other arguments, or cannot be used.
 
     Examples
     --------
@@ -181,12 +201,42 @@ def tune(
     integer(held_out, "held_out", at_least=1)
     integer(seeds, "seeds", at_least=1)
     steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
+    runner = _runner(store, workers, progress)
     knobs = {RULE: Knobs()} | {str(i + 1): one for i, one in enumerate(_points(budget, seed))}
     made: dict[str, AnyController] = {FIXED: design.fixed}
     for name, one in knobs.items():
         made[name] = settings_of(design.model, design.reference, design.expected, one)
-    candidates, chosen = _halved(design, made, knobs, steps)
-    return _judged(design, made, chosen, candidates, steps, (held_out, seeds, seed))
+    candidates, chosen = _halved(design, made, knobs, steps, runner)
+    return _judged(design, made, chosen, candidates, steps, (held_out, seeds, seed), runner)
+
+
+def _runner(
+    store: str | Path | None, workers: int | None, progress: Callable[[Progress], None] | None
+) -> Runner:
+    """What runs the trials of a round of this name: in threads, or into a store."""
+    if store is None:
+        if workers is not None:
+            raise InputError(
+                f"workers = {workers}, and no store: processes leave their runs in one. Give "
+                "store, a folder, or leave workers out."
+            )
+
+        def in_threads(name: str, trials: Trials) -> tuple[Trial, ...]:
+            found = trials.in_threads()
+            if progress is not None:
+                progress(Progress(trials.runs, trials.runs, 0.0))
+            return found
+
+        return in_threads
+    folder = Path(store)
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"store = {folder} is a file, and a folder is needed.")
+
+    def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
+        folder.mkdir(parents=True, exist_ok=True)
+        return stored(trials, folder / f"{name}.sqlite", workers, progress)
+
+    return into_store
 
 
 def _points(budget: int, seed: int) -> list[Knobs]:
@@ -209,7 +259,11 @@ def _knobs(point: Array) -> Knobs:
 
 
 def _halved(
-    design: Design, made: dict[str, AnyController], knobs: dict[str, Knobs], steps: int
+    design: Design,
+    made: dict[str, AnyController],
+    knobs: dict[str, Knobs],
+    steps: int,
+    runner: Runner,
 ) -> tuple[tuple[Candidate, ...], Candidate]:
     """Every candidate, by the last round that it took part in; and the best, the rule in doubt."""
     plants = corners(design.model, design.uncertainty)
@@ -220,10 +274,9 @@ def _halved(
     alive, first = list(made), LEARNING
     for i in range(ROUNDS):
         batch = {name: made[name] for name in alive}
-        trials = run_trials(
-            batch, design.model, design.expected, plants, steps=steps, seeds=draws,
-            saturation=design.saturation, first=first,
-        )  # fmt: skip
+        trials = runner(f"round-{i + 1}", Trials(
+            batch, design.model, design.expected, plants, steps, draws, first, design.saturation
+        ))  # fmt: skip
         for name in alive:
             new = [one for one in trials if one.controller == name]
             old = seen.get(name, [])
@@ -253,6 +306,7 @@ def _beside(seen: dict[str, list[Trial]], name: str, other: str) -> Comparison:
 def _judged(
     design: Design, made: dict[str, AnyController], chosen: Candidate,
     candidates: tuple[Candidate, ...], steps: int, held_out: tuple[int, int, int],
+    runner: Runner,
 ) -> Tuned:  # fmt: skip
     """The chosen settings beside the rule's and the fixed controller, on held-out plants."""
     count, seeds, seed = held_out
@@ -265,10 +319,10 @@ def _judged(
     if beside is not None and not isinstance(beside, str):
         controllers[PID] = beside
     plants = (Variation(), *drawn(design.model, design.uncertainty, count, seed))
-    trials = run_trials(
-        controllers, design.model, design.expected, plants, steps=steps, seeds=seeds,
+    trials = runner("held-out", Trials(
+        controllers, design.model, design.expected, plants, steps, seeds,
         saturation=design.saturation,
-    )  # fmt: skip
+    ))  # fmt: skip
     evidence = tuple(one for one in trials if one.controller != RULE)
     w = design.expected.w(design.steps, JUDGING)
     run = simulate(design.plant, settings, w, saturation=design.saturation)

@@ -10,6 +10,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+import yaml
 
 import compensator_theory
 import rcac_numeric
@@ -17,6 +18,7 @@ import rcac_numeric
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PACKAGES = ("compensator_theory", "rcac_numeric")
+RECIPE = yaml.safe_load((ROOT / "recipe" / "recipe.yaml").read_text())
 
 
 def test_the_version_is_that_of_the_distribution(monkeypatch):
@@ -44,6 +46,40 @@ def test_one_version_everywhere():
     version = PROJECT["project"]["version"]
     assert re.search(rf"^version: {re.escape(version)}$", (ROOT / "CITATION.cff").read_text(), re.M)
     assert re.search(rf"^## {re.escape(version)}$", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    assert RECIPE["context"]["version"] == version
+
+
+def test_the_recipe_for_conda_is_this_project():
+    """Its names differ in one: conda's Matplotlib without a window, which python-control needs."""
+    project, needed = PROJECT["project"], RECIPE["requirements"]
+    lines = {re.sub(r"(?=>=)", " ", line) for line in project["dependencies"]}
+    (plot,) = project["optional-dependencies"]["plot"]
+    lines.add(plot.replace("matplotlib>=", "matplotlib-base >="))
+    assert set(needed["run"]) == {"python", *lines}
+    build = {re.sub(r"(?=>=)", " ", line) for line in PROJECT["build-system"]["requires"]}
+    assert set(needed["host"]) == {"python", "pip", *build}
+    assert RECIPE["about"]["summary"] == project["description"]
+    assert RECIPE["about"]["license"] == project["license"]
+    (script,) = project["scripts"].items()
+    assert RECIPE["build"]["python"]["entry_points"] == [" = ".join(script)]
+
+
+def test_addresses_stand_in_one_place():
+    """Before they are known nowhere; after that the citation and the recipe have them, too."""
+    address = PROJECT["project"].get("urls", {}).get("Repository")
+    cited = re.search(r"^repository-code: (.*)$", (ROOT / "CITATION.cff").read_text(), re.M)
+    assert (cited[1].strip("\"'") if cited else None) == address
+    assert RECIPE["about"].get("repository") == address
+
+
+def test_classifiers_name_every_python_from_the_first_on():
+    lowest = PROJECT["project"]["requires-python"].removeprefix(">=3.")
+    named = [
+        int(line.rpartition(".")[2])
+        for line in PROJECT["project"]["classifiers"]
+        if line.startswith("Programming Language :: Python :: 3.")
+    ]
+    assert named == list(range(int(lowest), named[-1] + 1))
 
 
 def test_the_wheel_has_our_two_packages_only():

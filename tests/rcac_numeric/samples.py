@@ -298,6 +298,7 @@ SAMPLES = {
     results.BootstrapZeros: lambda seed: identification.bootstrap_zeros(
         *first_order(seed), mu=4, n_mod=1, order=1, seed=seed, replicates=3
     ),
+    results.DataFact: lambda seed: results.DataFact("sign", "+", 0.9 + 0.01 * seed, 0.95, "of H_1"),
     results.DataTarget: lambda seed: rcac.target_from_data(
         *first_order(seed), mu=5, n_mod=1, order=1
     ),
@@ -387,8 +388,12 @@ SAMPLES = {
     results.OutputErrorModel: lambda seed: identification.identify_output_error(
         *answered(seed), orders=(1,), delays=(0,)
     ),
+    results.PredictionErrorModel: lambda seed: identification.identify_in_closed_loop(
+        *answered(seed), orders=(1,), delays=(0,)
+    ),
     results.Tuned: lambda seed: rcac.tune(design(seed), 2, held_out=1, seeds=1, seed=seed),
-    # export
+    # export, explorer
+    results.ExplorerPage: lambda seed: results.ExplorerPage("own", f"page {seed}"),
     results.Export: lambda seed: results.Export(
         Path("board"), ("README.md", "src/rcac.c"), "float64", 336 + seed, 120, "", "", ("small",)
     ),

@@ -11,6 +11,28 @@ Lemma entry_combination (R : comRingType) (x y : R) (M N : 'M[R]_1) :
   (x *: M - y *: N) 0 0 = x * M 0 0 - y * N 0 0.
 Proof. by rewrite !mxE. Qed.
 
+Section FeedbackKeepsZeros.
+Variables (R : idomainType) (n : nat).
+Implicit Types (A : 'M[R]_n) (B : 'cV[R]_n) (K C : 'rV[R]_n).
+
+Lemma numerator_add A B C C' : numerator A B (C + C') = numerator A B C + numerator A B C'.
+Proof. by rewrite /numerator map_mxD !mulmxDl mxE. Qed.
+
+Lemma numerator_scale A B a C : numerator A B (a *: C) = a *: numerator A B C.
+Proof. by rewrite /numerator map_mxZ -!scalemxAl mxE mul_polyC. Qed.
+
+(* State feedback moves poles, not zeros ... *)
+Lemma numerator_feedback A B K C : numerator (A + B *m K) B C = numerator A B C.
+Proof.
+rewrite numeratorE -addrA -mulmxDr !char_poly_rank_one numerator_add.
+by rewrite opprB addrC addrA subrK addrC addKr.
+Qed.
+
+(* ... and so does output injection. *)
+Lemma numerator_injection A B C (F : 'cV[R]_n) : numerator (A + F *m C) B C = numerator A B C.
+Proof. by rewrite -numerator_tr linearD /= trmx_mul numerator_feedback numerator_tr. Qed.
+End FeedbackKeepsZeros.
+
 Section MarkovParameters.
 Variables (R : fieldType) (order : nat).
 Local Notation n := order.+1.

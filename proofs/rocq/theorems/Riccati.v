@@ -82,24 +82,6 @@ exact: (difference_of_solutions R_2_symmetric solves_P solves_P').
 Qed.
 End Unique.
 
-Section FeedbackKeepsZeros.
-Variables (R : idomainType) (n : nat) (A : 'M[R]_n) (B : 'cV[R]_n).
-Implicit Types K C : 'rV[R]_n.
-
-Lemma numerator_add C C' : numerator A B (C + C') = numerator A B C + numerator A B C'.
-Proof. by rewrite /numerator map_mxD !mulmxDl mxE. Qed.
-
-Lemma numerator_scale a C : numerator A B (a *: C) = a *: numerator A B C.
-Proof. by rewrite /numerator map_mxZ -!scalemxAl mxE mul_polyC. Qed.
-
-(* State feedback moves poles, not zeros. *)
-Lemma numerator_feedback K C : numerator (A + B *m K) B C = numerator A B C.
-Proof.
-rewrite numeratorE -addrA -mulmxDr !char_poly_rank_one numerator_add.
-by rewrite opprB addrC addrA subrK addrC addKr.
-Qed.
-End FeedbackKeepsZeros.
-
 (* Reversal takes the zeros outside to the inside. *)
 Lemma inside_reversed (R : rcfType) n (p : {poly R}) :
   p \is monic -> degree_is p n -> outside p -> inside (reversed n p).

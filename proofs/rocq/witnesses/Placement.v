@@ -3,7 +3,7 @@ From mathcomp Require Import all_ssreflect all_algebra.
 From mathcomp Require Import all_real_closed.
 From Compensators.foundations Require Import Vocabulary Matrices SmallSystems PositiveDefinite.
 From Compensators.theorems Require RecursiveLeastSquares Intercalation PolePlacement.
-From Compensators.theorems Require RecordedSignals.
+From Compensators.theorems Require RecordedSignals StateFeedback.
 From Compensators.theorems Require MinimalRealisations CanonicalForm ObserverBasedPairs RealFactors.
 From Compensators.theorems Require Forms InvariantSubspaces CountOfForms HiddenModes Diophantine.
 From Compensators.theorems Require Resultants.
@@ -228,3 +228,15 @@ Qed.
 
 Lemma theorem_A1_needs_a_k : ltac:(can_be_met (@Appendices.theorem_A1_needs_a_k)).
 Proof. by move=> absurd; apply: (absurd Q). Qed.
+
+Lemma heymann : ltac:(can_be_met (@StateFeedback.heymann)).
+Proof.
+move=> absurd; apply: (absurd Q 0%N 1%N o e 1%:M); first by rewrite StateFeedback.controllable_pair_1 reaches.
+by rewrite mulmx1; apply: one_is_not_zero.
+Qed.
+
+Lemma output_injection_places : ltac:(can_be_met (@StateFeedback.output_injection_places)).
+Proof.
+move=> absurd; apply: (absurd Q 0%N 1%N o e 'X _ (monicX _) (size_polyX _)).
+by rewrite StateFeedback.pair_duality StateFeedback.controllable_pair_1 -duality sees.
+Qed.

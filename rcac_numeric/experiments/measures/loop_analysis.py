@@ -9,18 +9,19 @@ from typing import TypeVar
 
 import numpy as np
 
+from compensator_theory import figures
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
 from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.frozen import measuring_command, plant_at
@@ -147,6 +148,12 @@ class LoopAnalysis(Value):
     def reads_command(self) -> bool:
         """Whether the controller reads the command r beside y."""
         return self.compensator.l_y > self.plant.l_y
+
+    @property
+    def structure(self) -> Structure | None:
+        """What the coefficients weigh; None for a controller of several parts, and for none."""
+        settings = self.run.settings
+        return settings.structure if isinstance(settings, ControllerSettings) else None
 
     @cached_property
     def obstacle(self) -> str:

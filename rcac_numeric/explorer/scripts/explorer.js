@@ -1,11 +1,12 @@
 // The page: dials, pictures and the sentence above them.
 import { colours, lines, span, stepAt } from "./charts.js";
-import { exogenousInput, numbersOf, openCores, polesAt, roomOf, run } from "./loop.js";
+import { appliedOf, exogenousInput, numbersOf, openCores, polesAt, roomOf, run } from "./loop.js";
+import { marginsAt, predicted } from "./margins.js";
 import { Plane, allowed } from "./plane.js";
 import { exactPlant, nonminimumPhase, planOf } from "./plan.js";
 import { inWords, rounded } from "./rationals.js";
 import { asToml } from "./settings.js";
-import { known, outcomeOf, sentence, shown } from "./words.js";
+import { besides, known, outcomeOf, sentence, shown } from "./words.js";
 
 const get = id => document.getElementById(id);
 const given = JSON.parse(get("explorer-data").textContent);
@@ -21,6 +22,7 @@ const PLACES = 61;  // of a track, at most
 
 // id, the least, the most, the step, from the slider to the dial and back, what is shown.
 const exponent = text => Math.round(Math.log10(Number(text)));
+const UNBOUNDED = 3;  // the right end of a dial of exponents
 const DIALS = [
   { key: "R_theta", min: -40, max: 4, to: power, from: exponent, painted: true },
   { key: "n_c", min: 1, max: Math.max(...given.core.orders), to: Number, from: Number, painted: true },
@@ -29,11 +31,14 @@ const DIALS = [
   { key: "d_zu", min: -2, max: 4, to: Number, from: Number, painted: true },
   { key: "noise", min: 0, max: 0.1, step: 0.001, to: v => String(Number(v)), from: Number, painted: true },
   { key: "amplitude", min: 0, max: 2, step: 0.01, to: v => String(Number(v)), from: Number },
+  { key: "bound", min: -2, max: UNBOUNDED, step: 0.1, painted: true,
+    to: v => Number(v) >= UNBOUNDED ? "none" : String(Number((10 ** v).toPrecision(2))),
+    from: text => text === "none" ? UNBOUNDED : Math.log10(Number(text)) },
   { key: "lambda", min: 0.95, max: 1, step: 0.001, to: v => String(Number(v)), from: Number, painted: true },
   { key: "k_w", min: 1, max: 150, to: Number, from: Number, painted: true },
   { key: "steps", min: 40, max: 600, step: 20, to: Number, from: Number },
 ];
-const fractional = text => text.includes("/") ? text
+const fractional = text => text.includes("/") || text === "none" ? text
   : Number(text) && Math.abs(Number(text)) < 1e-3 ? Number(text).toExponential() : String(Number(text));
 const fraction = text => text.includes("/") ? text.split("/").reduce((a, b) => a / b) : Number(text);
 
@@ -51,6 +56,7 @@ function moved(kind, index, point, by = null) {
 function compute() {
   const plan = planOf(dials, room);
   found = run(cores.get(dials.n_c), plan, exogenousInput(dials, data, plan.l_w));
+  found.applied = appliedOf(found);
   outcome = outcomeOf(found);
   trail = [];
   let near = null;
@@ -71,13 +77,16 @@ function draw() {
   const common = { steps: dials.steps, colour, start: plan.k_w, cursor: k, end: found.lost ? found.done : dials.steps };
   const count = found.z.length, picture = (id, series, [low, high], axis) => lines(get(id), series, { low, high, axis, ...common });
   picture("z", [{ values: found.z, count, colour: colour.c1, thick: 2 }], span(found.z, seen(), true), true);
-  picture("u", [{ values: found.u, count, colour: colour.c5 }], span(found.u, seen(), true), false);
+  const asked = { values: found.u, count, colour: colour.quiet }, applied = { values: found.applied, count, colour: colour.c5 };
+  picture("u", Number.isFinite(plan.bound) ? [asked, applied] : [applied], span(found.applied, seen(), true), false);
   const theta = Array.from({ length: found.l_theta }, (_, i) => ({
     values: found.theta, count, stride: found.l_theta, first: i, colour: i < n_c ? colour.c5 : colour.c1, thick: 1.4,
   }));
   picture("theta", theta, span(found.theta, seen() * found.l_theta, false), false);
   const poles = cursor >= last && !found.lost ? outcome.poles : polesAt(found, k);
-  plane.draw({ dials, plan, poles, trail }, colour);
+  const theory = predicted(plan);
+  plane.draw({ dials, plan, poles, trail, theory: theory ?? [] }, colour);
+  get("besides").textContent = besides(found, poles, marginsAt(found, k >= last && !found.lost ? found.done : k), theory);
   const scrubber = get("cursor");
   scrubber.max = last;
   scrubber.value = k;
@@ -312,6 +321,8 @@ async function start() {
     get dials() { return dials; },
     get found() { return found; },
     get outcome() { return outcome; },
+    get margins() { return marginsAt(found, found.done); },
+    get predicted() { return predicted(found.plan); },
     load, change, compute,
   };
   document.documentElement.dataset.ready = "true";

@@ -49,6 +49,7 @@ export function run(core, plan, w) {
   at(core.table(2), plan.denominator.length).set(plan.denominator);
   at(core.table(3), 1)[0] = plan.lambda;
   core.start_at(plan.k_w);
+  core.saturate_at(plan.bound);
   const scale = w.reduce((most, value) => Math.max(most, Math.abs(value)), 1);
   const done = core.run(steps, n, plan.l_w, NO_DIGIT_LEFT * scale), rows = Math.min(done + 1, steps);
   return {
@@ -61,14 +62,22 @@ export function run(core, plan, w) {
   };
 }
 
-// The closed-loop polynomial with theta of step k held: D D_c - N N_c, (2.28); of the servo problem plus.
-export function closedLoop({ plan, theta, l_theta, done }, k) {
+export const appliedOf = ({ u, plan: { bound } }) => u.map(value => Math.min(Math.max(value, -bound), bound));
+
+// D_c and N_c of the compensator that theta of step k is, (2.28).
+export function compensatorAt({ plan, theta, l_theta, done }, k) {
   const at = Math.min(k, done) * l_theta, n_c = plan.dials.n_c;
   const D_c = [1], N_c = [];
   for (let i = 0; i < n_c; i += 1) {
     D_c.push(-theta[at + i]);
     N_c.push(theta[at + n_c + i]);
   }
+  return [D_c, N_c];
+}
+
+// The closed-loop polynomial with theta of step k held: D D_c - N N_c, (2.28); of the servo problem plus.
+export function closedLoop(found, k) {
+  const { plan } = found, [D_c, N_c] = compensatorAt(found, k);
   return summed(convolved(plan.den, D_c), convolved(plan.num, N_c), plan.servo ? 1 : -1);
 }
 export const polesAt = (found, k, near = null) => rootsOf(closedLoop(found, k), near);

@@ -34,6 +34,12 @@ export function modelling(dials) {
   };
 }
 
+// Whether what RCAC is told of the first coefficient and the relative degree is so.
+export const isExact = dials => {
+  const [numerator, denominator] = exactly(dials.gain);
+  return numerator === denominator && dials.d_zu === 0;
+};
+
 // The target model H q^(n_p - d_zu - deg N) N / D_p, (4.39).
 export function targetModel(dials) {
   const { H, d_zu } = modelling(dials), N = withRoots(dials.told), D = withRoots(dials.poles);
@@ -66,6 +72,7 @@ export function planOf(dials, room) {
     denominator: behind(D_f.map(rounded)),
     D_0: 1 / Number(dials.R_theta),
     lambda: Number(dials.lambda),
+    bound: dials.bound === "none" ? Infinity : Number(dials.bound),
     zeros: rootsOf(num),
     poles: rootsOf(den),
   };

@@ -48,7 +48,7 @@ export class Plane {
     return [[this.x_0 + part * dx, this.y_0 + part * dy], modulus(point)];
   }
 
-  draw({ dials, plan, poles, trail }, colour) {
+  draw({ dials, plan, poles, trail, theory }, colour) {
     const { pen, width } = drawing(this.canvas), turn = 2 * Math.PI, [o_x, o_y] = this.at([0, 0]);
     pen.scale(width / WIDE, width / WIDE);
     pen.fillStyle = colour.shade;
@@ -87,6 +87,15 @@ export class Plane {
       pen.lineWidth = 1.6;
       pen.beginPath();
       pen.arc(x, y, 5, 0, turn);
+      pen.stroke();
+    }
+    pen.strokeStyle = colour.good;
+    for (const place of theory) {
+      const [[x, y]] = this.rim(place);
+      pen.lineWidth = 1.6;
+      pen.beginPath();
+      [[0, -8], [8, 0], [0, 8], [-8, 0]].forEach(([dx, dy], i) => pen[i ? "lineTo" : "moveTo"](x + dx, y + dy));
+      pen.closePath();
       pen.stroke();
     }
     for (const pole of poles) this.cross(pen, pole, modulus(pole) >= 1 ? colour.bad : colour.c1, 2.6, 5.5);

@@ -44,7 +44,11 @@ n_c = ${dials.n_c}
 k_w = ${plan.k_w}
 R_theta = ${real(dials.R_theta)}
 lambda = ${real(dials.lambda)}
-
+${dials.bound === "none" ? "" : `
+[saturation]
+low = ${real(`-${dials.bound}`)}
+high = ${real(dials.bound)}
+`}
 [run]
 steps = ${dials.steps}${dials.seed ? `\nseed = ${dials.seed}` : ""}${lost ? '\nexpected = "diverged"' : ""}
 `;

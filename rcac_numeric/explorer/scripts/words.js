@@ -66,6 +66,25 @@ export function sentence(found, outcome) {
   return [[what], [calm, "good"], [", but "], [which, "warning"], [`, ${shown(worst)} by ${small(outcome.worst)}.${few}`]];
 }
 
+// What the poles alone do not say: margins, what theory predicts, and how often u is at its limit.
+export function besides(found, poles, margins, predicted) {
+  const { plan } = found, parts = [];
+  const factor = x => x === Infinity ? "∞" : Number(x.toPrecision(3)).toString();
+  if (margins) parts.push(`Margins: the gain may change by ${factor(margins.down)} to ${factor(margins.up)}, the phase by `
+    + `${margins.phase === Infinity ? "any angle" : `${text(margins.phase)}°`}.`);
+  else parts.push("A loop that is not stable has no margins.");
+  if (predicted) {
+    const worst = Math.max(...distances(predicted, poles));
+    parts.push(`Theory puts the poles of a loop that matches the target at ${predicted.filter(([, y]) => y >= 0).map(shown).join(", ")};`
+      + ` ${Number.isFinite(worst) ? `theta's are off by ${small(worst)} at most.` : "theta has none."}`);
+  } else parts.push("No loop matches the target: RCAC is told what is not so, or n_c is too small.");
+  if (Number.isFinite(plan.bound)) {
+    const learnt = found.u.subarray(plan.k_w), count = learnt.filter(value => Math.abs(value) > plan.bound).length;
+    parts.push(`u is at its limit in ${Math.round(100 * count / Math.max(1, learnt.length))} % of the steps.`);
+  }
+  return parts.join(" ");
+}
+
 export function known(plan) {
   const { H, d_zu } = modelling(plan.dials), { told } = plan.dials;
   const unstable = plan.poles.filter(pole => pole[1] >= 0).map(shown).join(", ");

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import compensator_theory as exact
+from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer

@@ -63,6 +63,20 @@ class Picture(Value):
     title: str
     svg: str
 
+    @property
+    def anchor(self) -> str:
+        """The id of its SVG, by which it is drawn again, small; empty where nothing is drawn."""
+        return self._attribute("id")
+
+    @property
+    def box(self) -> str:
+        """What it shows of its plane: the viewBox of its SVG."""
+        return self._attribute("viewBox")
+
+    def _attribute(self, name: str) -> str:
+        found = re.match(rf'<svg\b[^>]*\b{name}="([\w .-]+)"', self.svg)
+        return found[1] if found else ""
+
 
 @dataclass(frozen=True)
 class Case(Value):

@@ -13,8 +13,8 @@ from itertools import count
 from pkgutil import resolve_name
 from typing import Any
 
+from compensator_theory import figures
 from compensator_theory.errors import InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.wording import in_a_line
 from rcac_numeric.reports.page.rendering import sheet_html, words
 from rcac_numeric.reports.page.svg import svg_of
@@ -23,6 +23,12 @@ from rcac_numeric.reports.sheets.terminal import as_text
 
 # From a type to the function that draws it.
 PICTURES = {
+    "compensator_theory.frequency.margins:StabilityMargins": (
+        "rcac_numeric.plots.margins:plot_stability_margins"
+    ),
+    "compensator_theory.frequency.root_locus:RootLocus": (
+        "rcac_numeric.plots.root_locus:plot_root_locus"
+    ),
     "rcac_numeric.analysis.match:IntercalatedMatch": "rcac_numeric.plots.run:plot_match",
     "rcac_numeric.analysis.observer_forms:NumericObserverForms": (
         "rcac_numeric.plots.observer_forms:plot_observer_forms"
@@ -39,7 +45,8 @@ PICTURES = {
         "rcac_numeric.plots.figures.requested:plot_verification"
     ),
     "rcac_numeric.h2.lqg:LQG": "rcac_numeric.plots.lqg:plot_lqg",
-    "rcac_numeric.margins.classical:Margins": "rcac_numeric.plots.check:plot_margins",
+    "rcac_numeric.margins.classical:Margins": "rcac_numeric.plots.margins:plot_margins",
+    "rcac_numeric.margins.disk:DiskMargin": "rcac_numeric.plots.margins:plot_disk_margin",
     "rcac_numeric.plants.gallery.continuous:ContinuousPlant": (
         "rcac_numeric.plots.figures.plants:plot_continuous_plant"
     ),

@@ -7,7 +7,7 @@ import io
 import re
 import threading
 
-from rcac_numeric.arrays import figures
+from compensator_theory import figures
 from rcac_numeric.arrays.wording import in_a_line
 
 # What our pictures are drawn in, and the page's own colours.
@@ -100,7 +100,7 @@ def _named(text: str, prefix: str, title: str) -> str:
     inside = re.sub(r"^.*?<svg[^>]*>|</svg>\s*$", "", text, flags=re.S)
     size = f' viewBox="{box[1]}"' if box else ""
     return (
-        f'<svg role="img" aria-labelledby="{prefix}-title"{size} '
+        f'<svg id="{prefix}" role="img" aria-labelledby="{prefix}-title"{size} '
         'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">'
         f'<title id="{prefix}-title">{html.escape(in_a_line(title))}</title>{inside}</svg>'
     )

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from compensator_theory import figures
 from compensator_theory.errors import FunctionFailedError, InputError
-from rcac_numeric.arrays import figures
 from rcac_numeric.arrays.showing import report_of
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Value, fingerprint
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
@@ -182,7 +182,7 @@ def _study(
     resolved = about.resolved
 
     def restored(value: Any) -> Any:
-        if not (isinstance(value, dict) and value.keys() == {"function", "source"}):
+        if not (isinstance(value, dict) and value.keys() >= {"function", "source"}):
             return value
         whole = str(value["function"])
         name = whole.rpartition(":")[2]
@@ -196,6 +196,11 @@ def _study(
             raise StoreError(
                 f"the function {printable(name)} is not the one that {store} was made with: its "
                 "source is another. Its numbers cannot be compared; take the version of then."
+            )
+        if "holds" in value and fingerprint(function) != value["holds"]:
+            raise StoreError(
+                f"{printable(name)} holds other data than that which {store} was made with; give "
+                "the one of then."
             )
         return function
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.arrays.values import fingerprint, is_record
 
 DATA_FILES = (".csv", ".npy", ".npz", ".mat", ".txt")
 
@@ -40,7 +41,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain(entry) for entry in value]
     if callable(value):
-        return {"function": name_of(value), "source": source_of(value)}
+        named = {"function": name_of(value), "source": source_of(value)}
+        return named | ({"holds": fingerprint(value)} if is_record(value) else {})
     raise InputError(f"a study holds {value!r}, which is no number, text, list or table.")
 
 
@@ -50,7 +52,8 @@ def digest(text: str) -> str:
 
 
 def name_of(function: Callable[..., Any]) -> str:
-    """What a function is imported by, `module:name`."""
+    """What a function, or the class of a record that is called, is imported by: `module:name`."""
+    function = type(function) if is_record(function) else function
     module = getattr(function, "__module__", "")
     name = getattr(function, "__qualname__", "")
     if not module or not name.isidentifier():
@@ -93,7 +96,8 @@ def _digest_of_file(path: Path) -> str:
 
 
 def source_of(function: Callable[..., Any]) -> str:
-    """The digest of the source of a function; empty where there is none."""
+    """The digest of the source of a function, or of a record's class; empty where there is none."""
+    function = type(function) if is_record(function) else function
     try:
         return digest(inspect.getsource(function))
     except (OSError, TypeError):  # compiled, or typed in

@@ -43,7 +43,8 @@ class Study(Value):
     base : mapping or function
         The tables of an experiment file without [[runs]]; or a function at the top of a module,
         `case(rng, **coordinates)`, that returns a `SimulationCase`, all that is random in it drawn
-        from the `numpy.random.Generator` that it is given.
+        from the `numpy.random.Generator` that it is given. Data that it needs are the fields of a
+        frozen class at the top of a module, whose instance is called.
     axes : sequence of Axis or RandomAxis
         Every combination of their values is a cell.
     keep : sequence of Kept

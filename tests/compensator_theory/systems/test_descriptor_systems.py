@@ -206,5 +206,10 @@ def test_what_is_no_descriptor_system(matrices, words):
 
 
 def test_a_large_one_asks_first():
+    n = range(4)
+    full = [[[f"{letter}_{i}{j}" for j in n] for i in n] for letter in "ef"]
+    dense = DescriptorSystem(*full, [[1]] * 4, [[1] * 4])
+    with pytest.raises(BudgetError, match="terms"):
+        dense.transfer_function()
     with pytest.raises(BudgetError):
         DescriptorSystem(eye(150), eye(150), Matrix([1] * 150), Matrix([[1] * 150]))

@@ -106,3 +106,35 @@ def test_poles_that_are_missed_are_said_first(tmp_path):
     missed = CliRunner().invoke(main, ["verify", "4.7", *changed])
     assert "NOT reached: 4 of 4 poles" in missed.output.splitlines()[1]
     assert "NOT reached" not in CliRunner().invoke(main, ["verify", "4.7"]).output
+
+
+BOUNDED = """
+[plant]
+problem = "standard"
+G = "1/(q - 0.9)"
+[signals]
+w = { white_noise = 1.0 }
+[target]
+model = "filter"
+numerator = [0.0, 1.0]
+denominator = [1.0, -1.2, 0.4]
+[controller]
+n_c = 3
+R_theta = 1e-4
+[run]
+steps = 300
+"""
+
+
+def test_poles_that_bounds_keep_from_their_places_are_no_failure(tmp_path):
+    held = "bounds = { low = -0.01, high = 0.01 }"
+    for name, more in (("free", ""), ("held", held)):
+        text = BOUNDED.replace("R_theta = 1e-4", f"R_theta = 1e-4\n{more}")
+        (tmp_path / f"{name}.toml").write_text(text)
+    free, held = (
+        " ".join(CliRunner().invoke(main, ["verify", str(tmp_path / name)]).output.split())
+        for name in ("free.toml", "held.toml")
+    )
+    words = "they decide where the poles are"
+    assert "NOT reached" in free and words not in free
+    assert "NOT reached" not in held and words in held

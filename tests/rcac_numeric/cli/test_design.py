@@ -74,7 +74,7 @@ def test_a_file_answers_what_it_can(tmp_path):
         '[plant]\nproblem = "servo"\nG = "1/(q - 0.9)"\n[signals]\nv = { white_noise = 0.1 }\n'
     )
     result = run(file)
-    assert result.exit_code == 2 and "--disturbance, --u-limits," in result.stderr
+    assert result.exit_code == 2 and "--disturbance, --u-limits are" in result.stderr
     assert run(file, "--assume", "--seeds", "1").exit_code == 0
 
 

@@ -34,6 +34,11 @@ def test_the_dials_are_those_of_the_file():
     assert case["signal"] == "file" and case["signals"] == tomllib.loads(OWN)["signals"]
 
 
+def test_a_limit_of_u_is_a_dial():
+    assert case_of(own(), "own.toml")["bound"] == "none"
+    assert case_of(own(saturation={"low": -2, "high": 2}), "own.toml")["bound"] == "2.0"
+
+
 def test_the_sign_of_the_servo_problem_is_not_an_error_of_the_gain():
     case = case_of(*read_case_table("4.6"))
     assert case["problem"] == "servo" and case["gain"] == "1" and case["signal"] == "command"
@@ -64,7 +69,9 @@ def test_a_scene_is_an_experiment_that_ends_as_it_says(name):
         ({"controller": {"R_theta": [[2, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}},
          "a matrix R_theta"),
         ({"controller": {"n_c": 21, "k_w": 30}}, "n_c = 21"),
-        ({"saturation": {"low": -1, "high": 1}}, "a saturation"),
+        ({"saturation": {"low": -1, "high": 2}}, "the same in both directions"),
+        ({"saturation": {"high": 2}}, "the same in both directions"),
+        ({"saturation": {"low": -1, "high": 1, "rate": 0.1}}, "a saturation of the rate"),
         ({"run": {"steps": 5001}}, "5001 steps"),
         ({"run": {"x_0": [1, 0]}}, "an initial state"),
         ({"run": {"arithmetic": "reference"}, "controller": {"lambda": None}}, "ball arithmetic"),

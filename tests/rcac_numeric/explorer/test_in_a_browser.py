@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 import compensator_theory as exact
+from compensator_theory.errors import InputError
+from rcac_numeric import ClosedLoop, explore, stability_margins
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.explorer.case import SCENES, case_of
@@ -37,6 +39,7 @@ SLIDERS = (
     "d_zu",
     "noise",
     "amplitude",
+    "bound",
     "lambda",
     "k_w",
     "steps",
@@ -46,7 +49,8 @@ LOOP = """() => {
   return { z: list(found.z), u: list(found.u), y: list(found.y), theta: list(found.theta),
     done: found.done, lost: found.lost, kind: outcome.kind, num: found.plan.num,
     den: found.plan.den, dials, sentence: document.getElementById("sentence").textContent,
-    toml: document.getElementById("toml").value,
+    toml: document.getElementById("toml").value, margins: explorer.lost ? null : explorer.margins,
+    predicted: explorer.predicted, besides: document.getElementById("besides").textContent,
     wrong: document.getElementById("wrong").textContent };
 }"""
 MOVE = """([key, part]) => {
@@ -163,6 +167,68 @@ def test_twenty_settings_come_back_as_files_with_the_same_run(opened, monkeypatc
         as_simulated(found)
         kinds.add(found["kind"])
     assert len(kinds) >= 3  # some are lost, some stable, some reach the rings
+
+
+def test_what_saturates_has_the_bits_of_simulate_and_says_so(opened, monkeypatch):
+    monkeypatch.setenv("RCAC_INSTRUCTION_SET", "plain")
+    page, shares = opened(), []
+    for part in (0.2, 0.3, 0.4):
+        page.get_by_role("button", name="Follow a command").click()
+        page.evaluate(MOVE, ["bound", part])
+        found = settle(page)
+        run = as_simulated(found).execute().first.run
+        learnt = run.u[run.settings.k_w :]
+        at_limit = np.abs(learnt) > float(found["dials"]["bound"])
+        shares.append(at_limit.mean())
+        said = re.search(r"at its limit in (\d+) %", found["besides"])
+        assert abs(int(said[1]) - 100 * at_limit.mean()) <= 0.5 + 1e-9
+    assert max(shares) > 0.1
+
+
+def margins_of(specification):
+    """By the numeric half, of the loop with the last theta: roots, and no grid."""
+    run = specification.execute().first.run
+    return stability_margins(ClosedLoop(run.plant, run.compensator), disk=False)
+
+
+def test_margins_are_those_of_the_numeric_half(opened):
+    """Crossovers are bisected to float64; the two loops differ by the rounding of their poles."""
+    page, draw, compared = opened(), random.Random(5), 0
+    for _ in range(16):
+        page.locator("#scenes button").nth(draw.randrange(1 + len(SCENES))).click()
+        moved_at_random(page, draw)
+        found = settle(page)
+        if found["lost"]:
+            continue
+        margins = margins_of(build(tomllib.loads(found["toml"]), "page.toml").main_run)
+        mine = found["margins"]
+        assert (mine is not None) == margins.is_stable
+        if mine is None or margins.worst_gap > 1e-8:
+            continue
+        compared += 1
+        assert mine["phase"] == pytest.approx(margins.phase.value, rel=1e-5)
+        assert mine["down"] == pytest.approx(margins.gain_down.value, rel=1e-5, abs=1e-9)
+        assert mine["up"] == pytest.approx(margins.gain_up.value, rel=1e-5)
+    assert compared >= 5
+
+
+def test_the_prediction_is_the_exact_one(opened):
+    """It is the characteristic polynomial of the matched loop, by the exact half."""
+    page, seen = opened(), 0
+    for number in range(1 + len(SCENES)):
+        page.locator("#scenes button").nth(number).click()
+        found = settle(page)
+        specification = build(tomllib.loads(found["toml"]), "page.toml").main_run
+        if found["predicted"] is None:
+            assert "No loop matches" in found["besides"]
+            continue
+        seen += 1
+        comparison = specification.execute().first.comparison
+        wanted = np.sort_complex(np.asarray(comparison.asked_poles))
+        mine = np.sort_complex([complex(*pole) for pole in found["predicted"]])
+        # a root of multiplicity m is known to the m-th root of rounding
+        np.testing.assert_allclose(mine, wanted, atol=1e-4)
+    assert seen >= 3
 
 
 @pytest.mark.skipif(compiler() is None, reason="there is no C compiler on this machine")
@@ -436,3 +502,31 @@ def test_the_pole_that_is_missed_is_that_which_no_pole_is_near(scripts):
         "known.distances([[0.5, 0], [0.5, 0], [0, 1]], [[0, 1], [0.5, 0], [0.9, 0], [3, 0]])"
     )
     assert far[2] == 0 and sorted(far[:2]) == [0, pytest.approx(0.4, abs=1e-15)]
+
+
+def test_a_notebook_shows_the_same_page_in_a_frame(browser, tmp_path):
+    """Its script runs and its own alone; it moves, and asks for nothing."""
+    shown = explore(own())
+    assert "<script>" not in shown._repr_html_() and "own" not in repr(shown)
+    file = tmp_path / "notebook.html"
+    file.write_text(f"<!DOCTYPE html><title>notebook</title>{shown._repr_html_()}")
+    page, wrong = browser.new_page(), []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda r: r.url.startswith(("file:", "about:")) or wrong.append(r.url))
+    page.goto(file.as_uri())
+    frame = page.frames[1]
+    frame.wait_for_selector("[data-ready]")
+    before = frame.inner_text("#sentence")
+    frame.evaluate(MOVE, ["gain", 0.05])
+    frame.evaluate(DRAWN)
+    assert frame.inner_text("#sentence") != before and not wrong
+    shown.save(tmp_path / "page.html")
+    assert (tmp_path / "page.html").read_text() == shown.text
+    page.close()
+
+
+def test_a_case_that_is_no_file_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"no\.toml"):
+        explore(tmp_path / "no.toml")
+    with pytest.raises(InputError, match="belongs to a case"):
+        explore(run="main")

@@ -58,3 +58,70 @@ CONSTANT = np.ones(400)
 def test_data_that_cannot_carry_a_target_are_refused(u, z, options, message):
     with pytest.raises(InputError, match=message):
         target_from_data(u, z, **{"mu": 10, "n_mod": 2, "order": 2, **options})
+
+
+def logged(B, A, ratio, seed, steps=1500):
+    """u and y in coloured noise, and the order, dead time counted."""
+    rng = np.random.default_rng(seed)
+    u = rng.standard_normal(steps)
+    y = scipy.signal.lfilter(B, A, u)
+    e = scipy.signal.lfilter([1.0], [1.0, -0.8], rng.standard_normal(steps))
+    return u, y + e * y.std() / e.std() / ratio
+
+
+def test_facts_that_the_data_show_are_sure():
+    u, z = logged([0, 0, -2.0, 3.0], np.poly([0.6, 0.3]), 30, 0)
+    found = target_from_data(u, z, mu=12, n_mod=3, order=3)
+    assert [(fact.name, fact.value) for fact in found.facts] == [
+        ("relative degree", "2"), ("sign", "-"), ("NMP zeros", "1")
+    ]  # fmt: skip
+    assert all(fact.is_sure for fact in found.facts) and "NOT sure" not in str(found)
+
+
+def test_a_relative_degree_that_is_late_is_marked():
+    """Three slow lags: the first steps of the answer are lost in the noise."""
+    A, late = np.poly([0.95, 0.9, 0.8]), 0
+    for seed in range(20):
+        u, z = logged([0, 0.01, 0.03, 0.01], A, 10, seed)
+        try:
+            found = target_from_data(u, z, mu=15, n_mod=3, order=3)
+        except InputError:
+            continue
+        assert int(found.facts[0].value) == 1 or not any(fact.is_sure for fact in found.facts)
+        late += int(found.facts[0].value) > 1
+    assert late > 5
+
+
+def test_what_is_sure_is_right():
+    """Of a few; of 200 in benchmarks/data_facts.py."""
+    sure = 0
+    for seed in range(20):
+        rng = np.random.default_rng([seed, 5])
+        late, A = int(rng.integers(0, 4)), np.poly(rng.uniform(0.1, 0.9, 2))
+        zero = float(rng.choice([0.5, 1.5]))
+        B = np.r_[np.zeros(late + 1), rng.choice([-1.0, 1.0]) * np.array([1.0, -zero])]
+        u, z = logged(B, A, np.exp(rng.uniform(*np.log([3, 100]))), seed)
+        try:
+            found = target_from_data(u, z, mu=20, n_mod=2 + late, order=2 + late)
+        except InputError:
+            continue
+        truth = (str(late + 1), "+" if B[late + 1] > 0 else "-", str(int(zero > 1)))
+        sure += sum(fact.is_sure for fact in found.facts)
+        assert all(
+            fact.value == true
+            for fact, true in zip(found.facts, truth, strict=True)
+            if fact.is_sure
+        )
+    assert sure > 10
+
+
+def test_the_probability_is_that_of_the_parameter_before():
+    """By a million draws of the Markov parameter; 5 standard deviations of the share."""
+    u, z = logged([0, 0, 1.0, -4.0], np.poly([0.6, 0.3]), 3, 3, 600)
+    found = target_from_data(u, z, mu=12, n_mod=3, order=3, largest_error=1.0)
+    d, markov = found.zeros.d_zu, found.markov
+    H, error = markov.H.ravel(), markov.standard_error.ravel()
+    drawn = H[d - 1] + error[d - 1] * np.random.default_rng(0).standard_t(markov.freedom, 10**6)
+    share = np.mean(np.abs(drawn) < abs(H[d]) / (2**3 - 1))
+    assert 0.01 < share < 0.999
+    assert found.facts[0].probability == pytest.approx(share, abs=5 * 0.5e-3)

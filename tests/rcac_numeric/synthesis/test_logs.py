@@ -1,11 +1,24 @@
 """From a log to a controller: for the plant that made the log, and with what was not told asked."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric import ClosedLoop, ControllerLog, Step, design, load_experiment
+from compensator_theory.errors import InputError
+from rcac_numeric import (
+    ClosedLoop,
+    ControllerLog,
+    Recorded,
+    Step,
+    WhiteNoise,
+    design,
+    exogenous,
+    load_experiment,
+    simulate,
+)
+from rcac_numeric.arrays.values import equal
 from rcac_numeric.synthesis.logs import PARTS, plant_from_log
 from rcac_numeric.synthesis.plants import read_plant
 from rcac_numeric.synthesis.reference import sensitivity_peak
@@ -76,17 +89,65 @@ def test_a_log_of_two_inputs_or_of_none_is_refused():
         design(ControllerLog(two[:, 0], two[:, 1]), **QUICK)
 
 
-def test_a_plant_that_integrates_is_said_to(found):
+def test_a_plant_that_integrates_has_its_pole_at_1(found):
     rng = np.random.default_rng(440012)
     u = rng.standard_normal(2000)
     y = lfilter([0, 0, 0.05], np.poly([1.0, 0.8]), u)
     log = ControllerLog(u, y + 0.1 * np.std(y) * rng.standard_normal(2000))
-    assert plant_from_log(log).integrates and not found.logged.integrates
-    try:
-        words = [question.words for question in design(log, **QUICK).questions]
-    except NoSolutionError as error:
-        words = [str(error)]
-    assert any("with its integrator" in one for one in words)
+    integrating = design(log, **QUICK)
+    logged, true = integrating.logged, read_plant("0.05/((q - 1)*(q - 0.8))", None, 0)
+    assert logged.model.integrators == 1 and not logged.integrates and logged.held_out < 1.1
+    assert np.abs(np.linalg.eigvals(integrating.model.A) - 1).min() < 1e-12
+    assert sensitivity_peak(ClosedLoop(true.servo(), integrating.fixed.compensator)) < 2.5
+    assert any("pole at 1" in question.words for question in integrating.questions)
+    assert found.logged.model.integrators == 0 and found.logged.held_out is None
+
+
+def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
+    slow = replace(found.logged.model, denominator=np.poly([0.999, 0.5]))
+    assert replace(found.logged, model=slow).integrates
+    assert not replace(found.logged, model=replace(slow, integrators=1)).integrates
+
+
+def looped(steps=1500, noise=0.05, seed=0, dither=1.0):
+    """A log of 1/((q - 1.05)(q - 0.5)), one step late, held by LQG; and the plant."""
+    true = read_plant("0.1/((q - 1.05)*(q - 0.5))", None, 1)
+    holding = design(true.servo(), disturbance=1.0, noise=noise, **QUICK).fixed
+    r = dither * np.repeat(np.random.default_rng(seed).choice([-1.0, 1.0], steps // 10), 10)
+    w = exogenous([Recorded(r), Step(0.0), WhiteNoise(noise)], steps, seed)
+    run = simulate(true.servo(), holding, w)
+    return run.u[:, 0], r - run.y[:, 0], r, true
+
+
+def test_an_unstable_plant_from_the_log_of_its_loop():
+    u, y, r, true = looped()
+    found = design(ControllerLog(u, y), **QUICK)
+    assert found.logged.is_closed and found.model.delay == 1
+    assert np.abs(np.linalg.eigvals(found.model.A)).max() == pytest.approx(1.05, abs=0.01)
+    assert found.logged.noise == pytest.approx(0.05, rel=0.15)
+    assert sensitivity_peak(ClosedLoop(true.servo(), found.fixed.compensator)) < 2.5
+    assert "standard errors" in found.questions[0].words
+    assert not any("stabilised loop" in question.words for question in found.questions)
+    with_r = design(ControllerLog(u, y, r=r), **QUICK)
+    assert equal(with_r.settings, found.settings)
+
+
+def test_a_loop_that_nothing_moves_shows_no_plant():
+    u, y, *_ = looped(dither=0.0)
+    with pytest.raises(InputError, match="u follows from y"):
+        design(ControllerLog(u, y), **QUICK)
+
+
+def test_a_plant_that_no_model_reaches_is_seen_in_the_prediction_errors():
+    """u acts after 1 step, and again after 19, where delays of 12 and orders of 5 are tried."""
+    rng = np.random.default_rng(3)
+    r, e = rng.standard_normal((2, 2000))
+    u, y = np.zeros((2, 2000))
+    for k in range(2000):
+        y[k] = 0.5 * e[k] + (0.5 * y[k - 1] + u[k - 1] + u[k - 19] if k > 19 else 0.0)
+        u[k] = r[k] - 0.1 * y[k]
+    with pytest.raises(InputError, match="no model tells the plant from the loop"):
+        plant_from_log(ControllerLog(u, y, r=r))
 
 
 def test_its_file_says_the_same(found, tmp_path):

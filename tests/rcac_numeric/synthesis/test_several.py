@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import butter, freqz, lfilter, sosfilt
 
 from compensator_theory.errors import InputError
 from rcac_numeric import (
@@ -23,7 +24,7 @@ from rcac_numeric.synthesis.expected import read_expected
 from rcac_numeric.synthesis.files import design_arguments
 from rcac_numeric.synthesis.plants import read_plant
 from rcac_numeric.synthesis.reference import MOST, reference_loop
-from rcac_numeric.synthesis.road import settings_of, truncated
+from rcac_numeric.synthesis.road import miss, settings_of, truncated
 from rcac_numeric.synthesis.trials import FIXED, PID, RCAC
 
 TWO = [["2/(10*s + 1)", "0.5/(6*s + 1)"], ["-0.4/(5*s + 1)", "1/(8*s + 1)"]]
@@ -99,6 +100,24 @@ def test_units_change_nothing_but_units():
     assert np.abs(P - found.compensator.past_u).max() < 1e-6 * np.abs(P).max()
     assert np.abs(Q - found.compensator.past_y).max() < 1e-6 * np.abs(Q).max()
     assert theirs.R_z.nu * 1e-4 == pytest.approx(ours.R_z.nu, rel=1e-5)
+
+
+def test_a_target_that_is_wrong_where_the_loop_is_quiet_is_missed():
+    """A tenth at high frequencies beside a peak of 100; the octave's rms by filters in time."""
+    rng = np.random.default_rng(0)
+    u = rng.standard_normal((2**14, 1))
+    slow, fast = ([1.0], [1.0, -0.99]), ([0.1, -0.1], [1.0])
+    omega = np.linspace(0, np.pi, len(u) // 2 + 1)
+    low, high = (freqz(*one, worN=omega)[1][:, None, None] for one in (slow, fast))
+    assert np.abs(high).max() < 0.03 * np.abs(low + high).max()  # nothing, beside the peak
+    upper = butter(12, 0.5, "highpass", output="sos")
+    error, whole = (
+        sosfilt(upper, y)
+        for y in (lfilter(*fast, u[:, 0]), lfilter(*slow, u[:, 0]) + lfilter(*fast, u[:, 0]))
+    )
+    expected = np.std(error) / np.std(whole)
+    assert expected > 0.1 and miss(low, low + high, u) == pytest.approx(expected, rel=0.05)
+    assert miss(low + high, low + high, u) == 0
 
 
 @given(st.integers(0, 10**6), st.integers(2, 9), st.floats(1e-6, 0.3))

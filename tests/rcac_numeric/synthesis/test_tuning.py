@@ -1,5 +1,7 @@
 """Tuning: what is tried, what is chosen, what is judged on what."""
 
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,11 +9,13 @@ from hypothesis import strategies as st
 
 from compensator_theory.errors import InputError
 from rcac_numeric import Uncertainty, design, load_experiment, tune
-from rcac_numeric.arrays.values import equal
+from rcac_numeric.arrays.values import equal, replaced
+from rcac_numeric.sweeps import read_table
+from rcac_numeric.sweeps.store.problems import StoreError
 from rcac_numeric.synthesis.design import compared
 from rcac_numeric.synthesis.plants import read_plant
 from rcac_numeric.synthesis.road import Knobs, settings_of
-from rcac_numeric.synthesis.trials import FIXED, RCAC, run_trials
+from rcac_numeric.synthesis.trials import FIXED, RCAC, Trials
 from rcac_numeric.synthesis.tuning import LEARNING, RULE, drawn
 
 PLANT = "1/(q - 0.9)"
@@ -44,9 +48,9 @@ def test_a_candidate_is_what_its_knobs_make_on_the_draws_of_learning(found, tune
     one = next(c for c in tuned.candidates if c.rounds == 1)
     settings = settings_of(found.model, found.reference, found.expected, one.knobs)
     plants = [t.variation for t in found.evidence if t.controller == RCAC]
-    trials = run_trials({"it": settings, FIXED: found.fixed}, found.model, found.expected, plants,
-                        steps=300, seeds=3, first=LEARNING)  # fmt: skip
-    assert compared(trials, "it") == one.beside
+    trials = Trials({"it": settings, FIXED: found.fixed}, found.model, found.expected,
+                    tuple(plants), 300, 3, LEARNING)  # fmt: skip
+    assert compared(trials.in_threads(), "it") == one.beside
 
 
 def test_the_judgement_is_on_other_plants_and_draws(found, tuned):
@@ -58,8 +62,8 @@ def test_the_judgement_is_on_other_plants_and_draws(found, tuned):
     assert equal(tuned.settings, made)
     rule = {RCAC: tuned.settings, RULE: found.settings}
     plants = [t.variation for t in tuned.design.evidence if t.controller == RCAC]
-    trials = run_trials(rule, found.model, found.expected, plants, steps=300, seeds=3)
-    assert compared(trials, RCAC, RULE) == tuned.beside_rule
+    trials = Trials(rule, found.model, found.expected, tuple(plants), 300, 3)
+    assert compared(trials.in_threads(), RCAC, RULE) == tuned.beside_rule
 
 
 def test_the_seed_repeats_it(found):
@@ -107,3 +111,60 @@ def test_drawn_plants_are_inside_the_uncertainty(gain, late, more, time, noise, 
 def test_bad_arguments_are_named(found, arguments, words):
     with pytest.raises(InputError, match=words):
         tune(**({"design": found} | arguments))
+
+
+class Stopped(Exception):
+    """What kills a run of `tune` in the middle."""
+
+
+def stops_after(runs):
+    """A `progress` that raises when so many runs of all rounds have ended."""
+    ended = []
+
+    def progress(now):
+        ended.append(now.done)
+        if sum(b > a for a, b in itertools.pairwise(ended)) >= runs:
+            raise Stopped
+
+    return progress
+
+
+def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_path):
+    arguments = {"budget": 8, "held_out": 2, "seeds": 3, "store": tmp_path / "runs", "workers": 0}
+    kept = []
+    for runs in (2, 4):
+        with pytest.raises(Stopped):
+            tune(found, **arguments, progress=stops_after(runs))
+        kept.append([len(read_table(one)) for one in sorted((tmp_path / "runs").iterdir())
+                     if one.suffix == ".sqlite"])  # fmt: skip
+    assert 0 < sum(kept[0]) < sum(kept[1])
+    said = []
+    resumed = tune(found, **arguments, progress=said.append)
+    assert resumed.candidates == tuned.candidates and resumed.chosen == tuned.chosen
+    assert resumed.beside_rule == tuned.beside_rule
+    assert equal(resumed.design.evidence, tuned.design.evidence)
+    assert said[0].done >= kept[1][0] and said[-1].done == said[-1].total
+    again = []
+    tune(found, **arguments, progress=again.append)
+    assert all(now.done == now.total for now in again)  # nothing is run twice
+
+
+def test_processes_leave_the_same_runs(found, tmp_path):
+    arguments = {"budget": 1, "held_out": 1, "seeds": 1}
+    one, other = (
+        tune(found, **arguments, **more)
+        for more in ({}, {"store": tmp_path / "runs", "workers": 1})
+    )
+    assert one.candidates == other.candidates and one.beside_rule == other.beside_rule
+
+
+def test_a_store_of_another_design_is_refused(found, tmp_path):
+    arguments = {"budget": 1, "held_out": 1, "seeds": 1, "store": tmp_path / "runs", "workers": 0}
+    tune(found, **arguments)
+    with pytest.raises(StoreError, match="another study"):
+        tune(replaced(found, uncertainty=Uncertainty(noise=2.0)), **arguments)
+    with pytest.raises(InputError, match="is a file"):
+        (tmp_path / "file").write_text("")
+        tune(found, **{**arguments, "store": tmp_path / "file"})
+    with pytest.raises(InputError, match="no store"):
+        tune(found, 1, workers=2)

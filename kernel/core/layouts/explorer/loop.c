@@ -24,6 +24,8 @@ EXPORT(recorded) double *recorded(int which) {
 EXPORT(table) rcac_real *table(int which) {
     return which == 0 ? rcac_D_0 : which == 1 ? rcac_numerators : which == 2 ? rcac_denominators : rcac_lambda;
 }
+static double bound; /* of abs(u) as it is applied; infinite where nothing saturates */
+EXPORT(saturate_at) void saturate_at(double largest) { bound = largest; }
 EXPORT(start_at) void start_at(int k_w) { rcac_K_W = rcac_K_UPDATE = k_w; }
 EXPORT(room) int room(int which) { /* for steps, states, the order of the target model */
     return which == 0 ? EXPLORER_STEPS : which == 1 ? STATES : RCAC_ORDER;
@@ -47,7 +49,7 @@ static void products(const double *row, int count, int width, const double *inpu
 /* A run from rest, and how many steps it made: where that is less than `steps`, the step of that number left
  * the limit, and what was recorded of it stands behind the others; theta is then that of its beginning. */
 EXPORT(run) int run(int steps, int n, int l_w, double limit) {
-    double input[WIDTH], next[STATES];
+    double input[WIDTH], next[STATES], applied[1];
     const int width = n + 1 + l_w;
     int k, i;
     for (i = 0; i < WIDTH; ++i) input[i] = 0;
@@ -57,13 +59,15 @@ EXPORT(run) int run(int steps, int n, int l_w, double limit) {
         for (i = 0; i < RCAC_L_THETA; ++i) theta_of[k * RCAC_L_THETA + i] = s.theta[i];
         for (i = 0; i < l_w; ++i) input[n + 1 + i] = w[k * l_w + i];
         status = rcac_control(&s, NULL, NULL, NULL, u_);
-        input[n] = u_of[k] = u_[0];
+        u_of[k] = u_[0];
+        applied[0] = u_[0] > bound ? bound : u_[0] < -bound ? -bound : u_[0];
+        input[n] = applied[0];
         products(rows + n * width, 1, width, input, y_);
         products(rows + (n + 1) * width, 1, width, input, z_);
         y_of[k] = y_[0];
         z_of[k] = z_[0];
         if (!is_within(u_, 1, limit) || !is_within(y_, 1, limit) || !is_within(z_, 1, limit)) break;
-        status |= rcac_adapt(&s, y_, z_, NULL, NULL);
+        status |= rcac_adapt(&s, y_, z_, NULL, applied);
         if (status & RCAC_DIVERGED || !is_within(s.theta, RCAC_L_THETA, limit)) break;
         products(rows, n, width, input, next);
         for (i = 0; i < n; ++i) input[i] = next[i];
