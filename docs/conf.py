@@ -16,6 +16,8 @@ from docs.cross_references import intersphinx, resolve_public, skip_foreign, typ
 from docs.equation_index import equations, equations_page
 from docs.equation_links import setup_equations
 from docs.errata_page import CHAPTERS, errata_page
+from docs.exercises_page import exercises_page
+from docs.exercises_page import sources as exercise_files
 from docs.notebook_pages import copy_notebooks, write_settings
 from docs.numbered_items import FILE as ITEMS
 from docs.numbered_items import counts, table
@@ -147,6 +149,14 @@ def insert_errata(app, name, source):
         source[0] = source[0].replace("<!-- the errata -->", errata_page())
 
 
+def insert_exercises(app, name, source):
+    """Write the tables of exercises where their page asks for them."""
+    if name == "exercises":
+        for path in exercise_files():
+            app.env.note_dependency(str(path))
+        source[0] = source[0].replace("<!-- the exercises -->", exercises_page())
+
+
 def insert_judging(app, name, source):
     """Write where every numbered item stands, and how many claims have which verdict."""
     if name == "fair-judging":
@@ -164,4 +174,5 @@ def setup(app):
     app.connect("missing-reference", resolve_public)
     app.connect("source-read", insert_ledger)
     app.connect("source-read", insert_errata)
+    app.connect("source-read", insert_exercises)
     app.connect("source-read", insert_judging)

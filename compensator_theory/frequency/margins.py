@@ -272,7 +272,10 @@ def stability_margins(
     if through[0] == through[1]:
         raise InputError("|L| is 1 at all frequencies; a gain margin is not defined")
     if imaginary.is_zero:
-        raise InputError("L is real at all frequencies, so that every frequency is a crossover")
+        raise InputError(
+            "L is real at all frequencies, so that every frequency is a crossover; see root_locus "
+            "for the poles, stabilising_gains for the gains"
+        )
     gain_crossovers = [
         _gain_crossover(factor, index, value, top, bottom, time)
         for factor, index, value in positive_roots(through[0] - through[1])

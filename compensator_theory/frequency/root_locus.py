@@ -10,7 +10,7 @@ import sympy
 from sympy import QQ, Expr, Poly, Rational, Symbol
 
 from compensator_theory import figures
-from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.errors import InputError
 from compensator_theory.frequency.margins import (
     frequency_of,
     positive_roots,
@@ -142,8 +142,9 @@ class RootLocus(ExactValue):
         The common factor: roots that no gain moves.
     breaks : tuple of LocusBreak
         By ascending real part.
-    crossings : tuple of LocusCrossing
-        By ascending frequency.
+    crossings : tuple of LocusCrossing, or None
+        By ascending frequency; None where D/N is real on the whole boundary of stability, as for
+        1/s**2, so that branches run along it and cross nowhere alone.
     centroid : sympy.Expr or None
         Where the asymptotes meet; None where no branch goes to infinity.
     asymptotes, asymptotes_negative : tuple of sympy.Expr
@@ -156,7 +157,7 @@ class RootLocus(ExactValue):
     denominator: Poly
     hidden: Poly
     breaks: tuple[LocusBreak, ...]
-    crossings: tuple[LocusCrossing, ...]
+    crossings: tuple[LocusCrossing, ...] | None
     centroid: Expr | None
     asymptotes: tuple[Expr, ...]
     asymptotes_negative: tuple[Expr, ...]
@@ -216,8 +217,10 @@ class RootLocus(ExactValue):
         lines = [
             f"{format_polynomial(self.denominator)} + k*({format_polynomial(self.numerator)})",
             *map(str, self.breaks),
-            *map(str, self.crossings),
+            *map(str, self.crossings or ()),
         ]
+        if self.crossings is None:
+            lines.append("branches run along the boundary of stability")
         if self.centroid is not None:
             angles = ", ".join(map(text, self.asymptotes))
             lines.append(f"asymptotes from {text(self.centroid)} at the angles {angles}")
@@ -230,7 +233,7 @@ class RootLocus(ExactValue):
         return displayed(
             f"{latex(self.denominator)} + {gain}",
             *(f"{words('break: ')} {latex(part)}" for part in self.breaks),
-            *(f"{words('crossing: ')} {latex(part)}" for part in self.crossings),
+            *(f"{words('crossing: ')} {latex(part)}" for part in self.crossings or ()),
         )
 
 
@@ -263,8 +266,6 @@ def root_locus(
     InputError
         If a coefficient is symbolic, the loop is improper or constant, or the variable says nothing
         about time.
-    NoSolutionError
-        If some gain puts roots on the boundary at every frequency.
 
     Notes
     -----
@@ -373,16 +374,13 @@ def _minimal_polynomial(value: Poly, factor: Poly) -> Poly:
     return irreducible
 
 
-def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...]:
+def _crossings(N: Poly, D: Poly, time: Time) -> tuple[LocusCrossing, ...] | None:
     size = int(D.degree())
     top, bottom = (half_plane_image(p, size) for p in (N, D)) if time == "discrete" else (N, D)
     real, imaginary = squared(bottom, top)
     below = squared(top, top)[0]
     if imaginary.is_zero:
-        raise NoSolutionError(
-            "D/N is real on the whole boundary of stability, so that a gain puts roots at every "
-            "frequency; there are no single crossings"
-        )
+        return None
     zero = Enclosure(Rational(0), Rational(0))
     found = []
     if below.eval(0) != 0:

@@ -80,6 +80,8 @@ def compensator_from_sensitivity(
     Notes
     -----
     Source: (7.24). The characteristic polynomial alone does not determine the compensator; S does.
+    Whether the loop is stable S does not say: where a stable S is not 0 at an unstable pole of the
+    plant, or not 1 at an unstable zero, the compensator cancels it.
 
     Examples
     --------

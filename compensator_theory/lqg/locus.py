@@ -93,7 +93,14 @@ class RegulatorLocus(ExactValue):
 
     @property
     def expensive(self) -> SpectralFactor:
-        r"""Where they go as :math:`R_2 \to \infty`: the poles, unstable ones reflected."""
+        r"""Where they go as :math:`R_2 \to \infty`: the poles, unstable ones reflected.
+
+        Raises
+        ------
+        UnitCircleError, NoSolutionError
+            If a pole is on the boundary of stability, an integrator for instance, so that the limit
+            is no stable polynomial.
+        """
         return spectral_factor(self.denominator, time=self.time)
 
     @property
@@ -154,7 +161,10 @@ class RegulatorLocus(ExactValue):
                 limit = getattr(self, end)
                 ends.append(text_of(limit.polynomial, limit.enclosure))
             except CompensatorError:  # the limit itself is not stable
-                ends.append(f"roots of {format_polynomial(poly)} on the boundary of stability")
+                ends.append(
+                    f"the roots of {format_polynomial(poly)}, some of them on the boundary of "
+                    "stability, unstable ones reflected"
+                )
         k = self.number_to_infinity
         away = f", and {k} pole(s) to infinity at the distance {text(self.distance)}" if k else ""
         return (

@@ -198,14 +198,26 @@ def _stable_factor(plane: tuple[Matrix, ...]) -> tuple[list[Symbol], list[Expr],
     drift, weight = A - B * N.T / r, Q - N * N.T / r
     upper = drift.row_join(-B * B.T / r)
     H = ImmutableMatrix(upper.col_join((-weight).row_join(-drift.T)).applyfunc(sympy.cancel))
-    w = Dummy("w")
+    w = Dummy()  # without a name, which a symbol of the data may have
     even = [sympy.cancel(c) for c in characteristic_polynomial(H, w).all_coeffs()[::2]]
     if A.rows == 1:
-        root = Dummy("w_0", positive=True)
-        return [root], [-even[1]], [root, sympy.Integer(1)]
-    last, middle = Dummy("w_0", positive=True), Dummy("w_1", positive=True)
-    squares = [even[2], -even[1] + 2 * last]
-    return [last, middle], squares, [last, middle, sympy.Integer(1)]
+        names, squares, root = _root(-even[1], "w_0")
+        return names, squares, [root, sympy.Integer(1)]
+    names, squares, last = _root(even[2], "w_0")
+    if sympy.cancel(1 + even[1] + even[2]) == 0:
+        # -1 is a root, in discrete time 0: the other choice of a sign would be no graph over x
+        return names, squares, [last, 1 + last, sympy.Integer(1)]
+    more, their_squares, middle = _root(-even[1] + 2 * last, "w_1")
+    return names + more, squares + their_squares, [last, middle, sympy.Integer(1)]
+
+
+def _root(square: Expr, name: str) -> tuple[list[Symbol], list[Expr], Expr]:
+    """Return a square root: its name and its square, or no name for a positive rational number."""
+    root = sympy.sqrt(square)
+    if root.is_Rational and root.is_positive:
+        return [], [], root
+    root = Dummy(name, positive=True)
+    return [root], [square], root
 
 
 def _placed(A: Matrix, B: Matrix, chi: list[Expr]) -> Matrix:
@@ -222,7 +234,7 @@ def _symmetric_solution(plane: tuple[Matrix, ...], K: Matrix) -> Matrix:
     """Solve A'P + PA = K'RK - Q and B'P = -(RK + N') for the entries of P."""
     A, B, Q, R, N = plane
     n = A.rows
-    names = sympy.symbols("p0:3")
+    names = [Dummy() for _ in range(3)]
     P = Matrix([[names[0]]]) if n == 1 else Matrix([[names[0], names[1]], [names[1], names[2]]])
     unknown = list(names[: n * (n + 1) // 2])
     first = A.T * P + P * A + Q - K.T * R * K

@@ -352,18 +352,18 @@ def _placed(
     shown = ImmutableMatrix(controllability_matrix(N_0.T, N_1.T)) if N_1.rows else N_1.T
     basis = echelon(shown.T).matrix  # rows span what moves
     q = int(basis.rows)
-    if wanted.degree() != q:
-        hidden = f" ({r - q} of the {r} cannot be moved)" if q < r else ""
-        raise InputError(
-            f"{format_polynomial(wanted)} has degree {wanted.degree()}, but {q} poles are to be "
-            f"placed{hidden}"
-        )
     pivots = set(echelon(basis).pivots)
     rest = [row for row in range(r) if row not in pivots]
     complete = ImmutableMatrix(basis.col_join(sympy.eye(r)[rest, :]))
     inverse = solve(complete, sympy.eye(r))
     moved = complete * N_0 * inverse  # in these coordinates, (w; rest), w' = N_w w alone
     fixed = characteristic_polynomial(ImmutableMatrix(moved[q:, q:]), s)
+    if wanted.degree() != q:
+        hidden = f"; the root(s) of {format_polynomial(fixed)} cannot be moved" if q < r else ""
+        raise InputError(
+            f"{format_polynomial(wanted)} has degree {wanted.degree()}, but {q} poles are to be "
+            f"placed{hidden}"
+        )
     if q == 0:
         return N_0, ImmutableMatrix.zeros(r, N_1.rows), fixed
     # Of the rows of N_1 as many as are independent; the family needs no more and takes no other.

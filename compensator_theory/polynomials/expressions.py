@@ -265,7 +265,12 @@ def _named(name: str) -> Expr:
         raise InputError(f"{name!r} is not a finite number; exact data must be finite")
     if name == "i":
         raise InputError("'i' is ambiguous here; write the imaginary unit as j or I, or as in 2i")
-    if "__" in name or name.startswith("_") or keyword.iskeyword(name):
+    if keyword.iskeyword(name):
+        raise InputError(
+            f"{name!r} is a word of Python, and no name for a symbol; write it otherwise, as in "
+            "lamda or lambda_1"
+        )
+    if "__" in name or name.startswith("_"):
         raise InputError(f"{_short(name)} is not a name for a symbol; use letters and digits")
     return Symbol(name)
 

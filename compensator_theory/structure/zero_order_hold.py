@@ -104,8 +104,9 @@ def zero_order_hold(
         denominator has factors of degree 1 and 2, with rational numbers or symbols, and the real
         parts (of real irrational poles: the means) are sums of monomials such as -a.
     step : number or symbol, optional
-        h > 0: a symbol, a rational number, or a SymPy expression like log(2), which makes
-        exponentials of whole poles rational numbers.
+        h > 0: a symbol, a rational number, or a SymPy expression: log(2), which makes exponentials
+        of whole poles rational numbers, or pi/2, where the frequencies are such that it makes the
+        tangents rational or infinite.
     variable : str or Symbol, optional
         As for :func:`realisation`.
     discrete_variable : str or Symbol, optional
@@ -142,6 +143,9 @@ def zero_order_hold(
     >>> found = zero_order_hold("1/(s**2 + 1)")
     >>> found.realisation.A[0, 0], found.exponentials  # cos(h)
     ((1 - y**2)/(y**2 + 1), ((y, tan(h/2)),))
+    >>> from sympy import pi
+    >>> print(zero_order_hold("1/(s**2 + 1)", pi / 2).transfer_function())
+    (z + 1)/(z**2 + 1)
     """
     return _sampled(plant, step, variable, discrete_variable, 1)
 
@@ -397,6 +401,11 @@ def _exponential_of(
     found = matrix_exponential(M, annihilator, t, used)
     E = found.value
     values = {x: _exponential(rate * h) for x, rate in found.rates}
+    if h.has(sympy.pi) and sum(rate.is_number for _, rate in found.rates) > 1:
+        raise InputError(
+            f"with several rates the step {shown(h)} may hide relations between their "
+            "exponentials; leave it a symbol"
+        )
     for y, square in found.tangents:
         omega = sympy.sqrt(square)
         if h.has(sympy.log):
@@ -404,13 +413,16 @@ def _exponential_of(
                 f"with poles of frequency {omega} the step {shown(h)}, a logarithm, may hide "
                 "relations; leave it a symbol"
             )
-        values[y] = sympy.tan(omega * h / 2) / omega
+        values[y] = _tangent(omega, h)
     known = {x: value for x, value in values.items() if value.is_Rational}
     sampled = E.subs({t: h, **known}) if t != h or known else E
-    if any(e.has(sympy.log, sympy.exp) for e in sampled):
+    for y in [y for y, value in values.items() if value is sympy.zoo]:
+        sampled = sampled.subs(y, 1 / y).applyfunc(sympy.cancel).subs(y, 0)
+        del values[y]
+    if any(e.has(sympy.log, sympy.exp, sympy.pi) for e in sampled):
         raise InputError(
-            f"with multiple poles the step {shown(h)} itself, an irrational number, is in the "
-            "matrices; leave it a symbol"
+            f"with multiple poles, or a hold of first order, the step {shown(h)} itself, an "
+            "irrational number, is in the matrices; leave it a symbol"
         )
     meaning = tuple((x, value) for x, value in values.items() if x not in known)
     return sampled, meaning, found.certificate
@@ -457,18 +469,35 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
 
 def _positive(step: NumberLike) -> Expr:
     logarithm = isinstance(step, Expr) and step.is_number and bool(step.has(sympy.log))
-    if isinstance(step, Expr) and logarithm:
+    if isinstance(step, Expr) and step.has(sympy.pi) and (step / sympy.pi).is_Rational:
+        h: Expr = step
+    elif isinstance(step, Expr) and logarithm:
         require_readable(step)
         for number in step.atoms(sympy.Rational):
             ask_for_number(int(number.p), int(number.q), "a number in the step")
-        h: Expr = rational_floats(step, binary=False)
+        h = rational_floats(step, binary=False)
     else:
         h = sympy.sympify(exact_number(step))
-    if h.is_positive is False or (h.is_number and not (h.is_Rational or logarithm)):
-        raise InputError(f"the step {shown(step)} must be a positive rational number, or a symbol")
+    allowed = h.is_Rational or logarithm or h.has(sympy.pi)
+    if h.is_positive is False or (h.is_number and not allowed):
+        raise InputError(
+            f"the step {shown(step)} must be a symbol or a positive number: rational, with "
+            "logarithms, or a rational multiple of pi"
+        )
     if not (h.is_number or isinstance(h, Symbol)):
         raise InputError(f"the step {shown(step)} must be a symbol or a number, such as 'h' or 0.1")
     return h
+
+
+def _tangent(omega: Expr, h: Expr) -> Expr:
+    """tan(omega h/2)/omega; of a multiple of pi a rational number or infinite, or refused."""
+    value: Expr = sympy.tan(omega * h / 2) / omega
+    if h.has(sympy.pi) and not (value.is_Rational or value is sympy.zoo):
+        raise InputError(
+            f"with poles of frequency {text(omega)} the step {shown(h)} makes irrational numbers; "
+            "leave it a symbol, or take a multiple of a quarter of the period"
+        )
+    return value
 
 
 def _exponential(exponent: Expr) -> Expr:

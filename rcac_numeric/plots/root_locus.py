@@ -53,7 +53,7 @@ def _draw(axis: Axes, locus: RootLocus) -> None:
     N, D = ([float(c) for c in p.all_coeffs()] for p in (locus.numerator, locus.denominator))
     discrete = locus.time == "discrete"
     breaks = [(point, _gain(point)) for point in locus.breaks if _gain(point) > 0]
-    crossings = [(c, float(c.gain_enclosure)) for c in locus.crossings]
+    crossings = [(c, float(c.gain_enclosure)) for c in locus.crossings or ()]
     crossings = [(c, k) for c, k in crossings if k > 0 and c.frequency is not None]
     import control  # it needs Matplotlib when it is imported
 

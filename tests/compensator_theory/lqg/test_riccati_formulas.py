@@ -24,10 +24,19 @@ SECOND = riccati_formula(
 DOUBLE = riccati_formula(
     [[1, 1], [0, 1]], [[0], [1]], Q=[["q", 0], [0, "p"]], R=[["r"]], time="discrete"
 )
+SINGULAR = [  # A has the eigenvalue 0, and so has A + B K
+    riccati_formula(A, B, Q=Q, R=[["r"]], time="discrete")
+    for A, B, Q in (
+        ([[0]], [["b"]], [["q"]]),
+        ([[0, 1], [0, 0]], [[0], ["b"]], [["q", "c"], ["c", "p"]]),
+        ([["a", 1], [0, 0]], [[0], [1]], [["q", 0], [0, 0]]),
+        ([["a", 1], ["a", 1]], [[0], [1]], [[0, 0], [0, 1]]),
+    )
+]
 SYMBOLS = sympy.symbols("a b c d p q r")
 
 
-@pytest.mark.parametrize("formula", [*SCALAR.values(), SECOND, DOUBLE])
+@pytest.mark.parametrize("formula", [*SCALAR.values(), SECOND, DOUBLE, *SINGULAR])
 @fewer(2)
 @given(values=st.lists(st.integers(-4, 6), min_size=7, max_size=7))
 def test_formulas_are_the_stabilising_solutions(formula, values):
@@ -71,6 +80,21 @@ def test_published_formulas():
     root = sympy.sqrt(1 / sympy.Symbol("r"))
     assert [sympy.simplify(x**2) for x in double.K] == [root**2, 2 * root]
     assert "> 0" in str(double) and double._repr_latex_().startswith("$")
+
+
+@pytest.mark.parametrize("name", ["w", "w_0", "w_1", "p0", "p1", "p2", "s", "lamda"])
+def test_a_symbol_may_have_any_name(name):
+    def formulas(x):
+        yield riccati_formula([[0, 1], [x, 0]], B, Q=sympy.diag(x, 0), R=[[1]], time="continuous")
+        yield riccati_formula([[x]], [[1]], Q=[[x]], R=[[1]], time="discrete")
+
+    B = [[0], [1]]
+    for mine, other in zip(formulas(name), formulas("a"), strict=True):
+        assert mine.P.subs(name, sympy.Rational(1, 3)) == other.P.subs("a", sympy.Rational(1, 3))
+
+
+def test_a_pole_on_the_boundary_is_no_solution():
+    assert 0 in riccati_formula([[0]], [[1]], Q=[[0]], R=[[1]], time="continuous").conditions
 
 
 @pytest.mark.parametrize("time", ["continuous", "discrete"])

@@ -20,7 +20,7 @@ from compensator_theory import (
     tustin,
     zero_order_hold,
 )
-from compensator_theory.errors import NoSolutionError
+from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer
@@ -43,6 +43,50 @@ def plants(draw):
 def numbers(matrix, values):
     value = matrix.subs(values).evalf(30)
     return np.array(value.tolist(), dtype=float).reshape(matrix.shape)
+
+
+@pytest.mark.parametrize("sample", [zero_order_hold, first_order_hold])
+@pytest.mark.parametrize("h", [sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2, 2 * sympy.pi])
+@pytest.mark.parametrize(
+    "plant",
+    [
+        "(s + 3)/(s**2 + 1)",
+        "1/((s**2 + 1)*(s**2 + 9))",
+        "1/((s + 1)*((s + 1/2)**2 + 4))",
+        "s/((s**2 + 4)*(s**2 + 1))",
+    ],
+)
+def test_multiples_of_pi_as_the_step(sample, plant, h):
+    if sample is first_order_hold:  # the slope of the line is over h
+        with pytest.raises(InputError, match="leave it a symbol"):
+            sample(plant, h)
+        return
+    found = sample(plant, h)
+    values = dict(found.exponentials)
+    assert all(value.has(sympy.exp) for value in values.values())  # no tangent is left
+    plant = exact.realisation(plant)
+    source = [numbers(part, {}) for part in (plant.A, plant.B, plant.C, plant.D)]
+    theirs = scipy.signal.cont2discrete(source, float(h), "zoh")
+    for one, other in zip((found.realisation.A, found.realisation.B), theirs[:2], strict=True):
+        np.testing.assert_allclose(numbers(one, values), other, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("plant", "step"),
+    [
+        ("1/(s**2 + 1)", sympy.pi / 3),  # sqrt(3)
+        ("1/(s**2 + 2)", sympy.pi),  # tan(pi/sqrt(2))
+        ("1/(s*(s**2 + 1))", sympy.pi),  # the step itself
+        ("1/((s**2 - 2)*(s + 1))", sympy.pi),  # exp(pi) and exp(sqrt(2) pi)
+        ("1/(s**2 + 1)", -sympy.pi),
+        ("1/(s**2 + 1)", sympy.sqrt(2)),
+        ("1/(s**2 + 1)", sympy.pi**2),
+        ("1/(s**2 + 1)", sympy.pi + 1),
+    ],
+)
+def test_steps_that_are_refused(plant, step):
+    with pytest.raises(InputError):
+        zero_order_hold(plant, step)
 
 
 @fewer(2)

@@ -30,7 +30,7 @@ def branches(axis):
     ]
 
 
-@pytest.mark.parametrize("plant", PLANTS)
+@pytest.mark.parametrize("plant", [*PLANTS, "1/(s**2 + 1)"])
 def test_every_point_of_a_branch_is_a_root_for_a_positive_gain(plant):
     """k = -D/N at it is real and positive; rounding moves k by what its roots' condition is."""
     locus = root_locus(plant, feedback=-1)
