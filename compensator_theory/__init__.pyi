@@ -73,6 +73,7 @@ from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.riccati_formulas import riccati_formula as riccati_formula
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
+from .lqg.weighted_problems import lqg_problem as lqg_problem
 from .matrices.certificates import Certificate as Certificate
 from .matrix_equations.gramians import gramians as gramians
 from .matrix_equations.regulator_equations import (

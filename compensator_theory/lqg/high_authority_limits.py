@@ -271,7 +271,9 @@ def _coefficients(
     spectra = []
     for k in range(width + 1):
         inputs = Matrix.vstack(sympy.zeros(E_1.rows, width), k * unit)
-        spectra.append(regulator_spectrum(A, B, outputs, inputs, time="continuous", variable=s))
+        spectra.append(
+            regulator_spectrum(A, B, E_1=outputs, E_2=inputs, time="continuous", variable=s)
+        )
     points = [flint.fmpq(k * k) for k in range(width + 1)]
     found = []
     for j in range(A.rows + 1):

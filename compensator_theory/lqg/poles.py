@@ -127,11 +127,11 @@ def lqg_poles(plant: StandardProblem, *, digits: int = 30) -> LQGPoles:
     time = time_of(s, "LQG")
     require_stable_hidden_modes(plant, time)
     factors = []
-    for name, weight, matrices in (
+    for name, weight, (A, B, E_1, E_2) in (
         ("from u to z", "u", regulator),
         ("from w to y", "the sensor noise", estimator),
     ):
-        spectrum = regulator_spectrum(*matrices, time=time, variable=s)
+        spectrum = regulator_spectrum(A, B, E_1=E_1, E_2=E_2, time=time, variable=s)
         if time == "continuous" and (spectrum.is_zero or spectrum.degree() < 2 * plant.n):
             raise NoSolutionError(
                 f"a combination of {weight} costs nothing, so that a gain is infinite; weight all "

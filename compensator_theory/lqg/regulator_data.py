@@ -19,6 +19,10 @@ RegulatorData = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, Immutab
 Weights = tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]
 """(A, B, Q, R, N)."""
 
+_weights_of_a_signal = (
+    "; for z = E_1 x + E_2 u the weights are Q = E_1'E_1, R = E_2'E_2 and N = E_1'E_2"
+)
+
 
 def regulator_data(
     A: MatrixLike,
@@ -51,63 +55,55 @@ def regulator_data(
     return a, b, e_1, e_2
 
 
-def _require_signal(E_1: MatrixLike, E_2: MatrixLike | None) -> None:
-    """Tell who gives weights by their places what their names are."""
-    if E_2 is None:
-        return
-    first, second = exact_matrix(E_1, "E_1"), exact_matrix(E_2, "E_2")
-    if first.rows == first.cols != second.rows == second.cols:
-        raise InputError(
-            f"E_1 is {first.rows} x {first.cols} and E_2 {second.rows} x {second.cols}, and "
-            "z = E_1 x + E_2 u needs as many rows in both; weights are named: Q=..., R=..."
-        )
-
-
 def read_weights(
     A: MatrixLike,
     B: MatrixLike,
-    E_1: MatrixLike | None,
-    E_2: MatrixLike | None,
-    Q: MatrixLike | None,
-    R: MatrixLike | None,
-    N: MatrixLike | None,
+    Q: MatrixLike | None = None,
+    R: MatrixLike | None = None,
+    N: MatrixLike | None = None,
+    E_1: MatrixLike | None = None,
+    E_2: MatrixLike | None = None,
     *,
     symbols: bool = False,
+    names: tuple[str, ...] = ("A", "B", "Q", "R", "N"),
 ) -> Weights:
     """Read the data of a regulator as (A, B, Q, R, N), from a signal z or from weights.
+
+    The names are those that errors use, which an estimator has of its own.
 
     Examples
     --------
     >>> from compensator_theory.lqg.regulator_data import read_weights
-    >>> read_weights([[2]], [[1]], [[3]], [[1]], None, None, None)[2:]
+    >>> read_weights([[2]], [[1]], E_1=[[3]], E_2=[[1]])[2:]
     (Matrix([[9]]), Matrix([[1]]), Matrix([[3]]))
     """
     if (E_1 is None) == (Q is None) or (E_1 is not None and not (R is None is N)):
         raise InputError(
-            "give the weights either as E_1 and E_2, with z = E_1 x + E_2 u, or as Q, R and N"
+            "give the weights either as Q, R and N, or as E_1 and E_2, with z = E_1 x + E_2 u"
         )
     if E_1 is not None:
-        _require_signal(E_1, E_2)
         a, b, e_1, e_2 = regulator_data(A, B, E_1, E_2, symbols=symbols)
         return a, b, e_1.T * e_1, e_2.T * e_2, e_1.T * e_2
     if E_2 is not None:
         raise InputError("E_2 goes with E_1; with Q give R and N")
     assert Q is not None
-    a, b = exact_matrix(A, "A"), exact_matrix(B, "B")
+    a, b = exact_matrix(A, names[0]), exact_matrix(B, names[1])
     n, m = int(a.rows), int(b.cols)
-    read = [a, b, exact_matrix(Q, "Q")]
-    read.append(ImmutableMatrix.zeros(m, m) if R is None else exact_matrix(R, "R"))
-    read.append(ImmutableMatrix.zeros(n, m) if N is None else exact_matrix(N, "N"))
+    read = [a, b, exact_matrix(Q, names[2])]
+    read.append(ImmutableMatrix.zeros(m, m) if R is None else exact_matrix(R, names[3]))
+    read.append(ImmutableMatrix.zeros(n, m) if N is None else exact_matrix(N, names[4]))
     shapes = ((n, n), (n, m), (n, n), (m, m), (n, m))
-    for name, shape, matrix in zip("ABQRN", shapes, read, strict=True):
+    for name, shape, matrix in zip(names, shapes, read, strict=True):
         if matrix.shape != shape or 0 in shape:
             raise InputError(
                 f"{name} is {matrix.rows} x {matrix.cols} but must be {shape[0]} x {shape[1]}, as "
                 "the other matrices show, and not empty"
+                + _weights_of_a_signal
+                * (name in ("Q", "R"))
             )
         if not symbols:
             _require_rational(matrix, name)
-        if name in "QR" and matrix != matrix.T:
+        if name in (names[2], names[3]) and matrix != matrix.T:
             raise InputError(
                 f"{name} = {matrix.tolist()} is not symmetric; give ({name} + {name}')/2"
             )

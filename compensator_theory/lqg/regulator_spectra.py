@@ -16,28 +16,31 @@ from compensator_theory.polynomials.variables import Time, variable_in
 def regulator_spectrum(
     A: MatrixLike,
     B: MatrixLike,
-    E_1: MatrixLike,
-    E_2: MatrixLike | None = None,
+    Q: MatrixLike | None = None,
+    R: MatrixLike | None = None,
+    N: MatrixLike | None = None,
     *,
     time: Time,
+    E_1: MatrixLike | None = None,
+    E_2: MatrixLike | None = None,
     variable: str | Symbol | None = None,
 ) -> Poly:
     r"""Return the polynomial whose stable roots are the regulator's poles.
 
     .. math::
-        p(z) &= \pm\det\begin{bmatrix} A - zI & 0 & B \\ -R_1 & I - zA^T & -R_{12} \\
-              R_{12}^T & zB^T & R_2 \end{bmatrix}
+        p(z) &= \pm\det\begin{bmatrix} A - zI & 0 & B \\ -Q & I - zA^T & -N \\
+              N^T & zB^T & R \end{bmatrix}
               = z^{n}\, \det\!\left(G^T(1/z)\,G(z)\right) D(z) D(1/z) \\
-        p(s) &= \pm\det\begin{bmatrix} A - sI & 0 & B \\ -R_1 & -A^T - sI & -R_{12} \\
-              R_{12}^T & B^T & R_2 \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
+        p(s) &= \pm\det\begin{bmatrix} A - sI & 0 & B \\ -Q & -A^T - sI & -N \\
+              N^T & B^T & R \end{bmatrix} = \det\!\left(G^T(-s)\,G(s)\right) D(s) D(-s)
 
     with :math:`G = E_1(sI - A)^{-1}B + E_2` and :math:`D = \det(sI - A)`.
 
     Parameters
     ----------
-    A, B, E_1, E_2 : matrix
-        n x n, n x l_u, l_z x n, l_z x l_u, rational; :math:`R_1 = E_1^TE_1`,
-        :math:`R_{12} = E_1^TE_2`, :math:`R_2 = E_2^TE_2`. E_2 defaults to zero.
+    A, B, Q, R, N, E_1, E_2
+        As for :func:`solve_riccati`; :math:`Q = E_1^TE_1`, :math:`N = E_1^TE_2`,
+        :math:`R = E_2^TE_2`.
     time : {"continuous", "discrete"}
         Whether the polynomial is even or palindromic.
     variable : str or Symbol, optional
@@ -58,13 +61,13 @@ def regulator_spectrum(
     Examples
     --------
     >>> from compensator_theory import regulator_spectrum
-    >>> regulator_spectrum([[3]], [[1]], [[2]], [[0]], time="discrete").as_expr()
+    >>> regulator_spectrum([[3]], [[1]], [[4]], time="discrete").as_expr()
     4*q
-    >>> regulator_spectrum([[0]], [[1]], [[2], [0]], [[0], [1]], time="continuous").as_expr()
+    >>> regulator_spectrum([[0]], [[1]], [[4]], [[1]], time="continuous").as_expr()
     4 - s**2
     """
     symbol = variable_in(time, variable, "the spectrum of an LQG regulator")
-    return spectrum_of_weights(read_weights(A, B, E_1, E_2, None, None, None), time, symbol)
+    return spectrum_of_weights(read_weights(A, B, Q, R, N, E_1, E_2), time, symbol)
 
 
 def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
@@ -75,7 +78,7 @@ def spectrum_of_weights(weights: Weights, time: Time, symbol: Symbol) -> Poly:
     >>> from sympy.abc import s
     >>> from compensator_theory.lqg.regulator_data import read_weights
     >>> from compensator_theory.lqg.regulator_spectra import spectrum_of_weights
-    >>> weights = read_weights([[0]], [[1]], None, None, [[4]], [[1]], None)
+    >>> weights = read_weights([[0]], [[1]], [[4]], [[1]])
     >>> spectrum_of_weights(weights, "continuous", s).as_expr()
     4 - s**2
     """

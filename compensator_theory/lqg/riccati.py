@@ -238,13 +238,13 @@ class RiccatiSolution(ExactValue):
 def solve_riccati(
     A: MatrixLike,
     B: MatrixLike,
-    E_1: MatrixLike | None = None,
-    E_2: MatrixLike | None = None,
-    *,
-    time: Time,
     Q: MatrixLike | None = None,
     R: MatrixLike | None = None,
     N: MatrixLike | None = None,
+    *,
+    time: Time,
+    E_1: MatrixLike | None = None,
+    E_2: MatrixLike | None = None,
     digits: int = 30,
     variable: str | Symbol | None = None,
 ) -> RiccatiSolution:
@@ -259,14 +259,14 @@ def solve_riccati(
     ----------
     A, B : matrix
         n x n and n x m, rational; modes that B does not move must be stable.
-    E_1, E_2 : matrix, optional
-        l_z x n and l_z x m, rational: the weights as a signal z. E_2 defaults to zero, which
-        continuous time does not allow.
-    time : {"continuous", "discrete"}
     Q, R, N : matrix, optional
-        In place of E_1 and E_2: symmetric n x n and m x m, and n x m. R and N default to zero. R is
-        nonsingular in continuous time. The weights need not be definite; then the solution is the
-        stabilising one all the same, and perhaps no minimum.
+        Symmetric n x n and m x m, and n x m, rational. R and N default to zero. R is nonsingular in
+        continuous time. The weights need not be definite; then the solution is the stabilising one
+        all the same, and perhaps no minimum.
+    time : {"continuous", "discrete"}
+    E_1, E_2 : matrix, optional
+        In place of Q, R and N: l_z x n and l_z x m, rational, the weights as a signal z. E_2
+        defaults to zero, which continuous time does not allow.
     digits : int
         Where an answer is not rational, the radius of every ball is at most
         :math:`10^{-\mathrm{digits}}`.
@@ -307,18 +307,19 @@ def solve_riccati(
     Examples
     --------
     >>> from compensator_theory import solve_riccati
-    >>> found = solve_riccati([[0, 1], ["-1/4", 1]], [[0], [1]], [["-6/5", 1]], time="discrete")
+    >>> found = solve_riccati([[0, 1], ["-1/4", 1]], [[0], [1]], E_1=[["-6/5", 1]],
+    ...     time="discrete")
     >>> found.K, found.factor.polynomial.as_expr(), found.factor.constant
     (Matrix([[1/4, -1/6]]), q**2 - 5*q/6, 36/25)
-    >>> found = solve_riccati([[0, 1], [0, 0]], [[0], [1]], Q=[[1, 0], [0, 0]], R=[[1]],
-    ...     time="continuous")
+    >>> A, B, Q, R = [[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 0]], [[1]]
+    >>> found = solve_riccati(A, B, Q, R, time="continuous")
     >>> print(found)
     K = [[-1, -sqrt(2)]], P = [[sqrt(2), 1], [1, sqrt(2)]]
     χ = s**2 + 1.4142135623730950488*s + 1.0000000000000000000
     R = 1
     """
     s = variable_in(time, variable, "this Riccati equation")
-    weights = read_weights(A, B, E_1, E_2, Q, R, N)
+    weights = read_weights(A, B, Q, R, N, E_1, E_2)
     working_bits(digits)
     _require_stabilisable(weights, time, s)
     factor = _factor(weights, time, s, digits)

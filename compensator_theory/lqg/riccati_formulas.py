@@ -86,19 +86,19 @@ class RiccatiFormula(ExactValue):
 def riccati_formula(
     A: MatrixLike,
     B: MatrixLike,
-    E_1: MatrixLike | None = None,
-    E_2: MatrixLike | None = None,
-    *,
-    time: Time,
     Q: MatrixLike | None = None,
     R: MatrixLike | None = None,
     N: MatrixLike | None = None,
+    *,
+    time: Time,
+    E_1: MatrixLike | None = None,
+    E_2: MatrixLike | None = None,
 ) -> RiccatiFormula:
     r"""Solve a Riccati equation with symbols, of order 1 or 2 and with one input, in square roots.
 
     Parameters
     ----------
-    A, B, E_1, E_2, time, Q, R, N
+    A, B, Q, R, N, time, E_1, E_2
         As for :func:`solve_riccati`; n = 1 or 2, one input, every entry may have symbols, which
         stand for real numbers.
 
@@ -129,7 +129,7 @@ def riccati_formula(
     (Matrix([[-sqrt(q/r), -sqrt(2)*(q/r)**(1/4)]]), (r,))
     """
     require_time(time)
-    weights = read_weights(A, B, E_1, E_2, Q, R, N, symbols=True)
+    weights = read_weights(A, B, Q, R, N, E_1, E_2, symbols=True)
     a, b = weights[:2]
     n = int(a.rows)
     if n > 2 or b.cols != 1:

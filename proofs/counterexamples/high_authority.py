@@ -36,7 +36,9 @@ def printed_poles() -> Facts:
     printed = together(q * (1 / q - 2))
     numerator, denominator = fraction(printed)
     zeros_minus_poles = degree(numerator, q) - degree(denominator, q)
-    chi = characteristic_polynomial(A + B * Matrix(solve_riccati(A, B, E, time="discrete").K), q)
+    chi = characteristic_polynomial(
+        A + B * Matrix(solve_riccati(A, B, E_1=E, time="discrete").K), q
+    )
     yield "A + BC_c has the poles 0 and 1/2", chi == polynomial("q*(q - 1/2)")
     yield "the printed function has 1 zero more than poles", zeros_minus_poles == 1
     corrected = polynomial("q*(q - 1/2)")
@@ -50,7 +52,9 @@ def two_unstable_zeros() -> Facts:
     A = Matrix([[0, 1, 0], [0, 0, 1], [Rational(1, 8), 0, 0]])
     B, E = Matrix([0, 0, 1]), Matrix([[6, -5, 1]])
     numerator, denominator = fraction(together(q * (1 / q - 2) * (1 / q - 3)))
-    chi = characteristic_polynomial(A + B * Matrix(solve_riccati(A, B, E, time="discrete").K), q)
+    chi = characteristic_polynomial(
+        A + B * Matrix(solve_riccati(A, B, E_1=E, time="discrete").K), q
+    )
     yield "A + BC_c has the poles 0, 1/2, 1/3", chi == polynomial("q*(q - 1/2)*(q - 1/3)")
     yield "z^d N_s(z) N_u(1/z) is not 0 at 0", numerator.subs(q, 0) != 0
     yield "it has a pole there", denominator.subs(q, 0) == 0
@@ -81,7 +85,7 @@ def semidefinite_without_stability() -> Facts:
     yield "P = E_1'E_1 is a positive-semidefinite solution", residual == zeros(2, 2)
     chi = characteristic_polynomial(A + B * K, q)
     yield "its closed loop has the poles 0 and 2", chi == polynomial("q*(q - 2)")
-    stabilising = Matrix(solve_riccati(A, B, E, time="discrete").P)
+    stabilising = Matrix(solve_riccati(A, B, E_1=E, time="discrete").P)
     yield "the stabilising solution is another one", stabilising != P
 
 
@@ -102,7 +106,7 @@ def zero_on_the_circle() -> Facts:
     chi = characteristic_polynomial(A + B * K, q)
     yield "its closed loop has the poles 0 and 1", chi == polynomial("q*(q - 1)")
     try:
-        solve_riccati(plant.A, plant.B, plant.E_1, time="discrete")
+        solve_riccati(plant.A, plant.B, E_1=plant.E_1, time="discrete")
         refused = False
     except UnitCircleError:
         refused = True

@@ -46,7 +46,7 @@ def high_authority_poles(case: Case) -> bool:
     outside = [zero for zero in found if abs(zero) > 1]
     reflected = [1 / zero if abs(zero) > 1 else zero for zero in found]
     chi = canonical(Poly(q**d * prod(q - zero for zero in reflected), q))
-    solution = solve_riccati(A, B, E_1, time="discrete")
+    solution = solve_riccati(A, B, E_1=E_1, time="discrete")
     P, K = Matrix(solution.P), Matrix(solution.K)
     W = (B.T * P * B)[0]
     return bool(
@@ -119,7 +119,7 @@ def several_inputs(case: tuple[Matrix, Matrix, Matrix, Matrix]) -> bool:
     """
     A, B, E_1, E_2 = case
     n = A.rows
-    balls = solve_riccati(A, B, E_1, E_2, time="discrete").P_enclosure
+    balls = solve_riccati(A, B, E_1=E_1, E_2=E_2, time="discrete").P_enclosure
     P = Matrix(n, n, lambda i, j: balls[i][j].centre)
     W = E_2.T * E_2 + B.T * P * B
     gain = -W.inv() * (B.T * P * A + E_2.T * E_1)

@@ -327,8 +327,8 @@ SAMPLES = {
     results.FieldMatrix: continuous_problems().map(
         lambda plant: exact.lqg_controller(plant).estimator.P_in_field
     ),
-    results.RiccatiSolution: st.sampled_from([0, 1, "1/2"]).map(
-        lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1], [0]], [[0], [r]], time="discrete")
+    results.RiccatiSolution: st.sampled_from([0, 1, "1/4"]).map(
+        lambda r: exact.solve_riccati([["3/2"]], [[1]], [[1]], [[r]], time="discrete")
     )
     | continuous_problems().map(lambda plant: exact.lqg_controller(plant).regulator),
     results.Root: polynomials(min_degree=1).map(lambda p: exact.certified_roots(p)[0]),

@@ -58,7 +58,7 @@ def refused():
 
 def riccati(digits):
     found = exact.solve_riccati(
-        [[1, 1], [0, 2]], [[0], [1]], [[1, 0]], [[1]], time="discrete", digits=digits
+        [[1, 1], [0, 2]], [[0], [1]], E_1=[[1, 0]], E_2=[[1]], time="discrete", digits=digits
     )
     return *shown(found), found.residual
 

@@ -154,7 +154,7 @@ def test_kalman_filter_of_a_random_walk():
 
 def test_symmetric_root_locus():
     """The polynomial whose stable roots are the regulator's poles of a double integrator."""
-    found = regulator_spectrum(A, B, [[1, 0], [0, 0]], [[0], [1]], time="continuous")
+    found = regulator_spectrum(A, B, [[1, 0], [0, 0]], [[1]], time="continuous")
     assert equal(found, "1 + s**4")  # R + G(s) G(-s) over D(s) D(-s)
 
 

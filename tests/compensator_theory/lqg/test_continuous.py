@@ -16,6 +16,8 @@ from compensator_theory import (
     lqg_controller,
     polynomial,
     regulator_locus,
+    regulator_spectrum,
+    riccati_formula,
     solve_riccati,
     spectral_factor,
 )
@@ -45,7 +47,8 @@ def regulators(draw):
 
 def solved(data):
     try:
-        return solve_riccati(*data, time="continuous")
+        A, B, E_1, E_2 = data
+        return solve_riccati(A, B, E_1=E_1, E_2=E_2, time="continuous")
     except NoSolutionError:  # drawn with a zero on the axis
         return None
 
@@ -81,7 +84,7 @@ def test_residual_and_poles_are_certified(data):
 def test_fifty_digits_against_the_stable_subspace_of_the_hamiltonian():
     A, B = sympy.Matrix([[0, 1, 0], [0, 0, 1], [-1, 2, 3]]), sympy.Matrix([0, 0, 1])
     E_1, E_2 = sympy.Matrix([[1, 2, 0], [0, 0, 0]]), sympy.Matrix([0, 3])
-    found = solve_riccati(A, B, E_1, E_2, digits=50, time="continuous")
+    found = solve_riccati(A, B, E_1=E_1, E_2=E_2, digits=50, time="continuous")
     with mpmath.workdps(90):
         a, b, r = mpmath.matrix(A.tolist()), mpmath.matrix(B.tolist()), mpmath.mpf(9)
         q = mpmath.matrix((E_1.T * E_1).tolist())
@@ -183,13 +186,13 @@ def test_closed_forms_are_the_certified_polynomials(N, D, weight):
 def test_refusals_name_what_is_wrong():
     one = [[1]]
     with pytest.raises(NoSolutionError, match="E_2 = 0"):
-        solve_riccati(one, one, one, [[0]], time="continuous")
+        solve_riccati(one, one, E_1=one, E_2=[[0]], time="continuous")
     with pytest.raises(NotControllableError):
-        solve_riccati([[1, 0], [0, 1]], [[1], [1]], [[1, 0], [0, 0]], [[0], [1]], time="continuous")
+        solve_riccati([[1, 0], [0, 1]], [[1], [1]], [[1, 0], [0, 0]], one, time="continuous")
     with pytest.raises(InputError, match="discrete"):
         solve_riccati(one, one, one, one, variable="z", time="continuous")
     with pytest.raises(NoSolutionError, match="singular"):
-        solve_riccati(one, [[1, 1]], one, [[1, 1]], time="continuous")
+        solve_riccati(one, [[1, 1]], E_1=one, E_2=[[1, 1]], time="continuous")
     with pytest.raises(InputError, match="symmetric"):
         solve_riccati([[1, 0], [0, 1]], [[1], [1]], Q=[[1, 2], [0, 1]], R=one, time="continuous")
     for both in ({"Q": one, "E_1": one}, {"R": one, "E_1": one}, {}, {"Q": one, "E_2": one}):
@@ -201,7 +204,7 @@ def test_refusals_name_what_is_wrong():
             time="continuous",
         )  # fmt: skip
     with pytest.raises(NoSolutionError, match="imaginary axis"):
-        solve_riccati([[0]], one, [[0], [0]], [[0], [1]], time="continuous")
+        solve_riccati([[0]], one, E_1=[[0], [0]], E_2=[[0], [1]], time="continuous")
     with pytest.raises(InputError, match="StandardProblem"):
         lqg_controller("1/s")
     with pytest.raises(ImproperError):
@@ -227,7 +230,13 @@ def test_a_limit_on_the_boundary_is_said():
     assert locus.at(1).enclosure.degree == 2
 
 
-def test_weights_that_are_given_by_place_are_told_their_names():
-    """As `lqr(A, B, Q, R)` of other software has them."""
-    with pytest.raises(InputError, match="weights are named: Q"):
-        solve_riccati([[0, 1], [0, 0]], [[0], [1]], [[1, 0], [0, 0]], [[1]], time="continuous")
+def test_weights_have_the_places_that_lqr_gives_them():
+    """`lqr(A, B, Q, R, N)` of other software; a signal z goes by name, and the error says so."""
+    A, B = [[0, 1], [0, 0]], [[0], [1]]
+    found = solve_riccati(A, B, [[1, 0], [0, 0]], [[1]], time="continuous")
+    assert found.P == solve_riccati(A, B, Q=[[1, 0], [0, 0]], R=[[1]], time="continuous").P
+    signal = {"E_1": [[1, 0], [0, 0]], "E_2": [[0], [1]]}
+    assert found.P == solve_riccati(A, B, **signal, time="continuous").P
+    for solve in (solve_riccati, regulator_spectrum, riccati_formula):
+        with pytest.raises(InputError, match="Q = E_1'E_1"):
+            solve(A, B, [[1, 0]], [[0]], time="discrete")

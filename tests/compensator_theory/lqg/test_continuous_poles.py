@@ -72,7 +72,7 @@ def test_the_poles_are_those_of_the_riccati_equation(plant):
 @given(problems())
 def test_the_spectrum_is_that_of_the_transfer_matrix(plant):
     """p(s) = det(G'(-s) G(s)) D(s) D(-s), at a point."""
-    p = regulator_spectrum(plant.A, plant.B, plant.E_1, plant.E_2, time="continuous")
+    p = regulator_spectrum(plant.A, plant.B, E_1=plant.E_1, E_2=plant.E_2, time="continuous")
     point = sympy.Rational(11, 7)
     eye = sympy.eye(plant.n)
 

@@ -179,7 +179,7 @@ def test_scipy_agrees_on_the_coefficients(plant):
 def test_the_pencil_of_several_signals(n, l_u, l_z, data):
     A, B = data.draw(matrices(n, n)), data.draw(matrices(n, l_u))
     E_1, E_2 = data.draw(matrices(l_z, n)), data.draw(matrices(l_z, l_u))
-    spectrum = regulator_spectrum(A, B, E_1, E_2, time="discrete", variable=z)
+    spectrum = regulator_spectrum(A, B, E_1=E_1, E_2=E_2, time="discrete", variable=z)
     # The identity G~ G = p / (D D~), by the transfer matrices themselves.
     point = sympy.Rational(7, 3)
     assume(all((x * sympy.eye(n) - A).det() != 0 for x in (point, 1 / point)))
@@ -230,7 +230,7 @@ def test_unique_only_among_the_stabilising_solutions():
     assert (A.T * P * A - gain_row.T * gain_row / innovation + E_1.T * E_1 - P).is_zero_matrix
     closed = characteristic_polynomial(A - B * gain_row / innovation, q)
     assert not decide_stability(closed, time="discrete").is_stable
-    assert solve_riccati(A, B, E_1, time="discrete").P != P
+    assert solve_riccati(A, B, E_1=E_1, time="discrete").P != P
 
 
 @pytest.mark.parametrize(
@@ -268,7 +268,7 @@ def test_other_bad_input():
         with pytest.raises(InputError):
             solve_riccati(*arguments, time="discrete")
         with pytest.raises(InputError):
-            regulator_spectrum(*arguments, [[0]], time="discrete", variable=q)
+            regulator_spectrum(*arguments, time="discrete", variable=q)
     with pytest.raises(InputError):
         lqg_controller(standard_problem("(q - 2)/(q**2 - 1/4)"), digits=0)
 

@@ -259,7 +259,7 @@ def test_one_input_agrees_with_the_exact_solution(numerator, seed):
     rng = np.random.default_rng(seed)
     A, B, E_1 = chain(numerator, rng.integers(-9, 10, len(numerator)) / 8)
     try:
-        exact = solve_riccati(A.tolist(), B.tolist(), E_1.tolist(), time="discrete")
+        exact = solve_riccati(A.tolist(), B.tolist(), E_1=E_1.tolist(), time="discrete")
     except UnitCircleError:
         with pytest.raises(UnitCircleError):
             solve_dare(A, B, E_1.T @ E_1)

@@ -19,24 +19,6 @@ def index_of_the_jacobian() -> Facts:
     yield "A^(k-1) of (8.8), taken at x^(k-2), does not", abs(printed / propagated - 1) > 0.5
 
 
-def weights_of_the_ukf() -> Facts:
-    """The sum of the weights (8.11) for n = 3."""
-    n = 3
-
-    def total(alpha: int, over: int) -> Fraction:
-        return Fraction(alpha - n, over) + 2 * n * Fraction(1, 2 * alpha)
-
-    yield "as printed the weights add up to 7/3 for n = 3, alpha = 1", total(1, n) == Fraction(7, 3)
-    yield "as printed they add up to 1 for alpha = n only", _only_at(n, total)
-    right = all(total(alpha, alpha) == 1 for alpha in range(1, 10))
-    yield "with (alpha - n)/alpha they add up to 1 for every alpha", right
-
-
-def _only_at(n: int, total: object) -> bool:
-    assert callable(total)
-    return [alpha for alpha in range(1, 10) if total(alpha, n) == 1] == [n]
-
-
 def process_noise_of_the_ukf() -> Facts:
     """x(k+1) = x/2 + w with x = 2 or -2 and w = 3 or -3, all four equally likely."""
     P, Q = Fraction(4), Fraction(9)
