@@ -66,7 +66,7 @@ def check_erratum(erratum: Erratum) -> Checked:
     >>> from rcac_numeric.dissertation import check_erratum, find_errata
     >>> checked = check_erratum(find_errata("(8.11)")[0])
     >>> checked.holds, checked.facts[0].words
-    (True, 'as printed the weights add up to 7/3 for n = 3, alpha = 1')
+    (True, 'gamma_0 + gamma_1 + gamma_2 = 3/2 as printed')
     """
     evidence = erratum.evidence
     if evidence.example:
