@@ -1,6 +1,7 @@
 """The dissertation's equations by number: which code computes each, and what is wrong with it."""
 
 import ast
+import functools
 import io
 import re
 import tokenize
@@ -47,6 +48,7 @@ def cited(text: str) -> Iterator[str]:
         yield from (f"{chapter}.{i}" for i in range(int(first), stop + 1))
 
 
+@functools.cache
 def equations() -> dict[str, Places]:
     """Every equation that is cited, in its order."""
     found: dict[str, Places] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from pathlib import Path
 
 from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
@@ -17,7 +18,7 @@ from rcac_numeric.synthesis.trials import Trial, Trials, largest_error, sensitiv
 
 
 def stored(
-    trials: Trials, store: Path, workers: int | None, progress: Callable[[Progress], None] | None
+    trials: Trials, store: Path, executor: Executor, progress: Callable[[Progress], None] | None
 ) -> tuple[Trial, ...]:
     """The outcome of trials, of which those in the store are not run again.
 
@@ -28,7 +29,7 @@ def stored(
     trials : Trials
     store : path
         Of an SQLite file, made where there is none; one of other trials is refused.
-    workers, progress
+    executor, progress
         As of `run_study`.
     """
     study = Study(
@@ -42,7 +43,7 @@ def stored(
         lanes=False,
         title="Trials of a design",
     )
-    run_study(study, store, workers=workers, progress=progress, retry_failed=True)
+    run_study(study, store, executor=executor, progress=progress, retry_failed=True)
     table = read_table(store)
     if table.failures:
         raise StoreError(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+import os
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,6 +21,7 @@ from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.experiments.experiment import JUDGING
+from rcac_numeric.sweeps.running.pools import InProcess, WorkerPool
 from rcac_numeric.sweeps.running.progress import Progress
 from rcac_numeric.synthesis.design import (
     PEAK,
@@ -201,19 +204,20 @@ def tune(
     integer(held_out, "held_out", at_least=1)
     integer(seeds, "seeds", at_least=1)
     steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
-    runner = _runner(store, workers, progress)
     knobs = {RULE: Knobs()} | {str(i + 1): one for i, one in enumerate(_points(budget, seed))}
     made: dict[str, AnyController] = {FIXED: design.fixed}
     for name, one in knobs.items():
         made[name] = settings_of(design.model, design.reference, design.expected, one)
-    candidates, chosen = _halved(design, made, knobs, steps, runner)
-    return _judged(design, made, chosen, candidates, steps, (held_out, seeds, seed), runner)
+    with _runner(store, workers, progress) as runner:
+        candidates, chosen = _halved(design, made, knobs, steps, runner)
+        return _judged(design, made, chosen, candidates, steps, (held_out, seeds, seed), runner)
 
 
+@contextlib.contextmanager
 def _runner(
     store: str | Path | None, workers: int | None, progress: Callable[[Progress], None] | None
-) -> Runner:
-    """What runs the trials of a round of this name: in threads, or into a store."""
+) -> Iterator[Runner]:
+    """What runs the trials of a round of this name: in threads, or by processes into a store."""
     if progress is not None and not callable(progress):
         raise InputError(f"progress = {progress!r} cannot be called; give ProgressLine().")
     if store is None:
@@ -229,7 +233,8 @@ def _runner(
                 progress(Progress(trials.runs, trials.runs, 0.0))
             return found
 
-        return in_threads
+        yield in_threads
+        return
     folder = Path(instance_of(store, "store", str | Path))
     if folder.exists() and not folder.is_dir():
         raise InputError(f"store = {folder} is a file, and a folder is needed.")
@@ -240,10 +245,19 @@ def _runner(
             f"store = {folder} cannot be made: {error.strerror}. Give a folder that can."
         ) from None
 
-    def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
-        return stored(trials, folder / f"{name}.sqlite", workers, progress)
+    count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
+    executor = WorkerPool(count) if count else InProcess()  # once for all rounds
 
-    return into_store
+    def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
+        return stored(trials, folder / f"{name}.sqlite", executor, progress)
+
+    try:
+        yield into_store
+    except BaseException:
+        if isinstance(executor, WorkerPool):
+            executor.leave()
+        raise
+    executor.shutdown()
 
 
 def _points(budget: int, seed: int) -> list[Knobs]:

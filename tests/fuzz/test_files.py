@@ -48,7 +48,7 @@ def states(runs):
 def test_hostile_runs_and_states(tmp_path, parts, states, in_full):
     """Some must be read and some refused, or the generator tries nothing."""
     ends = set()
-    for seed in range(10_000 if in_full else 200):
+    for seed in range(10_000 if in_full else 100):
         path = tmp_path / "hostile.npz"
         task = draw(path, seed, parts, states)
         try:

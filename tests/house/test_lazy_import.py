@@ -18,6 +18,17 @@ def test_import_leaves_heavy_packages_alone(statement):
     assert out.stdout.strip() == "[]"
 
 
+def test_a_file_is_verified_without_what_few_files_need():
+    """Each of these takes a sixth of a second or more, in every worker and every command."""
+    heavy = "{'scipy.stats', 'scipy.signal', 'scipy.optimize', 'control', 'matplotlib'}"
+    code = (
+        "import sys; from rcac_numeric import verify; from rcac_numeric.dissertation import "
+        f"load_example; verify(load_example('1.1')); print(sorted({heavy} & set(sys.modules)))"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
 def test_every_public_name_exists_and_is_documented():
     for name, value in public_objects("compensator_theory").items():
         assert value.__doc__, name

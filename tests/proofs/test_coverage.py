@@ -7,19 +7,23 @@ from proofs.ledger.ledger import LedgerError, ledger
 from proofs.output import coverage as module
 from proofs.output.coverage import coverage, numbers, strength, table, unproved
 
-INDEX = equations()
-USED = [n for n, places in INDEX.items() if places.names or places.modules or places.kernel]
+
+@pytest.fixture(scope="module")
+def used():
+    """Equations that functions, modules or the kernel cite."""
+    places = equations().items()
+    return [n for n, found in places if found.names or found.modules or found.kernel]
 
 
-def test_every_used_equation_is_in_a_statement_or_has_a_reason():
-    found = coverage(USED, ledger())
-    assert {c.number for c in found} == set(USED)
+def test_every_used_equation_is_in_a_statement_or_has_a_reason(used):
+    found = coverage(used, ledger())
+    assert {c.number for c in found} == set(used)
     assert all(c.entries or c.why for c in found)
 
 
-def test_coverage_does_not_shrink():
+def test_coverage_does_not_shrink(used):
     """Counts of today; a statement that is withdrawn, or loses its theorem, shows here."""
-    found = coverage(USED, ledger())
+    found = coverage(used, ledger())
     assert sum(c.strength.startswith("Coq") for c in found) >= 94
     assert sum(c.strength != "none" for c in found) >= 101
 
@@ -27,7 +31,10 @@ def test_coverage_does_not_shrink():
 def test_what_statements_are_about_is_used():
     """An equation of a statement's source is known to the index of equations."""
     unused = {
-        number for entry in ledger() for number in numbers(entry.source) if number not in INDEX
+        number
+        for entry in ledger()
+        for number in numbers(entry.source)
+        if number not in equations()
     }
     assert unused == set()
 
@@ -40,13 +47,13 @@ def test_what_statements_are_about_is_used():
         ("group = []", "lacks a reason"),
     ],
 )
-def test_a_wrong_reason_is_named(monkeypatch, tmp_path, text, words):
+def test_a_wrong_reason_is_named(used, monkeypatch, tmp_path, text, words):
     path = tmp_path / "unproved.toml"
     path.write_text(text)
     given = unproved(path)
     monkeypatch.setattr(module, "unproved", lambda: given)
     with pytest.raises(LedgerError, match=words):
-        coverage(USED, ledger())
+        coverage(used, ledger())
 
 
 def test_two_reasons_for_one_equation_are_refused(tmp_path):
@@ -56,8 +63,8 @@ def test_two_reasons_for_one_equation_are_refused(tmp_path):
         unproved(path)
 
 
-def test_the_table_links_statements_and_names_functions():
-    found = [c for c in coverage(USED, ledger()) if c.number == "2.43"]
+def test_the_table_links_statements_and_names_functions(used):
+    found = [c for c in coverage(used, ledger()) if c.number == "2.43"]
     text = table(found, {"2.43": ["rcac_numeric.UD"]})
     assert "| (2.43) | Coq |" in text and "[ud-update](#ud-update)" in text and "`UD`" in text
 

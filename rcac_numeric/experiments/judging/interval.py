@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal
 
 import numpy as np
-from scipy.stats import binomtest
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import instance_of, integer, number, one_of
@@ -143,6 +142,8 @@ class CheckResult(Value):
     @property
     def proportion(self) -> tuple[float, float]:
         """The interval of the share of draws that lie in it, at 95 %, Clopper and Pearson's."""
+        from scipy.stats import binomtest  # a third of a second, paid only for many draws
+
         found = binomtest(self.inside, len(self.values)).proportion_ci(CONFIDENCE)
         return float(found.low), float(found.high)
 

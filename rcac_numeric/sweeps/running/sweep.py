@@ -196,6 +196,7 @@ class _Running:
         # A clock that starts anew with every run is read between few of them.
         self.at_once = 256 if time_limit is None else 8
         self._make = _maker(executor, workers, time_limit, self._progressed)
+        self._own = executor is None  # what somebody else made, somebody else ends
         self._executor: Executor | None = None
         self.claims: Claims | None = None
         self.schedule: Schedule | None = None
@@ -242,7 +243,7 @@ class _Running:
             )
             self.schedule.run()
             self.claims.close()
-        if isinstance(self._executor, WorkerPool):
+        if self._own and isinstance(self._executor, WorkerPool):
             self._executor.shutdown()
         meter.done, meter.total, meter.failed = store.counts()
         return meter.now()
@@ -251,7 +252,7 @@ class _Running:
         """Let go of everything at once."""
         if self.schedule is not None:
             self.schedule.leave()
-        if isinstance(self._executor, WorkerPool):
+        if self._own and isinstance(self._executor, WorkerPool):
             self._executor.leave()
         if self.claims is not None:
             self.claims.close_quietly()

@@ -1,5 +1,7 @@
 """Riccati equations with symbols: formulas at drawn values against the equation with numbers."""
 
+import functools
+
 import pytest
 import sympy
 from hypothesis import assume, given
@@ -14,33 +16,44 @@ from compensator_theory import (
 from compensator_theory.errors import NotControllableError
 from tests.support.structure_cases import fewer
 
-SCALAR = {
-    time: riccati_formula([["a"]], [["b"]], Q=[["q"]], R=[["r"]], time=time)
-    for time in ("continuous", "discrete")
-}
-SECOND = riccati_formula(
-    [[0, 1], ["c", "d"]], [[0], ["b"]], Q=[["q", "p"], ["p", "q"]], R=[["r"]], time="continuous"
-)
-DOUBLE = riccati_formula(
-    [[1, 1], [0, 1]], [[0], [1]], Q=[["q", 0], [0, "p"]], R=[["r"]], time="discrete"
-)
-SINGULAR = [  # A has the eigenvalue 0, and so has A + B K
-    riccati_formula(A, B, Q=Q, R=[["r"]], time="discrete")
-    for A, B, Q in (
-        ([[0]], [["b"]], [["q"]]),
-        ([[0, 1], [0, 0]], [[0], ["b"]], [["q", "c"], ["c", "p"]]),
-        ([["a", 1], [0, 0]], [[0], [1]], [["q", 0], [0, 0]]),
-        ([["a", 1], ["a", 1]], [[0], [1]], [[0, 0], [0, 1]]),
-    )
-]
+SCALAR = [["a"]], [["b"]], [["q"]], [["r"]]
+FORMULAS = {  # A, B, Q, R and the time domain
+    "first order": (*SCALAR, "continuous"),
+    "first order, discrete": (*SCALAR, "discrete"),
+    "second order": (
+        [[0, 1], ["c", "d"]], [[0], ["b"]], [["q", "p"], ["p", "q"]], [["r"]], "continuous"
+    ),
+    "double integrator": ([[1, 1], [0, 1]], [[0], [1]], [["q", 0], [0, "p"]], [["r"]], "discrete"),
+    # A has the eigenvalue 0, and so has A + B K
+    "delay": ([[0]], [["b"]], [["q"]], [["r"]], "discrete"),
+    "two delays": (
+        [[0, 1], [0, 0]], [[0], ["b"]], [["q", "c"], ["c", "p"]], [["r"]], "discrete"
+    ),
+    "a delay": ([["a", 1], [0, 0]], [[0], [1]], [["q", 0], [0, 0]], [["r"]], "discrete"),
+    "rank one": ([["a", 1], ["a", 1]], [[0], [1]], [[0, 0], [0, 1]], [["r"]], "discrete"),
+}  # fmt: skip
+
+
+@functools.cache
+def formula_of(name):
+    """One for all the tests of a process, made where one asks for it."""
+    *data, time = FORMULAS[name]
+    return riccati_formula(*data, time=time)
+
+
+def scalar(time):
+    return formula_of("first order" if time == "continuous" else "first order, discrete")
+
+
 SYMBOLS = sympy.symbols("a b c d p q r")
 
 
-@pytest.mark.parametrize("formula", [*SCALAR.values(), SECOND, DOUBLE, *SINGULAR])
+@pytest.mark.parametrize("name", FORMULAS)
 @fewer(2)
 @given(values=st.lists(st.integers(-4, 6), min_size=7, max_size=7))
-def test_formulas_are_the_stabilising_solutions(formula, values):
+def test_formulas_are_the_stabilising_solutions(name, values):
     """Where the conditions hold; with numbers first, the answer is proven in its field."""
+    formula = formula_of(name)
     at = dict(zip(SYMBOLS, map(sympy.Integer, values), strict=True))
     assume(all(factor.subs(at) != 0 for factor in formula.exceptional))
     conditions = [condition.subs(at) for condition in formula.conditions]
@@ -57,7 +70,7 @@ def test_formulas_are_the_stabilising_solutions(formula, values):
 )
 def test_conditions_are_those_of_existence(time, values):
     """For weights that are not negative: no solution exactly where a condition fails."""
-    formula = SCALAR[time]
+    formula = scalar(time)
     a, b, q, r = map(sympy.Integer, values)
     at = dict(zip(sympy.symbols("a b q r"), (a, b, q, r), strict=True))
     assume(all(factor.subs(at) != 0 for factor in formula.exceptional))
@@ -100,7 +113,7 @@ def test_a_pole_on_the_boundary_is_no_solution():
 @pytest.mark.parametrize("time", ["continuous", "discrete"])
 def test_what_is_refused_with_numbers_is_exceptional_with_symbols(time):
     """An eigenvalue -1 of A has no bilinear image; in continuous time it is like any other."""
-    at_minus_one = {factor.subs("a", -1) for factor in SCALAR[time].exceptional}
+    at_minus_one = {factor.subs("a", -1) for factor in scalar(time).exceptional}
     assert (0 in at_minus_one) == (time == "discrete")
     if time == "continuous":
         riccati_formula([[-1]], [["b"]], Q=[[1]], R=[[1]], time=time)

@@ -176,7 +176,7 @@ def test_it_prints_and_scales():
     assert "1-parameter family" in str(family) and "D D_c - N N_c" in str(family)
     assert "G_c" in family._repr_latex_()
     rng = np.random.default_rng(3)
-    n = 30
+    n = 15
     plant = transfer_function(
         zeros=[float(x) for x in rng.uniform(-9, 0, n - 1)],
         poles=[float(x) for x in rng.uniform(-9, 9, n)], gain=1, variable="s",

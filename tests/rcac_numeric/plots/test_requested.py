@@ -58,6 +58,7 @@ def test_long_signals_keep_their_peaks():
     assert thinned(np.arange(9), values[:9])[1] is not None
 
 
+@pytest.mark.slow
 def test_a_distribution_has_every_repetition(rounding):
     request = FigureRequest("distribution", "", measure="worst_pole_distance")
     figure = plot_request(rounding, request)
