@@ -2,13 +2,15 @@
 
 Choose with HYPOTHESIS_PROFILE=ci. All but `ci` draw anew in every run; `--hypothesis-seed` and
 `--randomly-seed` repeat the draws and the order of another. `--long` runs the marked long
-statistics in full, and all that is marked slow, `--slow N` runs N of these; `--perturb SEED` moves
-the last digits of all data, but in tests marked `exact_data`.
+statistics in full, and all that is marked slow, `--slow N` runs N of these. Of a test marked
+`cases(N)` N of its cases are run, others in every run, and all with `--all-cases` or `--long`;
+`--perturb SEED` moves the last digits of all data, but in tests marked `exact_data`.
 """
 
 import os
 import random
 import signal
+from collections import defaultdict
 
 for library in ("OPENBLAS", "MKL", "OMP"):  # matrices are small, and the workers share the cores
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
@@ -18,7 +20,7 @@ import pytest  # noqa: E402
 
 from tests.support.last_digits import LastDigits  # noqa: E402
 
-hypothesis.settings.register_profile("dev", max_examples=10, deadline=None)
+hypothesis.settings.register_profile("dev", max_examples=7, deadline=None)
 hypothesis.settings.register_profile("ci", max_examples=10, deadline=None, derandomize=True)
 hypothesis.settings.register_profile("fresh", max_examples=30, deadline=None, print_blob=True)
 hypothesis.settings.register_profile("thorough", max_examples=1000, deadline=None)
@@ -28,6 +30,7 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "dev"))
 def pytest_addoption(parser):
     parser.addoption("--long", action="store_true", help="run the long statistics in full")
     parser.addoption("--slow", type=int, default=0, metavar="N", help="run N of the slow tests")
+    parser.addoption("--all-cases", action="store_true", help="run every case of every test")
     parser.addoption("--perturb", type=int, metavar="SEED", help="move the last digits of all data")
 
 
@@ -50,18 +53,32 @@ def pytest_runtest_setup(item):
         last_digits.active = not documented and not item.get_closest_marker("exact_data")
 
 
+@pytest.hookimpl(trylast=True)  # of what -k leaves
 def pytest_collection_modifyitems(config, items):
     """What is slow is for --long; what a supervisor says of a drawn controller is no failure."""
     if not config.getoption("--long"):
         slow = sorted(i.nodeid for i in items if i.get_closest_marker("slow"))
         draw = random.Random(config.getoption("randomly_seed", None))
         left = set(slow) - set(draw.sample(slow, min(config.getoption("--slow"), len(slow))))
+        if not config.getoption("--all-cases"):
+            left |= _other_cases(items, draw)
         config.hook.pytest_deselected(items=[i for i in items if i.nodeid in left])
         items[:] = [i for i in items if i.nodeid not in left]
     warning = "ignore::rcac_numeric.controllers.supervision.SupervisionWarning"
     for item in items:
         if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
             item.add_marker(pytest.mark.filterwarnings(warning))
+
+
+def _other_cases(items, draw):
+    """What is not drawn of tests with many cases; a case that is asked for by its name is run."""
+    left, groups = set(), defaultdict(list)
+    for item in items:
+        if marker := item.get_closest_marker("cases"):
+            groups[item.nodeid.partition("[")[0], *marker.args].append(item.nodeid)
+    for (_, number), cases in sorted(groups.items()):
+        left |= set(cases) - set(draw.sample(sorted(cases), min(number, len(cases))))
+    return left
 
 
 @pytest.fixture

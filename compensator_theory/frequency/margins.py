@@ -137,6 +137,15 @@ class StabilityMargins(ExactValue):
         return self.closed_loop.stable == self.closed_loop.total
 
     @property
+    def is_real(self) -> bool:
+        """Whether L is real at all frequencies, so that none of them is a crossover by itself."""
+        size = int(self.denominator.degree())
+        N, D = self.numerator, self.denominator
+        if self.time == "discrete":
+            N, D = half_plane_image(N, size), half_plane_image(D, size)
+        return bool(squared(N, D)[1].is_zero)
+
+    @property
     def encirclements(self) -> int:
         """How often L turns clockwise about -1, poles on the boundary passed on the outer side."""
         return self.closed_loop.unstable - self.open_loop.unstable
@@ -194,6 +203,10 @@ class StabilityMargins(ExactValue):
     def __str__(self) -> str:
         verdict = "stable" if self.is_stable else f"not stable ({self.closed_loop})"
         lines = [f"the loop is {verdict}"]
+        if self.is_real:
+            pairs = "a pole s comes with -s" if self.time == "continuous" else "a pole z with 1/z"
+            poles = f", and {pairs}" if self.closed_loop.total else ""
+            lines.append(f"L is real at all frequencies{poles}")
         if self.gains is not None:
             lines.append(f"stable for gain factors in {self.gains}")
         return "\n".join(
@@ -235,14 +248,16 @@ def stability_margins(
     Raises
     ------
     InputError, ImproperError
-        If a coefficient is symbolic, the variable says nothing about time, :math:`|L|` is 1 or L is
-        real at all frequencies, or L is improper.
+        If a coefficient is symbolic, the variable says nothing about time, :math:`|L|` is 1 at all
+        frequencies, or L is improper.
 
     Notes
     -----
     A margin says how far a *stable* loop is from the boundary; the crossovers of an unstable one
     are listed all the same. Every boundary of the gain interval is a phase crossover, not the other
-    way round.
+    way round. Where L is real at all frequencies, as :math:`1/s^2` is, none is a crossover by
+    itself: `phase_crossovers` is empty and `is_real` true, and a root s comes with -s, in discrete
+    time with 1/s, so that no gain makes a loop with poles stable.
 
     Examples
     --------
@@ -271,16 +286,13 @@ def stability_margins(
     real, imaginary = squared(top, bottom)
     if through[0] == through[1]:
         raise InputError("|L| is 1 at all frequencies; a gain margin is not defined")
-    if imaginary.is_zero:
-        raise InputError(
-            "L is real at all frequencies, so that every frequency is a crossover; see root_locus "
-            "for the poles, stabilising_gains for the gains"
-        )
     gain_crossovers = [
         _gain_crossover(factor, index, value, top, bottom, time)
         for factor, index, value in positive_roots(through[0] - through[1])
     ]
-    phase_crossovers = _phase_crossovers(real, imaginary, through[1], size, time)
+    phase_crossovers = []
+    if not imaginary.is_zero:
+        phase_crossovers = _phase_crossovers(real, imaginary, through[1], size, time)
     cells = intervals_of_gains(G, G_c, feedback=feedback).intervals
     around = next((cell for cell in cells if 1 in cell), None)
     return StabilityMargins(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypeAlias, overload
 
 import sympy
-from sympy import MatrixBase
+from sympy import MatrixBase, Symbol
 
 from compensator_theory.errors import BudgetError, ImproperError, InputError
 from compensator_theory.loops.siso import (
@@ -28,21 +28,30 @@ SeveralSignals: TypeAlias = TransferMatrix | MatrixBase
 
 @overload
 def feedback_connection(
-    plant: SeveralSignals, compensator: TransferMatrixLike | Realisation, *, feedback: int
+    plant: SeveralSignals,
+    compensator: TransferMatrixLike | Realisation,
+    *,
+    feedback: int,
+    variable: str | Symbol | None = None,
 ) -> TransferMatrix: ...
 @overload
 def feedback_connection(
-    plant: LoopPart, compensator: SeveralSignals, *, feedback: int
+    plant: LoopPart,
+    compensator: SeveralSignals,
+    *,
+    feedback: int,
+    variable: str | Symbol | None = None,
 ) -> TransferMatrix: ...
 @overload
 def feedback_connection(
-    plant: LoopPart, compensator: LoopPart, *, feedback: int
+    plant: LoopPart, compensator: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> TransferFunction: ...
 def feedback_connection(
     plant: LoopPart | TransferMatrixLike,
     compensator: LoopPart | TransferMatrixLike,
     *,
     feedback: int,
+    variable: str | Symbol | None = None,
 ) -> TransferFunction | TransferMatrix:
     r"""Return the transfer function from v to y of y = G u, u = v + f G_c y.
 
@@ -57,6 +66,8 @@ def feedback_connection(
         other is read as one.
     feedback : {+1, -1}
         The sign f.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -88,18 +99,21 @@ def feedback_connection(
     s*(k + s + 1)*(k + s + 2)
     """
     if any(isinstance(part, TransferMatrix | MatrixBase) for part in (plant, compensator)):
-        return _of_matrices(plant, compensator, feedback)
-    G, G_c = read_loop(plant, compensator, feedback)
+        return _of_matrices(plant, compensator, feedback, variable)
+    G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     closed = well_posed_loop(G, G_c, feedback)
     N, D_c = over_one_field(G.numerator, G_c.denominator)
     return TransferFunction(canonical(N * D_c), closed, sample_time=shared_sample_time(G, G_c))
 
 
 def _of_matrices(
-    plant: TransferMatrixLike, compensator: TransferMatrixLike, feedback: int
+    plant: TransferMatrixLike,
+    compensator: TransferMatrixLike,
+    feedback: int,
+    variable: str | Symbol | None,
 ) -> TransferMatrix:
     require_sign(feedback)
-    G = transfer_matrix(plant)
+    G = transfer_matrix(plant, variable)
     G_c = in_variable_of(G, compensator, transfer_matrix)
     if G_c.variable != G.variable:
         raise InputError(

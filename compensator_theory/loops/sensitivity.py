@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sympy import Poly
+from sympy import Poly, Symbol
 
 from compensator_theory.errors import ImproperError, InputError
 from compensator_theory.loops.siso import LoopPart, read_loop, well_posed_loop
@@ -12,7 +12,7 @@ from compensator_theory.transfer_functions.transfer_functions import TransferFun
 
 
 def sensitivity_function(
-    plant: LoopPart, compensator: LoopPart, *, feedback: int
+    plant: LoopPart, compensator: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> TransferFunction:
     r"""Return the sensitivity function with the unreduced closed-loop polynomial below.
 
@@ -26,6 +26,8 @@ def sensitivity_function(
         allowed.
     feedback : {+1, -1}
         The sign f; -1 is the one of (7.22).
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Raises
     ------
@@ -45,14 +47,14 @@ def sensitivity_function(
     >>> print(sensitivity_function("1/(s - 1)", "3", feedback=-1))
     (s - 1)/(s + 2)
     """
-    G, G_c = read_loop(plant, compensator, feedback)
+    G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     closed = well_posed_loop(G, G_c, feedback)
     D, D_c = over_one_field(G.denominator, G_c.denominator)
     return TransferFunction(canonical(D * D_c), closed, sample_time=shared_sample_time(G, G_c))
 
 
 def compensator_from_sensitivity(
-    plant: LoopPart, sensitivity: LoopPart, *, feedback: int
+    plant: LoopPart, sensitivity: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> TransferFunction:
     r"""Return the only transfer function that gives a loop this sensitivity function.
 
@@ -64,6 +66,8 @@ def compensator_from_sensitivity(
         In one variable, neither of them zero; anything :func:`transfer_function` reads.
     feedback : {+1, -1}
         The sign f; -1 is the one of (7.24).
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -89,7 +93,7 @@ def compensator_from_sensitivity(
     >>> print(compensator_from_sensitivity("1/(s - 1)", "(s - 1)/(s + 2)", feedback=-1))
     (3)/(1)
     """
-    G, S = read_loop(plant, sensitivity, feedback, name="sensitivity function")
+    G, S = read_loop(plant, sensitivity, feedback, name="sensitivity function", variable=variable)
     for name, function in (("plant", G), ("sensitivity function", S)):
         if function.numerator.is_zero:
             raise InputError(f"the {name} is zero, which no compensator explains")

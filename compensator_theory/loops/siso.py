@@ -150,7 +150,7 @@ def read_loop(
 
 
 def siso_loop(
-    plant: LoopPart, compensator: LoopPart, feedback: int
+    plant: LoopPart, compensator: LoopPart, feedback: int, variable: str | Symbol | None = None
 ) -> tuple[TransferFunction, TransferFunction]:
     """Read the proper parts of a loop whose plant is free of hidden modes.
 
@@ -160,7 +160,7 @@ def siso_loop(
     >>> print(*siso_loop("1/s", "2/(s + 1)", -1))
     (1)/(s) (2)/(s + 1)
     """
-    G, G_c = read_loop(plant, compensator, feedback)
+    G, G_c = read_loop(plant, compensator, feedback, variable=variable)
     require_proper(G, "plant")
     require_proper(G_c, "compensator")
     if G.order == 0:

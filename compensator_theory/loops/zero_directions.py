@@ -161,7 +161,11 @@ def zero_direction_target(
 
 
 def direction_residual(
-    G_f: TransferMatrixLike, zero: NumberLike, eta: Sequence[NumberLike]
+    G_f: TransferMatrixLike,
+    zero: NumberLike,
+    eta: Sequence[NumberLike],
+    *,
+    variable: str | Symbol | None = None,
 ) -> ImmutableMatrix:
     r"""Return :math:`\eta' G_f(z_0)`: zero if and only if G_f has the zero in this direction.
 
@@ -171,6 +175,8 @@ def direction_residual(
         Anything :func:`transfer_matrix` reads.
     zero, eta : numbers
         Exact; eta with as many entries as G_f has rows.
+    variable : str or Symbol, optional
+        Of G_f; default: evident.
 
     Raises
     ------
@@ -184,7 +190,7 @@ def direction_residual(
     >>> direction_residual(G_f, "3/2", [1, 0]), direction_residual(G_f, "3/2", [1, 1])
     (Matrix([[0, 0]]), Matrix([[0, 2/3]]))
     """
-    G = transfer_matrix(G_f)
+    G = transfer_matrix(G_f, variable)
     z0, direction = gaussian(zero, f"the zero {shown(zero)}"), read_direction(eta, G.shape[0])
     return ImmutableMatrix(residual(G, z0, Matrix.eye(G.shape[0]), direction))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import sympy
-from sympy import Expr, ImmutableMatrix
+from sympy import Expr, ImmutableMatrix, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
@@ -73,6 +73,8 @@ def solve_regulator_equations(
     S: MatrixLike,
     Q: MatrixLike,
     P: MatrixLike | None = None,
+    *,
+    variable: str | Symbol | None = None,
 ) -> RegulatorSolution:
     r"""Solve the regulator equations of a plant and an exosystem.
 
@@ -90,6 +92,8 @@ def solve_regulator_equations(
         p x r; a command y = H w to be followed is Q = -H.
     P : matrix, optional
         n x r, zero by default: how w drives the states.
+    variable : str or Symbol, optional
+        Of the plant; default: evident, for matrices "s".
 
     Returns
     -------
@@ -117,7 +121,7 @@ def solve_regulator_equations(
     [1, 0],
     [0, 1]]), Matrix([[1, 3]]))
     """
-    source = realisation(plant)
+    source = realisation(plant, variable)
     A, B, C, D = source.A, source.B, source.C, source.D
     s, q = exact_matrix(S, "S"), exact_matrix(Q, "Q")
     n, m, r = source.n, B.cols, s.rows

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from sympy import Poly
+from sympy import Poly, Symbol
 
 from compensator_theory.polynomials.budget import integer
 from compensator_theory.polynomials.reading import PolynomialLike, polynomial
 from compensator_theory.roots.certified import real_multiplicities
 
 
-def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
+def count_observer_forms(
+    Dtilde: PolynomialLike, n: int, *, variable: str | Symbol | None = None
+) -> int:
     r"""Count the real monic divisors of degree n without listing them.
 
     .. math:: [x^n] \prod_{\text{real roots}} (1 + x + \cdots + x^m)
@@ -23,6 +25,8 @@ def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
         Closed-loop polynomial, rational; m runs over the multiplicities of its roots.
     n : int
         Order of the plant, degree of the regulator polynomial.
+    variable : str or Symbol, optional
+        Of the polynomial; default: evident.
 
     Returns
     -------
@@ -49,7 +53,7 @@ def count_observer_forms(Dtilde: PolynomialLike, n: int) -> int:
     1
     """
     integer(n, "the order n of the plant", at_least=0)
-    return number_of_selections(real_multiplicities(polynomial(Dtilde)), n)
+    return number_of_selections(real_multiplicities(polynomial(Dtilde, variable)), n)
 
 
 def number_of_selections(factors: Iterable[tuple[int, int]], n: int) -> int:

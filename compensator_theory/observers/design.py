@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import sympy
-from sympy import ImmutableMatrix, Poly
+from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.latex import displayed, latex
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
@@ -101,6 +101,8 @@ def observer_based_compensator(
     plant: RealisationLike,
     regulator_poles: SpectrumLike,
     observer_poles: SpectrumLike,
+    *,
+    variable: str | Symbol | None = None,
 ) -> ObserverBasedCompensator:
     r"""Design a regulator and an observer with the spectra asked for.
 
@@ -113,6 +115,8 @@ def observer_based_compensator(
         :math:`D_0 \ne 0` the observer subtracts :math:`D_0 u` from the measurement.
     regulator_poles, observer_poles : polynomial or list of roots
         Of degree n; a list holds the *roots*.
+    variable : str or Symbol, optional
+        Of the plant; default: evident, for matrices "s".
 
     Returns
     -------
@@ -140,7 +144,7 @@ def observer_based_compensator(
     F = [[4, -3/4]]': observer s**2 + 8*s + 12
     u = G_c y, G_c = (-33*s/4 - 93/4)/(s**2 + 13*s + 49)
     """
-    system = realisation(plant)
+    system = realisation(plant, variable)
     s, n = system.variable, system.n
     p_R, p_O = (wanted_spectrum(poles, n, s) for poles in (regulator_poles, observer_poles))
     K = regulator_gain(system.A, system.B, p_R, s)

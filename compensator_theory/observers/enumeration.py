@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
-from sympy import ImmutableMatrix, Poly
+from sympy import ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
@@ -37,6 +37,7 @@ def observer_forms(
     *,
     feedback: int | None = None,
     limit: int = 20_000,
+    variable: str | Symbol | None = None,
 ) -> ObserverForms:
     r"""Find every observer-based form of a compensator whose regulator polynomial is rational.
 
@@ -58,6 +59,8 @@ def observer_forms(
         another one is refused.
     limit : int
         Largest number of regulator polynomials to test.
+    variable : str or Symbol, optional
+        Of both; default: evident, for matrices "s".
 
     Returns
     -------
@@ -95,9 +98,9 @@ def observer_forms(
     Matrix([[-1, -3]]) Matrix([[6, 3/4]])
     Matrix([[-3/4, -2]]) Matrix([[7, 3/2]])
     """
-    system = realisation(plant)
+    system = realisation(plant, variable)
     ask("entries", system.n**3, _SEARCH)  # before the compensator is read, which takes as long
-    given = realisation(compensator)
+    given = realisation(compensator, variable)
     ask("entries", (system.n + given.n) ** 3, _SEARCH)
     controller = given.with_sign(agreed_sign(given, feedback))
     loop = closed_loop_matrix(system, controller)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sympy
-from sympy import Poly
+from sympy import Poly, Symbol
 
 from compensator_theory.loops.siso import LoopPart, siso_loop, well_posed_loop
 from compensator_theory.observers.decisions import ObserverDecision
@@ -23,6 +23,7 @@ def is_lqg_suboptimal(
     compensator: TransferFunctionLike,
     *,
     feedback: int,
+    variable: str | Symbol | None = None,
 ) -> ObserverDecision:
     r"""Decide whether a compensator is suboptimal for every LQG problem on the plant.
 
@@ -39,6 +40,8 @@ def is_lqg_suboptimal(
         The pair :math:`(N_c, D_c)`; common factors are part of the loop, not of the cost.
     feedback : {+1, -1}
         The sign f in :math:`u = f G_c y`.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -70,7 +73,7 @@ def is_lqg_suboptimal(
     >>> is_lqg_suboptimal(plant, (f"4*{g}", f"(s + 1)*{g}"), feedback=-1).answer
     False
     """
-    G, G_c = siso_loop(plant, compensator, feedback)
+    G, G_c = siso_loop(plant, compensator, feedback, variable)
     time = time_of(G.variable, "LQG")
     question = f"Is it suboptimal for every LQG problem in {time} time?"
     Dtilde = well_posed_loop(G, G_c.reduced(), feedback)

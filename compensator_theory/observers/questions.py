@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sympy import Poly
+from sympy import Poly, Symbol
 
 from compensator_theory.loops.siso import LoopPart, closed_loop_of_pair, siso_loop
 from compensator_theory.observers.counting import count_observer_forms
@@ -17,6 +17,7 @@ def pair_is_observer_based(
     compensator: TransferFunctionLike,
     *,
     feedback: int,
+    variable: str | Symbol | None = None,
 ) -> ObserverDecision:
     r"""Decide whether a polynomial pair, common factors included, is observer-based.
 
@@ -31,6 +32,8 @@ def pair_is_observer_based(
         The pair :math:`(N_c, D_c)` as it stands, for instance a tuple of two polynomials.
     feedback : {+1, -1}
         The sign f in :math:`u = f G_c y`. The text uses +1 in (7.11), (7.12) and -1 from (7.22) on.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -64,7 +67,7 @@ def pair_is_observer_based(
     Closed loop: s**6 + 6*s**5 + 16*s**4 + 24*s**3 + 25*s**2 + 18*s + 10
     """
     question = "Is the pair observer-based?"
-    G, G_c = siso_loop(plant, compensator, feedback)
+    G, G_c = siso_loop(plant, compensator, feedback, variable)
     n, n_c = G.order, G_c.order
     if n_c != n:
         return ObserverDecision(
@@ -79,10 +82,7 @@ def pair_is_observer_based(
 
 
 def transfer_function_is_observer_based(
-    plant: LoopPart,
-    compensator: LoopPart,
-    *,
-    feedback: int,
+    plant: LoopPart, compensator: LoopPart, *, feedback: int, variable: str | Symbol | None = None
 ) -> ObserverDecision:
     r"""Decide whether some full-order observer-based compensator has this transfer function.
 
@@ -96,6 +96,8 @@ def transfer_function_is_observer_based(
         :math:`G_c`; common factors are removed first.
     feedback : {+1, -1}
         The sign f in :math:`u = f G_c y`.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -130,7 +132,7 @@ def transfer_function_is_observer_based(
     Closed loop: s**4 + 2*s**3 + 3*s**2 + 2*s + 2
     """
     question = "Is the transfer function observer-based?"
-    G, G_c = siso_loop(plant, compensator, feedback)
+    G, G_c = siso_loop(plant, compensator, feedback, variable)
     n, reduced = G.order, G_c.reduced()
     r = reduced.order
     if not reduced.is_strictly_proper:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from sympy import Poly
+from sympy import Poly, Symbol
 
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 from compensator_theory.loops.siso import agreed_sign
@@ -31,7 +31,11 @@ QUESTION = "Is the realisation observer-based?"
 
 
 def realisation_is_observer_based(
-    plant: RealisationLike, compensator: RealisationLike, *, feedback: int | None = None
+    plant: RealisationLike,
+    compensator: RealisationLike,
+    *,
+    feedback: int | None = None,
+    variable: str | Symbol | None = None,
 ) -> ObserverDecision:
     r"""Decide whether some change of basis turns a realisation into an observer with feedback.
 
@@ -49,6 +53,8 @@ def realisation_is_observer_based(
         The sign f in :math:`u = f C_c x_c`; default +1. With -1 the compensator of the result has
         the sign in its output matrix. A compensator of :func:`place_poles` knows its sign, and
         another one is refused.
+    variable : str or Symbol, optional
+        Of both; default: evident, for matrices "s".
 
     Returns
     -------
@@ -84,7 +90,7 @@ def realisation_is_observer_based(
     uncontrollable and unobservable, and the closed loop has them only once. Forms: 0.
     Closed loop: s**4 + 16*s**3 + 83*s**2 + 140*s
     """
-    system, given = realisation(plant), realisation(compensator)
+    system, given = realisation(plant, variable), realisation(compensator, variable)
     controller = given.with_sign(agreed_sign(given, feedback))
     if controller.is_strictly_proper is False:
         return ObserverDecision(

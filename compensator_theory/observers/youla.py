@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from dataclasses import dataclass
 
-from sympy import ImmutableMatrix, Matrix, Poly
+from sympy import ImmutableMatrix, Matrix, Poly, Symbol
 
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex
@@ -118,7 +118,11 @@ class YoulaForm(ExactValue):
 
 
 def youla_forms(
-    plant: RealisationLike, compensator: RealisationLike, *, feedback: int | None = None
+    plant: RealisationLike,
+    compensator: RealisationLike,
+    *,
+    feedback: int | None = None,
+    variable: str | Symbol | None = None,
 ) -> tuple[YoulaForm, ...]:
     r"""Find every rational three-way form of a compensator with more states than the plant.
 
@@ -135,6 +139,8 @@ def youla_forms(
         The sign f in :math:`u = f C_c x_c`; default +1. With -1 the compensator of the result has
         the sign in its output matrix. A compensator of :func:`place_poles` knows its sign, and
         another one is refused.
+    variable : str or Symbol, optional
+        Of both; default: evident, for matrices "s".
 
     Returns
     -------
@@ -161,7 +167,7 @@ def youla_forms(
     >>> len(forms), all(form.is_verified for form in forms)
     (6, True)
     """
-    system, given = realisation(plant), realisation(compensator)
+    system, given = realisation(plant, variable), realisation(compensator, variable)
     controller = given.with_sign(agreed_sign(given, feedback))
     n, n_c = system.n, controller.n
     if n_c <= n:

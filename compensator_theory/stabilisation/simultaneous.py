@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import QQ, Poly
+from sympy import QQ, Poly, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
@@ -64,7 +64,11 @@ class SimultaneousStabilisability(ExactValue):
 
 
 def decide_simultaneous_stabilisability(
-    first: TransferFunctionLike, second: TransferFunctionLike, *, feedback: int
+    first: TransferFunctionLike,
+    second: TransferFunctionLike,
+    *,
+    feedback: int,
+    variable: str | Symbol | None = None,
 ) -> SimultaneousStabilisability:
     r"""Decide whether one compensator stabilises two plants, and search one.
 
@@ -81,6 +85,8 @@ def decide_simultaneous_stabilisability(
         anything :func:`transfer_function` reads.
     feedback : {+1, -1}
         The sign with which the loops are closed.
+    variable : str or Symbol, optional
+        Of both plants; default: evident.
 
     Returns
     -------
@@ -108,7 +114,7 @@ def decide_simultaneous_stabilisability(
     no compensator stabilises both plants
     """
     require_sign(feedback)
-    plants = [transfer_function(plant) for plant in (first, second)]
+    plants = [transfer_function(plant, variable) for plant in (first, second)]
     s = plants[0].variable
     time = time_of(s, "stabilisability")
     if plants[1].variable != s:

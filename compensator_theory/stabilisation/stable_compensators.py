@@ -11,7 +11,7 @@ from fractions import Fraction
 from itertools import permutations
 
 import flint
-from sympy import QQ, Poly, Rational
+from sympy import QQ, Poly, Rational, Symbol
 
 from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.latex import displayed, latex, words
@@ -73,7 +73,11 @@ class StableCompensator(ExactValue):
 
 
 def stable_compensator(
-    plant: TransferFunctionLike, max_order: int | None = None, *, feedback: int
+    plant: TransferFunctionLike,
+    max_order: int | None = None,
+    *,
+    feedback: int,
+    variable: str | Symbol | None = None,
 ) -> StableCompensator:
     r"""Search a stable compensator, order by order.
 
@@ -94,6 +98,8 @@ def stable_compensator(
         Default: n + 2.
     feedback : {+1, -1}
         The sign f.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -121,7 +127,9 @@ def stable_compensator(
     >>> stable_compensator("(s - 1)/(s*(s - 2))", feedback=-1).compensator is None
     True
     """
-    return search_by_order(plant, max_order, feedback=feedback, between=True)
+    return search_by_order(
+        transfer_function(plant, variable), max_order, feedback=feedback, between=True
+    )
 
 
 def search_by_order(

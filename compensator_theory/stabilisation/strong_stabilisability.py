@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import flint
-from sympy import MatrixBase, Poly
+from sympy import MatrixBase, Poly, Symbol
 
 from compensator_theory.canonical_forms.smith_mcmillan import smith_mcmillan_form
 from compensator_theory.errors import InputError
@@ -106,7 +106,9 @@ class StrongStabilisability(ExactValue):
         return displayed(words(str(self)))
 
 
-def decide_strong_stabilisability(plant: TransferMatrixLike) -> StrongStabilisability:
+def decide_strong_stabilisability(
+    plant: TransferMatrixLike, variable: str | Symbol | None = None
+) -> StrongStabilisability:
     r"""Decide whether a stable compensator can stabilise a plant, by parity interlacing.
 
     .. math:: \tilde D(z_i) = D(z_i) D_c(z_i) \quad\text{at every zero } z_i,\text{ for } f = \pm 1
@@ -123,6 +125,8 @@ def decide_strong_stabilisability(plant: TransferMatrixLike) -> StrongStabilisab
         Proper, rational coefficients; in s, or in z or q. Anything :func:`transfer_function` or
         :func:`transfer_matrix` reads. Of several signals a :class:`Realisation` shows every hidden
         mode, a common denominator only those that are no poles.
+    variable : str or Symbol, optional
+        Of the plant; default: evident.
 
     Returns
     -------
@@ -150,7 +154,7 @@ def decide_strong_stabilisability(plant: TransferMatrixLike) -> StrongStabilisab
     >>> decide_strong_stabilisability([[P, 0], [0, P]]).is_strongly_stabilisable
     True
     """
-    G, N, D, hidden, vanishes_at_infinity = interlacing(plant)
+    G, N, D, hidden, vanishes_at_infinity = interlacing(plant, variable)
     time = time_of(G.variable, "strong stabilisability")
     discrete = time == "discrete"
     modes = count_roots(hidden, time=time)
@@ -214,7 +218,7 @@ class Interlacing(NamedTuple):
     is_strictly_proper: bool
 
 
-def interlacing(plant: TransferMatrixLike) -> Interlacing:
+def interlacing(plant: TransferMatrixLike, variable: str | Symbol | None = None) -> Interlacing:
     """Return the blocking zeros, poles and hidden modes of a plant.
 
     Examples
@@ -224,7 +228,7 @@ def interlacing(plant: TransferMatrixLike) -> Interlacing:
     >>> found.zeros.as_expr(), found.poles.as_expr()
     (s - 1, s**3 - 2*s**2)
     """
-    G = _read(plant)
+    G = _read(plant, variable)
     matrix = G if isinstance(G, TransferMatrix) else transfer_matrix(G)
     entries = [entry for entry in _entries(matrix) if not entry.numerator.is_zero]
     if not entries:
@@ -248,12 +252,14 @@ def interlacing(plant: TransferMatrixLike) -> Interlacing:
     )
 
 
-def _read(plant: TransferMatrixLike) -> TransferFunction | TransferMatrix:
+def _read(
+    plant: TransferMatrixLike, variable: str | Symbol | None
+) -> TransferFunction | TransferMatrix:
     is_rows = isinstance(plant, list | tuple) and all(isinstance(r, list | tuple) for r in plant)
     is_matrix = isinstance(plant, TransferMatrix | Realisation | MatrixBase)
     if not (is_rows or is_matrix or is_foreign(plant) or hasattr(plant, "shape")):
-        return transfer_function(plant)
-    G = transfer_matrix(plant)
+        return transfer_function(plant, variable)
+    G = transfer_matrix(plant, variable)
     return G[0, 0] if G.shape == (1, 1) else G
 
 

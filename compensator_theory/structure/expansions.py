@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Expr, ImmutableMatrix, Poly
+from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
 from compensator_theory.latex import displayed, fraction, latex, total
 from compensator_theory.matrices.certificates import Certificate
@@ -19,7 +19,9 @@ from compensator_theory.transfer_functions.transfer_functions import (
 )
 
 
-def markov_parameters(G: TransferFunctionLike, count: int) -> tuple[Expr, ...]:
+def markov_parameters(
+    G: TransferFunctionLike, count: int, *, variable: str | Symbol | None = None
+) -> tuple[Expr, ...]:
     r"""Return the first coefficients of the expansion at infinity, the impulse response in z.
 
     .. math:: G(s) = H_0 + \frac{H_1}{s} + \frac{H_2}{s^2} + \cdots, \qquad
@@ -31,6 +33,8 @@ def markov_parameters(G: TransferFunctionLike, count: int) -> tuple[Expr, ...]:
         Proper, of order n; anything :func:`transfer_function` reads.
     count : int
         How many; the first is H_0 = G(oo).
+    variable : str or Symbol, optional
+        Default: evident.
 
     Raises
     ------
@@ -51,7 +55,7 @@ def markov_parameters(G: TransferFunctionLike, count: int) -> tuple[Expr, ...]:
     """
     integer(count, "count", at_least=1)
     ask("degree", count - 1, "the expansion")
-    G = transfer_function(G)
+    G = transfer_function(G, variable)
     require_proper(G, "transfer function")
     n, domain = G.order, G.numerator.unify(G.denominator)[0].domain.get_field()
     top, bottom = (side.set_domain(domain) for side in (G.numerator, G.denominator))
@@ -127,7 +131,9 @@ class PartialFractions(ExactValue):
         return displayed(total([*terms, *map(latex, self.terms)]) or "0")
 
 
-def partial_fractions(G: TransferFunctionLike) -> PartialFractions:
+def partial_fractions(
+    G: TransferFunctionLike, variable: str | Symbol | None = None
+) -> PartialFractions:
     r"""Expand a transfer function in partial fractions over the field of its coefficients.
 
     .. math:: \frac ND = P + \sum_i \sum_{k=1}^{m_i} \frac{N_{ik}}{p_i^k}, \qquad
@@ -138,6 +144,8 @@ def partial_fractions(G: TransferFunctionLike) -> PartialFractions:
     G : transfer function
         Anything :func:`transfer_function` reads. Factors that numerator and denominator share are
         cancelled first: they have no term.
+    variable : str or Symbol, optional
+        Default: evident.
 
     Returns
     -------
@@ -150,7 +158,7 @@ def partial_fractions(G: TransferFunctionLike) -> PartialFractions:
     >>> print(partial_fractions("s**3/((s - 1)*(s**2 + 1))"))
     1 + (1/2)/(s - 1) + (s/2 - 1/2)/(s**2 + 1)
     """
-    G = transfer_function(G)
+    G = transfer_function(G, variable)
     reduced = G.reduced()
     top, bottom = reduced.numerator.unify(reduced.denominator)
     field = top.domain.get_field()

@@ -395,8 +395,8 @@ def of_bare_matrices(matrices: Sequence[Any], variable: str | Symbol | None) -> 
     """
     if variable is None:
         raise InputError(
-            "matrices (A, B, C) do not show the time domain; give Realisation(A, B, C, D, 's') for "
-            "continuous time, 'z' or 'q' for discrete time"
+            "matrices (A, B, C) do not show the time domain; write variable='s' for continuous "
+            "time, 'z' or 'q' for discrete time, or give Realisation(A, B, C, D, 's')"
         )
     A, B, C, *rest = matrices
     return Realisation(A, B, C, rest[0] if rest else None, variable)

@@ -46,6 +46,7 @@ def test_every_public_function_is_a_door_of_the_table():
     assert not unknown, f"{sorted(unknown)} in tests/support/bad_inputs.py are no public functions"
 
 
+@pytest.mark.cases(70)
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_bad_inputs_are_refused(name, in_full):
     door, (arguments, keywords) = getattr(exact, name), GOOD[name]

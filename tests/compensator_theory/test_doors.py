@@ -1,5 +1,6 @@
 """What an audit of the doors found, each reproducer kept: misreadings, hangs, raw errors."""
 
+import inspect
 from decimal import Decimal
 from functools import partial
 
@@ -412,7 +413,15 @@ MATRICES = ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
     [exact.mcmillan_degree, exact.h_infinity_norm, exact.coprime_fractions,
      exact.smith_mcmillan_form, exact.transfer_matrix, exact.transfer_function,
      partial(exact.place_poles, target="-1, -2, -3, -4", feedback=-1),
-     partial(exact.stabilising_gains, feedback=-1)],
+     partial(exact.stabilising_gains, feedback=-1), exact.partial_fractions,
+     partial(exact.markov_parameters, count=4), exact.decide_strong_stabilisability,
+     partial(exact.decide_simultaneous_stabilisability, second="1/s", feedback=-1),
+     partial(exact.stable_compensator, feedback=-1),
+     *(partial(loop, compensator="-9/(s**2 + 7*s + 1)", feedback=1) for loop in (
+         exact.sensitivity_function, exact.feedback_connection, exact.pair_is_observer_based,
+         exact.transfer_function_is_observer_based, exact.is_lqg_suboptimal)),
+     partial(exact.compensator_from_sensitivity, sensitivity="s*(s + 1)/(s*(s + 1) + 3)",
+             feedback=-1)],
 )  # fmt: skip
 def test_matrices_are_their_transfer_function(answer):
     G = exact.transfer_function("1/(s**2 + 3*s + 2)")
@@ -421,6 +430,30 @@ def test_matrices_are_their_transfer_function(answer):
         assert answer(matrices, variable="s") == answer(G)
         with pytest.raises(InputError, match="do not show the time domain"):
             answer(matrices)
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [partial(exact.observer_forms, compensator="-9/(q**2 + 7*q + 1)"),
+     partial(exact.realisation_is_observer_based, compensator="-9/(q**2 + 7*q + 1)"),
+     partial(exact.youla_forms, compensator="-9/((q**2 + 7*q + 1)*(q + 2))"),
+     partial(exact.observer_based_compensator, regulator_poles=[0, 0], observer_poles=[0, 0]),
+     partial(exact.solve_regulator_equations, S=[[1]], Q=[[-1]])],
+)  # fmt: skip
+def test_matrices_have_the_variable_that_is_written(answer):
+    assert answer(MATRICES, variable="q") == answer(exact.realisation(MATRICES, "q"))
+
+
+@pytest.mark.parametrize("name", sorted(set(exact.__all__) - {"target_characteristic_polynomial"}))
+def test_whatever_reads_a_text_lets_its_variable_be_named(name):
+    """(That one's plant, a StandardProblem, says it.)"""
+    function = getattr(exact, name)
+    if inspect.isfunction(function):
+        given = inspect.signature(function).parameters
+        kinds = ("TransferFunctionLike", "TransferMatrixLike", "RealisationLike", "LoopPart",
+                 "PolynomialLike")  # fmt: skip
+        reads = any(kind in str(one.annotation) for kind in kinds for one in given.values())
+        assert not reads or "variable" in given
 
 
 def test_rows_of_a_transfer_matrix_are_no_matrices():

@@ -52,6 +52,7 @@ def test_every_public_data_class_has_a_sample():
     assert set(DATA_CLASSES) == set(SAMPLES)
 
 
+@pytest.mark.cases(40)
 @pytest.mark.parametrize("cls", DATA_CLASSES, ids=lambda cls: cls.__name__)
 @settings(max_examples=8, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())

@@ -93,6 +93,7 @@ SETTINGS = ("parts", "settings", "is", "fields")
 EXACT = ("parts", "plant", "is", "fields", "exact", "fields")
 
 
+@pytest.mark.cases(12)
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -110,8 +110,31 @@ def test_discrete_loops():
         assert np.isclose(-1 / at(float(phase.frequency)), float(phase.gain_enclosure))
 
 
+@pytest.mark.parametrize("variable", ["s", "z"])
+@given(data=st.data())
+def test_a_loop_that_is_real_at_all_frequencies_has_no_single_crossover(variable, data):
+    """Even in s, reciprocal in z: |L| = 1 at 0 or 180 degrees, and no gain helps."""
+    s = sympy.Symbol(variable)
+    square = s**2 if variable == "s" else (s - 1) ** 2 / s
+    top, bottom = (
+        sympy.Poly(data.draw(st.lists(st.integers(-4, 4), min_size=n, max_size=n)), s)
+        for n in (2, 3)
+    )
+    assume(bottom.LC() and not top.is_zero and (top + bottom).degree() == bottom.degree())
+    L = sympy.cancel((top.as_expr() / bottom.as_expr()).subs(s, square))
+    assume(L.has(s))
+    found = stability_margins(L, feedback=-1, variable=s)
+    assert found.is_real and not found.phase_crossovers and "is real" in str(found)
+    assert found.gains is None and not found.is_stable and found.delay_margin is None
+    for crossover in found.gain_crossovers:
+        omega = complex(0, crossover.frequency.centre)
+        value = complex(L.subs(s, omega if variable == "s" else sympy.exp(omega)).evalf(20))
+        assert abs(abs(value) - 1) < 1e-9
+        assert abs(crossover.degrees - (180 if value.real > 0 else 0)) < 1e-6
+
+
 def test_what_is_refused():
-    for loop in ("a/(s + 1)", "1/(x + 1)", "1", "1/s**2", "(1 - s)/(1 + s)"):
+    for loop in ("a/(s + 1)", "1/(x + 1)", "1", "(1 - s)/(1 + s)"):
         with pytest.raises(InputError):
             stability_margins(loop, feedback=-1, variable="x" if "x" in loop else "s")
     with pytest.raises(ImproperError):

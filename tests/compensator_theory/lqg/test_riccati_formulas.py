@@ -95,6 +95,7 @@ def test_published_formulas():
     assert "> 0" in str(double) and double._repr_latex_().startswith("$")
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("name", ["w", "w_0", "w_1", "p0", "p1", "p2", "s", "lamda"])
 def test_a_symbol_may_have_any_name(name):
     def formulas(x):

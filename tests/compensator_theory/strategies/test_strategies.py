@@ -45,6 +45,7 @@ ALL = {
 }
 
 
+@pytest.mark.cases(8)
 @pytest.mark.parametrize("name", ALL)
 def test_almost_no_draw_is_filtered(name):
     """Hypothesis itself counts: "invalid" is a filtered draw, "overrun" one that it cut short."""
@@ -168,6 +169,7 @@ def observability(A, C):
     return controllability(A.T, C.T)
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize(
     ("strategy", "condition", "least", "most"),
     [

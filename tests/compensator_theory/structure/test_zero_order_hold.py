@@ -45,6 +45,7 @@ def numbers(matrix, values):
     return np.array(value.tolist(), dtype=float).reshape(matrix.shape)
 
 
+@pytest.mark.cases(12)
 @pytest.mark.parametrize("sample", [zero_order_hold, first_order_hold])
 @pytest.mark.parametrize("h", [sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2, 2 * sympy.pi])
 @pytest.mark.parametrize(

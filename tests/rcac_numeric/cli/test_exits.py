@@ -73,6 +73,7 @@ def test_messages_are_short_and_command_no_terminal(monkeypatch):
     assert wrong.exit_code == exits.BAD_INPUT and len(wrong.stderr) < 3000
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("arguments", QUICK, ids=lambda a: a[0])
 def test_a_closed_pipe_is_no_error(arguments):
     """`rcac ... | true`: the reader has gone before the first word."""
@@ -83,6 +84,7 @@ def test_a_closed_pipe_is_no_error(arguments):
     assert ended.returncode in (0, 141) and ended.stderr == ""
 
 
+@pytest.mark.cases(3)
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a full device")
 @pytest.mark.parametrize("arguments", QUICK, ids=lambda a: a[0])
 def test_a_full_disk_is_a_sentence(arguments):

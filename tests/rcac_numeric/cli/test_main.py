@@ -136,6 +136,7 @@ def test_a_users_case(rcac, case):
     assert result.exit_code == 0 and "My plant" in result.output
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(
     ("number", "words"),
     [

@@ -21,6 +21,7 @@ SPECIFICATIONS = {
 }
 
 
+@pytest.mark.cases(15)
 @pytest.mark.parametrize("of", SPECIFICATIONS, ids=str)
 def test_every_kind_of_run_comes_back_bit_for_bit(of, tmp_path):
     """Schedules, saturations, several controllers, fixed ones, divergences."""

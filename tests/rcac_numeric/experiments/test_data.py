@@ -24,6 +24,7 @@ sys.stdout.buffer.write(pickle.dumps((first, second)))
 """
 
 
+@pytest.mark.cases(20)
 @pytest.mark.parametrize("number", example_ids())
 def test_every_example_pickles_and_compares(number):
     experiment = load_example(number)

@@ -44,6 +44,7 @@ def verifications(request):
     return Verifications(in_full=request.config.getoption("--long"))
 
 
+@pytest.mark.cases(30)
 @pytest.mark.parametrize("number", example_ids())
 def test_every_verdict_of_record_holds(number, verifications):
     verification = verifications[number]

@@ -156,6 +156,7 @@ def test_every_scene_and_the_case_are_those_of_simulate_bit_for_bit(opened, monk
         assert specification.execute().as_expected
 
 
+@pytest.mark.slow
 def test_twenty_settings_come_back_as_files_with_the_same_run(opened, monkeypatch):
     monkeypatch.setenv("RCAC_INSTRUCTION_SET", "plain")
     page, draw, kinds = opened(), random.Random(33), set()
@@ -231,6 +232,7 @@ def test_the_prediction_is_the_exact_one(opened):
     assert seen >= 3
 
 
+@pytest.mark.cases(1)
 @pytest.mark.skipif(compiler() is None, reason="there is no C compiler on this machine")
 @pytest.mark.parametrize("number", [0, 1, 3])
 def test_theta_is_that_of_the_exported_core_bit_for_bit(opened, number):
@@ -337,6 +339,7 @@ def test_a_finger_moves_a_ring_and_not_the_page(opened):
     assert plane.bounding_box()["y"] == pytest.approx(top, abs=1)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_is_wider_than_the_window(opened, scheme):
     page = opened(scheme=scheme)

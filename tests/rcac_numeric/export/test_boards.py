@@ -34,6 +34,7 @@ int run(void) {
 """
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("board", cortex.BOARDS)
 @pytest.mark.parametrize("real", ["float32", "float64"])
 def test_the_bits_of_the_host(tmp_path, board, real):

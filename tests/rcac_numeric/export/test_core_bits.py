@@ -141,6 +141,7 @@ SETTINGS = ControllerSettings(
 )
 
 
+@pytest.mark.cases(4)
 @pytest.mark.parametrize("past", ["keep", "reset", "blend"])
 @pytest.mark.parametrize("denominator", [[1.0], [1.0, 0.4], [1.0, -0.2, 0.1, 0.05]])
 def test_a_target_model_that_is_set_while_it_runs(past, denominator):
@@ -298,6 +299,7 @@ def without_pragmas(text):
 FAST = ("-ffast-math", "-funsafe-math-optimizations")
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("real", ["float64", "float32"])
 def test_fast_math_does_not_reach_the_core(real):
     """PX4 sets it globally; the pragmas keep it out, and the self-check says where they do not."""

@@ -70,6 +70,7 @@ def test_a_machine_without_a_compiler_writes_the_same(tmp_path, monkeypatch):
     assert with_one.is_verified == (building.compiler() is not None)
 
 
+@pytest.mark.cases(4)
 @compiles
 @pytest.mark.parametrize("real", ["float64", "float32"])
 @pytest.mark.parametrize(

@@ -289,6 +289,7 @@ def assert_crossovers_match_a_grid(loop, L_at):
         assert ((phases >= omega[i] - 1e-9) & (phases <= omega[i + 1] + 1e-9)).any()
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("seed", range(5))
 def test_crossovers_of_a_loop_with_50_lags(seed):
     """As many as a quasi-FIR controller of chapter 6 has, with the plant (6.2)'s kind of poles."""

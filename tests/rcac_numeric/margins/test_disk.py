@@ -196,6 +196,7 @@ def test_the_spinning_satellite(unit):
     assert disk.phase == pytest.approx(21.26, abs=0.1)
 
 
+@pytest.mark.slow
 def test_at_least_as_sharp_as_python_control():
     pytest.importorskip("slycot")
     for seed in range(4):

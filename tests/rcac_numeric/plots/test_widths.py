@@ -22,6 +22,7 @@ def overlaps(boxes):
     return [a.y1 - b.y0 for a, b in pairwise(boxes)]
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("width", [3.0, 3.5, 7.0, 9.0])
 @pytest.mark.parametrize("labels", [None, ["a", "as published, with the larger weight"]])
 def test_nothing_overlaps(burst, width, labels):

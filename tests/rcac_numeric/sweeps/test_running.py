@@ -99,6 +99,7 @@ def test_threads_give_the_same_table(undisturbed, tmp_path, small_chunks):
     assert read_table(tmp_path / "store.sqlite") == read_table(undisturbed)
 
 
+@pytest.mark.slow
 def test_a_cluster_gives_the_same_table(undisturbed, tmp_path, small_chunks):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -360,6 +361,7 @@ def test_a_key_pressed_leaves_a_whole_store(undisturbed, tmp_path, small_chunks)
     assert read_table(store) == read_table(undisturbed)
 
 
+@pytest.mark.slow
 def test_two_processes_never_do_the_same_work(tmp_path):
     file, store = tmp_path / "study.toml", tmp_path / "store.sqlite"
     file.write_text(studies.FILE % {"steps": 4000, "repetitions": 60})
@@ -394,6 +396,7 @@ def test_a_study_that_is_killed_goes_on(tmp_path, in_full):
     assert read_table(store) == read_table(undisturbed)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize("workers", ["0", "1"])
 def test_ctrl_c_says_how_to_go_on(tmp_path, workers, at_a_terminal):
     file, store = tmp_path / "study.toml", tmp_path / "store.sqlite"

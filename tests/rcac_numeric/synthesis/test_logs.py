@@ -150,6 +150,7 @@ def test_an_unstable_plant_from_the_log_of_its_loop():
     assert equal(with_r.settings, found.settings)
 
 
+@pytest.mark.cases(1)
 @pytest.mark.parametrize(("u_unit", "y_unit", "period"), [(1e-6, 1e6, 1e6), (1e6, 1e-6, 1e-6)])
 def test_the_design_of_a_loop_s_log_is_the_same_in_every_unit(u_unit, y_unit, period):
     u, y, *_ = looped()

@@ -129,6 +129,7 @@ def stops_after(runs):
     return progress
 
 
+@pytest.mark.slow
 def test_killed_in_the_middle_it_goes_on_to_the_same_table(found, tuned, tmp_path):
     arguments = {"budget": 8, "held_out": 2, "seeds": 3, "store": tmp_path / "runs", "workers": 0}
     kept = []

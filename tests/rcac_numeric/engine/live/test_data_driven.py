@@ -65,6 +65,7 @@ def ratio(plant, run):
     return float(h2_cost(plant, run.compensator).value / lqg(plant).cost.value)
 
 
+@pytest.mark.cases(2)
 @pytest.mark.parametrize("name", CASES)
 def test_every_seed_is_bounded_without_knowing_the_zero(name, in_full):
     """12 of 12; J over LQG's at most 1.07 (6.1, 6.1x) and 1.02 (5.4); z below 1e-10, 1e-4."""

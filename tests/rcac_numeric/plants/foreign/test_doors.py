@@ -67,6 +67,7 @@ SEVERAL = {
 }  # fmt: skip
 
 
+@pytest.mark.cases(3)
 @pytest.mark.parametrize("name", SEVERAL)
 def test_every_door_takes_systems_of_several_signals(name):
     """Each answers as it does for the plant that `plant_of` makes of the system."""
