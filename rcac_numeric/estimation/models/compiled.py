@@ -194,8 +194,10 @@ def tape(expressions: Sequence[Any], given: Sequence[sympy.Symbol]) -> Tape:
     given : sequence of symbols
         x, u and k, in this order.
     """
-    writer = Writer(given)
-    shared, reduced = sympy.cse(list(expressions))
+    real = {symbol: sympy.Dummy(symbol.name, real=True) for symbol in given}
+    written = [expression.xreplace(real).doit() for expression in expressions]  # |e^x| is e^x
+    writer = Writer(list(real.values()))
+    shared, reduced = sympy.cse(written)
     for symbol, part in shared:
         writer.places[symbol] = writer.place(part)
     results = [writer.place(expression) for expression in reduced]

@@ -5,7 +5,6 @@ import sympy
 from sympy import Rational, pi, sqrt
 
 from compensator_theory import root_locus, stability_delays, stability_margins
-from compensator_theory.errors import InputError
 from tests.support.exercises import encloses
 
 
@@ -92,8 +91,9 @@ def test_margins_of_an_unstable_plant():
 
 def test_margins_of_a_real_loop():
     """Has 1/s^2 under unity feedback phase crossovers?"""
-    with pytest.raises(InputError, match="see root_locus"):  # L < 0 at every frequency
-        stability_margins("1/s**2", feedback=-1)
+    found = stability_margins("1/s**2", feedback=-1)  # L < 0 at every frequency
+    assert found.is_real and not found.phase_crossovers and not found.is_stable
+    assert [(c.square, c.degrees) for c in found.gain_crossovers] == [(1, 0)]
 
 
 @pytest.mark.parametrize(("plant", "gain"), [("1/s**2", 0), ("1/(s**2 + 1)", -1)])

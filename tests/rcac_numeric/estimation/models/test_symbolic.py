@@ -6,7 +6,7 @@ import pickle
 import numpy as np
 import pytest
 import sympy
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import HealthCheck, assume, example, given, settings
 from hypothesis import strategies as st
 
 from rcac_numeric.estimation import EKF, UKF, SymbolicModel, estimate, observability
@@ -61,6 +61,7 @@ def run(program, values):
 
 
 @few
+@example(formulas=[sympy.Abs(sympy.exp(-(X**2)))])  # of parts of x, where x may be complex
 @given(formulas=st.lists(expressions, min_size=1, max_size=3))
 def test_a_tape_is_its_formulas(formulas):
     formulas = [sympy.sympify(f) for f in formulas]
