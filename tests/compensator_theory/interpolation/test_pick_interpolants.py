@@ -163,9 +163,17 @@ def touching_data(draw, variable):
 
 
 def derivatives(f, point, count):
-    """By SymPy, of the quotient."""
-    x = f.variable
-    return [sympy.simplify(sympy.diff(f.as_expr(), x, k).subs(x, point)) for k in range(count)]
+    """By division of the Taylor series of numerator and denominator at the point."""
+    t, field, series = sympy.Dummy(), sympy.QQ_I, []
+    top, bottom = (
+        sympy.Poly(p.as_expr().subs(f.variable, point + t), t, domain=field).rep.to_list()[::-1]
+        + [field.zero] * count
+        for p in (f.numerator, f.denominator)
+    )
+    for k in range(count):
+        rest = sum((bottom[j] * series[k - j] for j in range(1, k + 1)), field.zero)
+        series.append((top[k] - rest) / bottom[0])
+    return [field.to_sympy(c) * sympy.factorial(k) for k, c in enumerate(series)]
 
 
 @fewer(4)
