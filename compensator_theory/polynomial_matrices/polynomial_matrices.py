@@ -87,6 +87,17 @@ class PolynomialMatrix(ExactValue):
         """Return a SymPy matrix of expressions."""
         return ImmutableMatrix([[entry.as_expr() for entry in row] for row in self.rows])
 
+    def evalf(self, digits: int = 15) -> ImmutableMatrix:
+        """Return a SymPy matrix with floats of so many digits, to look at.
+
+        Examples
+        --------
+        >>> from compensator_theory import polynomial_matrix
+        >>> polynomial_matrix([["s + 1/3", "sqrt(2)"]], "s").evalf(4)
+        Matrix([[s + 0.3333, 1.414]])
+        """
+        return self.as_matrix().evalf(digits)
+
     def determinant(self) -> Poly:
         """Return the determinant of a square matrix."""
         return from_expression(determinant(self.as_matrix()), self.variable)

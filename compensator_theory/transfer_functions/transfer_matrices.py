@@ -142,6 +142,18 @@ class TransferMatrix(ExactValue):
         bottom = self.denominator.as_expr()
         return ImmutableMatrix([[entry.as_expr() / bottom for entry in r] for r in self.numerators])
 
+    def evalf(self, digits: int = 15) -> ImmutableMatrix:
+        """Return a SymPy matrix with floats of so many digits, to look at.
+
+        Examples
+        --------
+        >>> from compensator_theory import transfer_matrix
+        >>> transfer_matrix([["1/(3*s)", "sqrt(2)/(s + 1)"]]).evalf(4)
+        Matrix([[0.3333/s, 1.414/(s + 1.0)]])
+        """
+        rows, columns = self.shape
+        return ImmutableMatrix(rows, columns, lambda i, j: self[i, j].reduced().evalf(digits))
+
     def numerator_matrix(self) -> ImmutableMatrix:
         """Return the numerators as a SymPy matrix of expressions."""
         return ImmutableMatrix([[entry.as_expr() for entry in row] for row in self.numerators])
