@@ -3,11 +3,12 @@ from . import dissertation as dissertation
 from . import estimation as estimation
 from . import gallery as gallery
 from . import identification as identification
+from . import plots as plots
 from . import results as results
 from . import sweeps as sweeps
+from . import targets as targets
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
 from .analysis.exact_comparison import compare_exactly as compare_exactly
-from .analysis.match import IntercalatedMatch as IntercalatedMatch
 from .analysis.match import intercalated_match as intercalated_match
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import placement_conditioning as placement_conditioning
@@ -87,9 +88,6 @@ from .h2.riccati.equations import solve_dare as solve_dare
 from .health.diagnosis import loop_health as loop_health
 from .health.health import HealthWarning as HealthWarning
 from .identification.data_targets import target_from_data as target_from_data
-from .identification.modelling import (
-    modelling_information_from_markov as modelling_information_from_markov,
-)
 from .margins.classical import stability_margins as stability_margins
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
 from .plants.foreign.reading import plant_of as plant_of
@@ -101,10 +99,6 @@ from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
-from .plots.figures.regions import plot_stability_region as plot_stability_region
-from .plots.figures.requested import plot_request as plot_request
-from .plots.figures.runs import plot_runs as plot_runs
-from .plots.run import plot_sheet as plot_sheet
 from .signals.commands import FilteredCommand as FilteredCommand
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
@@ -122,19 +116,8 @@ from .synthesis.design import design as design
 from .synthesis.plants import Uncertainty as Uncertainty
 from .synthesis.tuning import tune as tune
 from .targets.data_driven import DataDriven as DataDriven
-from .targets.directions.checks import check_directions as check_directions
-from .targets.directions.from_data import directions_from_data as directions_from_data
-from .targets.directions.zero_directions import DirectionInformation as DirectionInformation
-from .targets.directions.zero_directions import direction_information as direction_information
-from .targets.directions.zero_directions import zero_direction_target as zero_direction_target
 from .targets.filters import target_model as target_model
-from .targets.high_authority import high_authority_target_model as high_authority_target_model
-from .targets.markov import markov_parameters as markov_parameters
-from .targets.markov import markov_target as markov_target
 from .targets.model import TargetModel as TargetModel
 from .targets.modelling import ModellingInformation as ModellingInformation
-from .targets.modelling import modelling_information as modelling_information
-from .targets.output_subspaces import output_subspace_target as output_subspace_target
-from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .targets.pole_placement import fir_target as fir_target
 from .targets.pole_placement import pole_placement_target as pole_placement_target

@@ -1,4 +1,5 @@
 from .analysis.exact_comparison import ExactComparison as ExactComparison
+from .analysis.match import IntercalatedMatch as IntercalatedMatch
 from .analysis.observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis.placement_conditioning import PlacementConditioning as PlacementConditioning
 from .analysis.residual_split import ResidualSplit as ResidualSplit

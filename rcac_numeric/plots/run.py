@@ -40,7 +40,8 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
 
     Examples
     --------
-    >>> from rcac_numeric import plot_sheet, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.plots import plot_sheet
     >>> from rcac_numeric.dissertation import load_example
     >>> figure = plot_sheet(verify(load_example("4.7")).main.first, "Example 4.7")
     >>> len(figure.axes)

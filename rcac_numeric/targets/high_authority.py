@@ -48,7 +48,8 @@ def high_authority_target_model(plant: Plant) -> TargetModel:
 
     Examples
     --------
-    >>> from rcac_numeric import high_authority_target_model, standard_plant
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.targets import high_authority_target_model
     >>> G_f = high_authority_target_model(standard_plant("(q - 2)/(q**2 - 1/4)"))
     >>> G_f.numerator.ravel(), G_f.denominator.ravel()
     (array([ 0.,  1., -2.]), array([ 1.  , -1.  ,  0.25]))

@@ -140,7 +140,7 @@ def aircraft_plant(
 
     Examples
     --------
-    >>> from rcac_numeric import output_subspace_zeros
+    >>> from rcac_numeric.targets import output_subspace_zeros
     >>> from rcac_numeric.gallery import aircraft_plant
     >>> plant = aircraft_plant("off-nominal", "dummy commands")
     >>> plant

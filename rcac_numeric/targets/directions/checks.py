@@ -104,7 +104,8 @@ def check_directions(
 
     Examples
     --------
-    >>> from rcac_numeric import DirectionInformation, TargetModel, check_directions
+    >>> from rcac_numeric import TargetModel
+    >>> from rcac_numeric.targets import DirectionInformation, check_directions
     >>> known = DirectionInformation(H=[[1, 0], [0, 1]], zeros=[(1.5, [1, 1])])
     >>> delay = TargetModel([[[0, 0], [0, 0]], [[1, 0], [0, 1]]])
     >>> check_directions(delay, known).forms

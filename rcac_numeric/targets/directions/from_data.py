@@ -75,7 +75,7 @@ def directions_from_data(
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import directions_from_data
+    >>> from rcac_numeric.targets import directions_from_data
     >>> u = np.random.default_rng(0).standard_normal((500, 2))
     >>> z = np.zeros((500, 2))
     >>> X = np.array([[1.5, 0.0], [0.0, 0.2]])

@@ -53,7 +53,7 @@ class DirectionInformation(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import DirectionInformation
+    >>> from rcac_numeric.targets import DirectionInformation
     >>> DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])]).delays
     (1, 1)
     """
@@ -121,7 +121,7 @@ def zero_direction_target(
 
     Examples
     --------
-    >>> from rcac_numeric import DirectionInformation, zero_direction_target
+    >>> from rcac_numeric.targets import DirectionInformation, zero_direction_target
     >>> known = DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])])
     >>> zero_direction_target(known).numerator[2]
     array([[-0.75,  1.5 ],
@@ -168,7 +168,8 @@ def direction_information(plant: Plant, squaring: ArrayLike | None = None) -> Di
 
     Examples
     --------
-    >>> from rcac_numeric import Plant, direction_information
+    >>> from rcac_numeric import Plant
+    >>> from rcac_numeric.targets import direction_information
     >>> plant = Plant(A=[[0.5, 0.0], [0.0, 0.0]], B=[[1.0, 1.0], [0.5, 2.0]],
     ...               D_1=[[1.0], [0.0]], C=[[1.0, 0.0], [0.0, 1.0]], E_1=[[1.0, 0.0], [1.0, -1.0]])
     >>> direction_information(plant).zeros
