@@ -58,7 +58,6 @@ from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
 from .engine.interruption import RunInterrupted as RunInterrupted
-from .engine.learning.target_learner import TargetLearner as TargetLearner
 from .engine.live.changes import ControllerChange as ControllerChange
 from .engine.recorder import Recorder as Recorder
 from .engine.reference.run import simulate_reference as simulate_reference
@@ -69,6 +68,7 @@ from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
 from .engine.streams import simulate_stream as simulate_stream
+from .engine.target_learner import TargetLearner as TargetLearner
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.figure_requests import FigureRequest as FigureRequest
@@ -90,7 +90,7 @@ from .health.health import HealthWarning as HealthWarning
 from .identification.data_targets import target_from_data as target_from_data
 from .margins.classical import stability_margins as stability_margins
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
-from .plants.foreign.reading import plant_of as plant_of
+from .plants.foreign import plant_of as plant_of
 from .plants.functions import FunctionPlant as FunctionPlant
 from .plants.linear import Plant as Plant
 from .plants.problems import servo_plant as servo_plant

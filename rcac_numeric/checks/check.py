@@ -36,7 +36,7 @@ from rcac_numeric.h2.loop_costs import LoopCosts, loop_costs
 from rcac_numeric.h2.noise import NoiseIntensities
 from rcac_numeric.margins.classical import Margins, stability_margins
 from rcac_numeric.margins.disk import DiskMargin, multivariable_disk_margin
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.linear import Plant

@@ -18,7 +18,7 @@ from rcac_numeric.engine.interruption import run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import plant_of
 
 
 @dataclass(frozen=True, eq=False, init=False)

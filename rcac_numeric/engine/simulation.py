@@ -32,7 +32,7 @@ from rcac_numeric.engine.live.device_learner import require_not_learnt
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import plant_of
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
 

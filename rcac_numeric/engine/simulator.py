@@ -13,7 +13,7 @@ from rcac_numeric.arrays.validation import vector
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import plant_of
 
 
 class Simulator:

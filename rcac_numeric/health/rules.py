@@ -24,7 +24,7 @@ from rcac_numeric.margins.classical import Margins
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.data_driven import DataDriven
-from rcac_numeric.targets.directions.checks import check_directions
+from rcac_numeric.targets.direction_checks import check_directions
 from rcac_numeric.targets.model import TargetModel
 
 TRANSIENT = 30.0  # |z| under control over the largest |w|, |z| before control and |z| at the end

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import compensator_theory as exact
 from rcac_numeric.arrays.validation import rounded
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel, from_transfer_function
 

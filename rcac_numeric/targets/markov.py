@@ -12,7 +12,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, rounded
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 

@@ -12,7 +12,7 @@ from sympy import Expr, Poly
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 
 # A number as the user gave it: exact but for a float, which means its shortest decimal.

@@ -17,7 +17,7 @@ from compensator_theory.matrices.linear_algebra import determinant
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.markov import markov_parameters

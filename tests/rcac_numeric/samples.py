@@ -282,7 +282,7 @@ SAMPLES = {
         rcac.TargetModel(random(seed, 2, 2, 2)),
         rcac.targets.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
     ),
-    results.DirectionsFromData: lambda seed: rcac.targets.directions_from_data(
+    results.DirectionsFromData: lambda seed: rcac.identification.directions_from_data(
         random(seed, 40, 1), np.vstack([np.zeros((1, 1)), random(seed, 40, 1)[:-1]]), order=1
     ),
     results.OutputSubspaceZeros: lambda seed: rcac.targets.output_subspace_zeros(two_outputs(seed)),

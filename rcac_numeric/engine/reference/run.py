@@ -24,7 +24,7 @@ from rcac_numeric.engine.reference.ball_updates import BallData, ball_update
 from rcac_numeric.engine.reference.balls import balls, held, latest, normalized
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import MATRICES, Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule

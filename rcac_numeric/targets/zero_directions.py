@@ -19,7 +19,7 @@ from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import complex_number, integer, real_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.filters import target_model
@@ -194,7 +194,7 @@ def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZ
     --------
     >>> from sympy import Matrix
     >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.targets.directions.zero_directions import directed_zeros
+    >>> from rcac_numeric.targets.zero_directions import directed_zeros
     >>> directed_zeros(standard_plant("(q - 2)/(q*(q - 0.5))"), Matrix([1]), Matrix([1]))
     (((2+0j), ((1+0j),)),)
     """

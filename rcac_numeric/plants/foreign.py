@@ -14,10 +14,10 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, number, one_of, rounded
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.functions import FunctionPlant
-from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.problems import sample_time_of, standard_plant
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.zero_order_hold import zero_order_hold
 
 METHODS = ("zoh", "bilinear")
 CHECKED = np.exp(1j * np.array([0.1, 0.7, 1.9, 2.9]))  # where plant and source are compared
@@ -101,7 +101,7 @@ def linear_plant(system: Any, name: str = "plant") -> Plant:
     Examples
     --------
     >>> import control
-    >>> from rcac_numeric.plants.foreign.reading import linear_plant
+    >>> from rcac_numeric.plants.foreign import linear_plant
     >>> linear_plant(control.tf([1], [1, -0.5], 0.01)).sample_time
     0.01
     """
@@ -215,7 +215,7 @@ def is_nonlinear(system: Any) -> bool:
     Examples
     --------
     >>> import control
-    >>> from rcac_numeric.plants.foreign.reading import is_nonlinear
+    >>> from rcac_numeric.plants.foreign import is_nonlinear
     >>> is_nonlinear(control.ss([[0.5]], [[1]], [[1]], [[0]], 1))
     False
     """

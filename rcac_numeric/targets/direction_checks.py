@@ -12,11 +12,11 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.targets.directions.zero_directions import (
+from rcac_numeric.targets.model import TargetModel
+from rcac_numeric.targets.zero_directions import (
     DirectionInformation,
     direction_information,
 )
-from rcac_numeric.targets.model import TargetModel
 
 # Beside the norm of G_f: below it a singular value counts as zero.
 SINGULAR = 1e-6
