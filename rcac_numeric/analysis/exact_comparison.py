@@ -180,7 +180,7 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
                 if target.exact is None
                 else f"the target model is {target.l_z} x {target.l_u}, not scalar."
             )
-        asked = exact.target_characteristic_polynomial(problem, compensator.n_c, target.exact)
+        asked = exact.loops.target_characteristic_polynomial(problem, compensator.n_c, target.exact)
         strictness = _strictness(compensator)
         placed = exact.place_poles(
             problem.transfer_function("yu"),
@@ -193,7 +193,7 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
         obstacle = str(error)
     zeros = {}
     for index, name in enumerate(plant.channels):
-        polynomial = exact.closed_loop_zero_polynomial(problem, N_c, D_c, index)
+        polynomial = exact.loops.closed_loop_zero_polynomial(problem, N_c, D_c, index)
         if not polynomial.is_zero:
             zeros[name] = _roots(polynomial)
     return ExactComparison(

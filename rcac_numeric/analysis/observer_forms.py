@@ -10,17 +10,11 @@ from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 from sympy import ImmutableMatrix
 
-from compensator_theory import (
-    InputError,
-    Realisation,
-    closed_loop_matrix,
-    count_observer_forms,
-    figures,
-    realisation,
-)
+from compensator_theory import InputError, Realisation, closed_loop_matrix, figures, realisation
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.observers import count_observer_forms
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.roots.certified import root_balls
 from rcac_numeric.arrays.array_types import Array, ComplexArray
@@ -179,7 +173,8 @@ def numeric_observer_forms(
     singular : float
         A subspace counts as without a form if one of its directions makes an angle with the states
         of the plant, or with those of the compensator, whose sine is not larger. The exact
-        decision, :func:`compensator_theory.realisation_is_observer_based`, needs no such bound.
+        decision, :func:`compensator_theory.observers.realisation_is_observer_based`, needs no such
+        bound.
 
     Returns
     -------

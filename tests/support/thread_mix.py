@@ -74,7 +74,9 @@ TASKS = [
     lambda: reference(12),
     lambda: shown(exact.place_poles("1/((s+1)*(s+2)*(s+3))", [-1, -2, -3, -4, -5], feedback=-1)),
     lambda: shown(exact.place_poles(f"1/(s + {10**900})", [-1], feedback=-1)),
-    lambda: shown(exact.Enclosure(exact.exact_number(2) ** 9000 * LONG, exact.exact_number(0))),
+    lambda: shown(
+        exact.results.Enclosure(exact.exact_number(2) ** 9000 * LONG, exact.exact_number(0))
+    ),
     lambda: tuple(map(repr, exact.certified_roots(CUBIC))),
     lambda: [ball.real.mid() for ball, _, _ in decided_balls(CUBIC, lambda b: True, 700)],
     lambda: riccati(20),
