@@ -49,6 +49,7 @@ from .controllers.updates.joint import JointUD as JointUD
 from .controllers.updates.joint import joint_null_dimension as joint_null_dimension
 from .controllers.updates.memoryless import Gradient as Gradient
 from .controllers.updates.memoryless import Instantaneous as Instantaneous
+from .controllers.updates.prior import PriorSamples as PriorSamples
 from .controllers.updates.recursive import UD as UD
 from .controllers.updates.recursive import Covariance as Covariance
 from .controllers.updates.resets import CovarianceReset as CovarianceReset
@@ -112,6 +113,7 @@ from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step
 from .signals.waveforms import WhiteNoise as WhiteNoise
+from .synthesis.cold_start import cold_start as cold_start
 from .synthesis.design import design as design
 from .synthesis.plants import Uncertainty as Uncertainty
 from .synthesis.tuning import tune as tune
