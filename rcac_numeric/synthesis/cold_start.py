@@ -24,7 +24,7 @@ SCALAR, SEVERAL = 1.0, 0.1  # R_theta over the square of H
 def cold_start(
     information: ModellingInformation | DirectionInformation, *, order: int, stable: bool
 ) -> ControllerSettings:
-    """Settings from modelling information alone, theta(0) = 0; `design` needs a model and is better.
+    """Settings from modelling information alone, theta(0) = 0; `design` needs a model.
 
     One input and output: the target has two poles exp(-1/15) and the NMP zeros, n_c = order + d_zu
     + 1, R_theta = H^2. Several: `zero_direction_target`, n_c = order + 2, R_theta = 0.1 norm(H)^2.
