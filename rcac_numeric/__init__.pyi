@@ -8,7 +8,8 @@ from . import results as results
 from . import sweeps as sweeps
 from . import targets as targets
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
-from .analysis.exact_comparison import compare_exactly as compare_exactly
+from .analysis.loop_analysis import LoopAnalysis as LoopAnalysis
+from .analysis.loop_analysis import compare_exactly as compare_exactly
 from .analysis.match import intercalated_match as intercalated_match
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import placement_conditioning as placement_conditioning
