@@ -17,7 +17,7 @@ import flint
 import compensator_theory as exact
 import rcac_numeric as rcac
 from compensator_theory.roots.certified import decided_balls
-from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
+from rcac_numeric.plants.zero_order_hold import zero_order_hold
 from rcac_numeric.signals.text_tables import read_table
 
 LONG = 10**5000 + 7
