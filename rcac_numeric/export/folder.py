@@ -244,11 +244,11 @@ def folder_texts(
 
 
 def _renamed(text: str, prefix: str) -> str:
-    """With another prefix; the command `rcac` keeps its name."""
+    """With another prefix; the command `rcac` and its environment variable keep their names."""
     if prefix == "rcac":
         return text
     text = re.sub(r"\brcac(?! (?:export|check|verify)\b)(?=\b|_)", prefix, text)
-    text = re.sub(r"\bRCAC(?=_)", prefix.upper(), text)
+    text = re.sub(r"\bRCAC(?=_(?!INSTRUCTION_SET\b))", prefix.upper(), text)
     text = re.sub(r"(?<=MODULES_)RCAC\b", prefix.upper(), text)
     return re.sub(r"\bRcac\b", prefix.capitalize(), text)
 

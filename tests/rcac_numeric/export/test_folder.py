@@ -146,7 +146,8 @@ def test_two_controllers_in_one_program(tmp_path):
         found = export_controller(one, tmp_path / prefix, prefix=prefix, layout="px4")
         for name in found.files:
             text = (tmp_path / prefix / name).read_text()
-            assert not re.search(r"\b(rcac|RCAC)_|rcac\.[ch]", text), name
+            assert not re.search(r"\b(rcac|RCAC)_(?!INSTRUCTION_SET)|rcac\.[ch]", text), name
+        assert "RCAC_INSTRUCTION_SET=plain" in (tmp_path / prefix / "README.md").read_text()
     (tmp_path / "main.c").write_text(
         '#include "roll.h"\n#include "pitch.h"\nint main(void) { roll_state a; pitch_state b; '
         "roll_init(&a); pitch_init(&b); return ROLL_L_THETA == 4 && PITCH_L_THETA == 3 ? 0 : 1; }"
