@@ -177,6 +177,28 @@ def test_the_linked_image_holds_nothing_but_itself(tmp_path):
             assert not re.findall(r" [bBdD] (\w+)", out)  # no memory of its own
 
 
+@pytest.mark.skipif(shutil.which("clang") is None, reason="clang is not installed")
+def test_the_analyser_of_clang_finds_nothing(tmp_path):
+    """Its core checks, which clang-tidy runs, too."""
+    numerator = "*numerator = NUMERATOR(s)"
+    for name in ("iir", "watched"):
+        given_settings, more = FUZZED[name]
+        (tmp_path / "rcac_config.h").write_text(config_header(core_tables(given_settings, **more)))
+        source = (CORE / "rcac.c").read_text()
+        # The positive control: what is nowhere is read.
+        for text, clean in (
+            (source, True),
+            (source.replace(numerator, "*numerator = NULL"), False),
+        ):
+            (tmp_path / "rcac.c").write_text(text)
+            command = [
+                "clang", "--analyze", "-std=c99", "-Xclang", "-analyzer-werror", f"-I{CORE}",
+                f"-I{tmp_path}", "-o", tmp_path / "out", tmp_path / "rcac.c",
+            ]  # fmt: skip
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            assert (done.returncode == 0) == clean, done.stderr
+
+
 @settings(max_examples=3, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
 @given(core_settings(), seeds, st.sampled_from(["gcc", "clang"]))
 def test_float32_follows_float64(case, seed, cc):
