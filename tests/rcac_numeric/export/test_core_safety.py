@@ -180,23 +180,18 @@ def test_the_linked_image_holds_nothing_but_itself(tmp_path):
 @pytest.mark.skipif(shutil.which("clang") is None, reason="clang is not installed")
 def test_the_analyser_of_clang_finds_nothing(tmp_path):
     """Its core checks, which clang-tidy runs, too."""
-    numerator = "*numerator = NUMERATOR(s)"
-    for name in ("iir", "watched"):
-        given_settings, more = FUZZED[name]
-        (tmp_path / "rcac_config.h").write_text(config_header(core_tables(given_settings, **more)))
-        source = (CORE / "rcac.c").read_text()
-        # The positive control: what is nowhere is read.
-        for text, clean in (
-            (source, True),
-            (source.replace(numerator, "*numerator = NULL"), False),
-        ):
-            (tmp_path / "rcac.c").write_text(text)
-            command = [
-                "clang", "--analyze", "-std=c99", "-Xclang", "-analyzer-werror", f"-I{CORE}",
-                f"-I{tmp_path}", "-o", tmp_path / "out", tmp_path / "rcac.c",
-            ]  # fmt: skip
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-            assert (done.returncode == 0) == clean, done.stderr
+    given_settings, more = FUZZED["watched"]
+    (tmp_path / "rcac_config.h").write_text(config_header(core_tables(given_settings, **more)))
+    source, numerator = (CORE / "rcac.c").read_text(), "*numerator = NUMERATOR(s)"
+    # The positive control: what is nowhere is read.
+    for text, clean in ((source, True), (source.replace(numerator, "*numerator = NULL"), False)):
+        (tmp_path / "rcac.c").write_text(text)
+        command = [
+            "clang", "--analyze", "-std=c99", "-Xclang", "-analyzer-werror", f"-I{CORE}",
+            f"-I{tmp_path}", "-o", tmp_path / "out", tmp_path / "rcac.c",
+        ]  # fmt: skip
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert (done.returncode == 0) == clean, done.stderr
 
 
 @settings(max_examples=3, phases=[Phase.generate], suppress_health_check=list(HealthCheck))
