@@ -16,6 +16,7 @@ from compensator_theory.errors import BudgetError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.decentralized import Decentralized
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import Supervision
@@ -250,6 +251,11 @@ def core_tables(
     """
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
+    if isinstance(controller, Decentralized):
+        raise InputError(
+            "a Decentralized is several controllers; export each of its `controllers`, with a "
+            "prefix of its own."
+        )
     if not isinstance(controller, ControllerSettings | FixedController):
         raise InputError(
             f"a {type(controller).__name__} cannot be exported; ControllerSettings, a "

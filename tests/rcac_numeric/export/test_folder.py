@@ -16,6 +16,7 @@ from rcac_numeric import (
     ControllerSettings,
     Covariance,
     DataDriven,
+    Decentralized,
     FixedController,
     Gradient,
     Normalization,
@@ -92,6 +93,10 @@ def test_the_replay_of_the_folder(tmp_path, controller, real):
     found = export_controller(controller, tmp_path, real=real)
     assert found.is_verified
     assert real == "float32" or re.fullmatch(r"\d+ steps: the same bits", found.replay)
+    if real == "float32":  # a fixed controller reads no z
+        name = "u" if isinstance(controller, Compensator) else "z"
+        rms = re.match(rf"rms {name} (\S+), in float64 (\S+);", found.agreement)
+        assert float(rms[1]) == pytest.approx(float(rms[2]), rel=1e-2) != 0
 
 
 @compiles
@@ -236,6 +241,8 @@ def test_other_arguments_that_do_not_fit(tmp_path):
     for wrong in (3, "4.7", None, load_example("4.7")):
         with pytest.raises(InputError, match="cannot be exported"):
             export_controller(wrong, tmp_path)
+    with pytest.raises(InputError, match="each of its `controllers`"):
+        export_controller(Decentralized([SETTINGS]), tmp_path)
     with pytest.raises(InputError, match="target_changes beside live_order"):
         core_tables(changing, live_order=2)
     with pytest.raises(InputError, match="no target model"):
