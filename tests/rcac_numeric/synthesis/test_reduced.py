@@ -82,7 +82,7 @@ def test_an_fir_controller_with_an_integrator_does_nearly_what_lqg_does():
 
 @pytest.mark.parametrize("structure", [pid("PI"), OWN])
 def test_z_answers_to_the_virtual_perturbation_of_a_structure_as_its_target_says(structure):
-    """u = Phi theta + u~ by simulation, with u~ a pulse that the structure does not see as past u."""
+    """u = Phi theta + u~ by simulation: z is the impulse response of G_f to a pulse of u~."""
     ladder = ladder_of(LAGS, dead_time=1.0)
     found = reduced_reference(ladder, structure)
     made = settings_of(ladder.plant, found, ladder.expected)
