@@ -9,13 +9,13 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.analysis.internal_models import drift_of
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import MOST_STATES
 from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import SupervisionRecord
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.health.health import HealthWarning, LoopHealth
 from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors, zeros_of
 from rcac_numeric.health.trials import MISSED, what_places_them
@@ -24,7 +24,7 @@ from rcac_numeric.margins.classical import Margins
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.data_driven import DataDriven
-from rcac_numeric.targets.directions.checks import check_directions
+from rcac_numeric.targets.direction_checks import check_directions
 from rcac_numeric.targets.model import TargetModel
 
 TRANSIENT = 30.0  # |z| under control over the largest |w|, |z| before control and |z| at the end

@@ -9,12 +9,12 @@ from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.controllers.kinds import iir
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import UD
-from rcac_numeric.targets.directions.zero_directions import (
+from rcac_numeric.targets.modelling import ModellingInformation
+from rcac_numeric.targets.pole_placement import pole_placement_target
+from rcac_numeric.targets.zero_directions import (
     DirectionInformation,
     zero_direction_target,
 )
-from rcac_numeric.targets.modelling import ModellingInformation
-from rcac_numeric.targets.pole_placement import pole_placement_target
 
 POLES = 15.0  # steps: the two time constants of the target
 WAITS, LEAST_WAIT = 5, 50  # times the longest filter, and steps

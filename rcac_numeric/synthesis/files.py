@@ -25,7 +25,7 @@ from rcac_numeric.experiments.files.plants import ServoOfG, StandardOfG, read_pl
 from rcac_numeric.experiments.files.signals import SIGNALS
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.signals.recordings import Recorded
