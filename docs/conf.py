@@ -166,8 +166,15 @@ def insert_judging(app, name, source):
         source[0] = source[0].replace("<!-- the counts -->", counts())
 
 
+def keep_only_the_page(app, tree):
+    """Let go of what `eval-rst` parsed apart, whose settings would keep the whole environment."""
+    for node in tree.findall():
+        node.document = tree
+
+
 def setup(app):
     setup_equations(app)
+    app.connect("doctree-read", keep_only_the_page)
     app.connect("builder-inited", build_explorer)
     app.connect("doctree-resolved", insert_thumbnails)
     app.connect("autodoc-skip-member", skip_foreign)

@@ -84,4 +84,5 @@ def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True)
     title = "closed loop with the final controller"
     axis.set_title(title if finite.all() else f"{title}: poles beyond float64", fontsize=10)
     if legend:
-        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
+        axis.legend(fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=3,
+                    frameon=False, handletextpad=0.3, columnspacing=1.2)  # fmt: skip

@@ -58,8 +58,10 @@ def plot_observer_forms(forms: NumericObserverForms) -> Figure:
                        color=line_style(1)["color"])  # fmt: skip
         best = forms.best_conditioned()
         words = complex_words(forms.regulator_roots[best])
+        right = 2 * best >= len(forms)  # its words stand where there is room for them
         worth.annotate(f"regulator roots {words}", (best + 1, forms.condition[best]),
-                       textcoords="offset points", xytext=(6, 6), fontsize=8)  # fmt: skip
+                       textcoords="offset points", xytext=(-6 if right else 6, 6), fontsize=8,
+                       ha="right" if right else "left")  # fmt: skip
         worth.locator_params(axis="x", integer=True)
     for axis in (roots, worth):
         axis.grid(alpha=0.25)
