@@ -80,6 +80,7 @@ if mathjax := find_spec("sphinx-mathjax-offline"):
     ]
     mathjax_path = "mathjax/tex-chtml.js"
 html_css_files = ["pictures.css"]
+html_js_files = [("reachable.js", {"defer": "defer"})]
 # The explorer, which is built with the pages: _static/explorer.html.
 explorer_folder = Path(tempfile.mkdtemp())
 html_static_path.append(str(explorer_folder))
