@@ -64,6 +64,8 @@ nb_execution_timeout = 120
 nb_merge_streams = True
 # Figures as a notebook shows them, twice as fine; and no setting of whoever builds.
 os.environ["IPYTHONDIR"] = write_settings(Path(tempfile.mkdtemp()))
+# What is not in a wheel and some pages read: examples and the ledger.
+os.environ["CHECKOUT"] = str(ROOT)
 
 html_theme = "furo"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
