@@ -15,7 +15,7 @@ from matplotlib.patches import Circle
 
 import rcac_numeric.explorer
 from rcac_numeric import load_experiment, simulate
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 
 FOLDER = Path(__file__).resolve().parent / "_static"
 CASE = Path(rcac_numeric.explorer.__file__).parent / "scenes" / "tame.toml"

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from sympy import Expr, I, Integer, Matrix, Symbol, expand
 
-from compensator_theory import check_proposition_3, polynomial
+from compensator_theory import polynomial
+from compensator_theory.bezout import check_proposition_3
 from compensator_theory.bezout.sylvester import sylvester_m
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
 

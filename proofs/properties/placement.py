@@ -3,12 +3,10 @@
 from hypothesis import strategies as st
 from sympy import Expr, Matrix, Poly
 
-from compensator_theory import (
-    TransferFunction,
+from compensator_theory import TransferFunction, place_poles, polynomial_from_roots
+from compensator_theory.bezout import (
     check_proposition_3,
     check_proposition_4,
-    place_poles,
-    polynomial_from_roots,
     sylvester_m,
     sylvester_m1,
 )

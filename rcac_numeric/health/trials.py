@@ -14,13 +14,13 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.h2.loop_costs import loop_costs
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
