@@ -23,10 +23,10 @@ from rcac_numeric import (
     h2_cost,
     iir,
     lqg,
-    modelling_information,
     simulate,
     standard_plant,
 )
+from rcac_numeric.targets import modelling_information
 
 WAYS = ("told", "data driven", "data driven, replay", "without the zeros")
 

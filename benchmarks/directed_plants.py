@@ -13,7 +13,7 @@ import sys
 import numpy as np
 from yardsticks.directed_plants import cost_ratio, random_plant
 
-from rcac_numeric import zero_direction_target
+from rcac_numeric.targets import zero_direction_target
 
 
 def ratio(plant, **settings):

@@ -38,15 +38,13 @@ from compensator_theory import (
     brunovsky_form,
     count_roots,
     is_controllable,
-    number_of_common_roots,
-    number_of_real_roots,
     place_poles,
     regulator_gain,
     resultant,
-    smith_form,
     solve_lyapunov,
-    sylvester_m,
 )
+from compensator_theory.bezout import number_of_common_roots, sylvester_m
+from compensator_theory.canonical_forms import smith_form
 from compensator_theory.matrices.flint_matrices import to_flint
 from compensator_theory.matrices.flint_polynomials import to_flint_polynomial
 from compensator_theory.matrices.linear_algebra import (
@@ -54,6 +52,7 @@ from compensator_theory.matrices.linear_algebra import (
     determinant,
     solve,
 )
+from compensator_theory.roots import number_of_real_roots
 
 S = sympy.Symbol("s")
 WHO = ("ours", "sympy", "flint", "control")

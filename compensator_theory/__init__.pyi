@@ -1,26 +1,17 @@
 __version__: str
+from . import bezout as bezout
+from . import canonical_forms as canonical_forms
 from . import errors as errors
+from . import geometry as geometry
+from . import interpolation as interpolation
+from . import loops as loops
+from . import observers as observers
 from . import results as results
+from . import roots as roots
+from . import sampling as sampling
 from . import strategies as strategies
-from .bezout.bezout_matrices import bezout_matrix as bezout_matrix
-from .bezout.bezout_matrices import cauchy_index as cauchy_index
 from .bezout.common_factors import bezout_identity as bezout_identity
-from .bezout.null_spaces import gcd_from_null_space as gcd_from_null_space
-from .bezout.resultants import number_of_common_roots as number_of_common_roots
 from .bezout.resultants import resultant as resultant
-from .bezout.subresultants import subresultants as subresultants
-from .bezout.sylvester import sylvester_m as sylvester_m
-from .bezout.sylvester import sylvester_m1 as sylvester_m1
-from .bezout.sylvester import sylvester_m2 as sylvester_m2
-from .canonical_forms.frobenius import frobenius_form as frobenius_form
-from .canonical_forms.jordan import jordan_form as jordan_form
-from .canonical_forms.kronecker import kronecker_form as kronecker_form
-from .canonical_forms.minimal_bases import minimal_basis as minimal_basis
-from .canonical_forms.popov import popov_form as popov_form
-from .canonical_forms.row_forms import hermite_form as hermite_form
-from .canonical_forms.row_forms import row_reduced_form as row_reduced_form
-from .canonical_forms.smith import smith_form as smith_form
-from .canonical_forms.smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form
 from .diophantine.matrix_equations import solve_matrix_diophantine as solve_matrix_diophantine
 from .diophantine.polynomial_equations import solve_diophantine as solve_diophantine
 from .errors import CompensatorError as CompensatorError
@@ -32,49 +23,22 @@ from .frequency.norms import h_infinity_norm as h_infinity_norm
 from .frequency.passivity import decide_bounded_real as decide_bounded_real
 from .frequency.passivity import decide_positive_real as decide_positive_real
 from .frequency.root_locus import root_locus as root_locus
-from .geometry.decoupling import decouple as decouple
-from .geometry.disturbance_decoupling import decouple_disturbance as decouple_disturbance
-from .geometry.fixed_modes import decentralised_fixed_modes as decentralised_fixed_modes
-from .geometry.interactors import interactor as interactor
-from .geometry.invariant_subspaces import (
-    controlled_invariant_subspaces as controlled_invariant_subspaces,
-)
-from .interpolation.laurent import laurent_expansion as laurent_expansion
-from .interpolation.nevanlinna_pick import nevanlinna_pick as nevanlinna_pick
-from .interpolation.pade import pade_approximant as pade_approximant
-from .interpolation.partial_realisations import partial_realisation as partial_realisation
 from .loops.closed_loop_maps import closed_loop_polynomial as closed_loop_polynomial
-from .loops.closed_loop_maps import closed_loop_transfer_matrix as closed_loop_transfer_matrix
-from .loops.closed_loop_maps import closed_loop_zero_polynomial as closed_loop_zero_polynomial
 from .loops.closed_loop_matrix import closed_loop_matrix as closed_loop_matrix
 from .loops.feedback import feedback_connection as feedback_connection
-from .loops.intercalation import (
-    control_perturbation_transfer_function as control_perturbation_transfer_function,
-)
-from .loops.intercalation import (
-    control_perturbation_transfer_matrix as control_perturbation_transfer_matrix,
-)
 from .loops.intercalation import intercalated_transfer_function as intercalated_transfer_function
 from .loops.intercalation import intercalated_transfer_matrix as intercalated_transfer_matrix
-from .loops.reachable_targets import (
-    target_characteristic_polynomial as target_characteristic_polynomial,
-)
-from .loops.sensitivity import compensator_from_sensitivity as compensator_from_sensitivity
 from .loops.sensitivity import sensitivity_function as sensitivity_function
-from .loops.zero_directions import direction_residual as direction_residual
 from .loops.zero_directions import zero_direction_target as zero_direction_target
 from .lqg.controllers import lqg_controller as lqg_controller
 from .lqg.high_authority_limits import high_authority_limits as high_authority_limits
 from .lqg.locus import regulator_locus as regulator_locus
 from .lqg.poles import lqg_poles as lqg_poles
 from .lqg.regulator_spectra import regulator_spectrum as regulator_spectrum
-from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati import solve_riccati as solve_riccati
 from .lqg.riccati_formulas import riccati_formula as riccati_formula
-from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
 from .lqg.targets import high_authority_target as high_authority_target
 from .lqg.weighted_problems import lqg_problem as lqg_problem
-from .matrices.certificates import Certificate as Certificate
 from .matrix_equations.gramians import gramians as gramians
 from .matrix_equations.regulator_equations import (
     solve_regulator_equations as solve_regulator_equations,
@@ -82,28 +46,14 @@ from .matrix_equations.regulator_equations import (
 from .matrix_equations.sylvester_equations import solve_lyapunov as solve_lyapunov
 from .matrix_equations.sylvester_equations import solve_stein as solve_stein
 from .matrix_equations.sylvester_equations import solve_sylvester as solve_sylvester
-from .observers.counting import count_observer_forms as count_observer_forms
 from .observers.design import observer_based_compensator as observer_based_compensator
 from .observers.enumeration import observer_forms as observer_forms
 from .observers.functional import functional_observer as functional_observer
 from .observers.functional import reduced_order_observer as reduced_order_observer
 from .observers.gains import observer_gain as observer_gain
 from .observers.gains import regulator_gain as regulator_gain
-from .observers.optimality import is_lqg_suboptimal as is_lqg_suboptimal
-from .observers.questions import pair_is_observer_based as pair_is_observer_based
-from .observers.questions import (
-    transfer_function_is_observer_based as transfer_function_is_observer_based,
-)
-from .observers.realisation_question import (
-    realisation_is_observer_based as realisation_is_observer_based,
-)
-from .observers.youla import youla_forms as youla_forms
-from .placement.least_order import place_poles_at_least_order as place_poles_at_least_order
 from .placement.matrix_placement import place_matrix_poles as place_matrix_poles
 from .placement.pole_placement import place_poles as place_poles
-from .placement.propositions import check_proposition_3 as check_proposition_3
-from .placement.propositions import check_proposition_4 as check_proposition_4
-from .polynomial_matrices.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
 from .polynomial_matrices.polynomial_matrices import polynomial_matrix as polynomial_matrix
 from .polynomials.ball_precision import ball_precision as ball_precision
 from .polynomials.budget import Budget as Budget
@@ -116,20 +66,9 @@ from .polynomials.poly import monic as monic
 from .polynomials.reading import polynomial as polynomial
 from .roots.certified import certified_roots as certified_roots
 from .roots.counts import count_roots as count_roots
-from .roots.counts import number_of_real_roots as number_of_real_roots
-from .roots.enclosures import Enclosure as Enclosure
-from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
-from .roots.reflections import monic_reciprocal_polynomial as monic_reciprocal_polynomial
-from .roots.reflections import reciprocal_polynomial as reciprocal_polynomial
 from .roots.regions import locate_roots as locate_roots
-from .roots.schur_cohn import reflection_coefficients as reflection_coefficients
 from .roots.spectral_factors import spectral_factor as spectral_factor
 from .roots.stability import decide_stability as decide_stability
-from .roots.stability import hurwitz_determinants as hurwitz_determinants
-from .roots.unit_circle import split_at_unit_circle as split_at_unit_circle
-from .roots.unit_circle_enclosures import (
-    enclose_split_at_unit_circle as enclose_split_at_unit_circle,
-)
 from .stabilisation.conditions import stability_conditions as stability_conditions
 from .stabilisation.interval_polynomials import (
     decide_interval_stability as decide_interval_stability,
@@ -157,11 +96,6 @@ from .structure.hankel_matrices import hankel_matrix as hankel_matrix
 from .structure.hankel_matrices import mcmillan_degree as mcmillan_degree
 from .structure.kalman import kalman_decomposition as kalman_decomposition
 from .structure.minimal_realisations import minimal_realisation as minimal_realisation
-from .structure.zero_order_hold import first_order_hold as first_order_hold
-from .structure.zero_order_hold import matched as matched
-from .structure.zero_order_hold import sampling_zero_polynomial as sampling_zero_polynomial
-from .structure.zero_order_hold import tustin as tustin
-from .structure.zero_order_hold import zero_order_hold as zero_order_hold
 from .structure.zeros import input_decoupling_zeros as input_decoupling_zeros
 from .structure.zeros import invariant_zeros as invariant_zeros
 from .structure.zeros import output_decoupling_zeros as output_decoupling_zeros

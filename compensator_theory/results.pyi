@@ -1,6 +1,7 @@
 from .bezout.common_factors import BezoutIdentity as BezoutIdentity
 from .bezout.null_spaces import NullSpaceGCD as NullSpaceGCD
-from .bezout.subresultants import Subresultants as Subresultants
+from .bezout.propositions import PropositionCheck as PropositionCheck
+from .bezout.subresultant_chains import Subresultants as Subresultants
 from .canonical_forms.frobenius import FrobeniusForm as FrobeniusForm
 from .canonical_forms.jordan import JordanForm as JordanForm
 from .canonical_forms.kronecker import KroneckerForm as KroneckerForm
@@ -32,9 +33,9 @@ from .geometry.invariant_subspaces import (
     ControlledInvariantSubspaces as ControlledInvariantSubspaces,
 )
 from .interpolation.laurent import LaurentExpansion as LaurentExpansion
-from .interpolation.nevanlinna_pick import PickInterpolation as PickInterpolation
 from .interpolation.pade import PadeApproximant as PadeApproximant
 from .interpolation.partial_realisations import PartialRealisation as PartialRealisation
+from .interpolation.pick_interpolation import PickInterpolation as PickInterpolation
 from .loops.zero_directions import ZeroDirectionTarget as ZeroDirectionTarget
 from .lqg.controllers import LQGController as LQGController
 from .lqg.high_authority_limits import ButterworthPattern as ButterworthPattern
@@ -46,6 +47,7 @@ from .lqg.riccati import GainFormula as GainFormula
 from .lqg.riccati import RiccatiSolution as RiccatiSolution
 from .lqg.riccati_formulas import RiccatiFormula as RiccatiFormula
 from .lqg.targets import HighAuthorityTarget as HighAuthorityTarget
+from .matrices.certificates import Certificate as Certificate
 from .matrix_equations.gramians import Gramians as Gramians
 from .matrix_equations.regulator_equations import RegulatorSolution as RegulatorSolution
 from .matrix_equations.solutions import MatrixSolution as MatrixSolution
@@ -56,10 +58,11 @@ from .observers.form_lists import ObserverForms as ObserverForms
 from .observers.functional import FunctionalObserver as FunctionalObserver
 from .observers.youla import YoulaForm as YoulaForm
 from .placement.matrix_placement import MatrixPlacement as MatrixPlacement
-from .placement.propositions import PropositionCheck as PropositionCheck
 from .placement.solutions import PolePlacement as PolePlacement
+from .polynomial_matrices.polynomial_matrices import PolynomialMatrix as PolynomialMatrix
 from .roots.certified import Root as Root
 from .roots.counts import RootCount as RootCount
+from .roots.enclosures import Enclosure as Enclosure
 from .roots.enclosures import PolynomialEnclosure as PolynomialEnclosure
 from .roots.number_fields import FieldMatrix as FieldMatrix
 from .roots.number_fields import NumberField as NumberField

@@ -1,16 +1,15 @@
 """The exercises of the exact half as tables, made from the tests that solve them."""
 
 import ast
-import importlib
-import inspect
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import compensator_theory
 from docs.errata_page import escaped
+from docs.reference_pages import public_names
 
 FOLDER = Path(__file__).resolve().parents[1] / "tests" / "compensator_theory" / "exercises"
+PACKAGE = "compensator_theory"
 # In the order of a course.
 CHAPTERS = (
     "transfer_functions",
@@ -94,7 +93,7 @@ def _functions(test: ast.FunctionDef, local: dict[str, ast.FunctionDef]) -> tupl
     for name in dict.fromkeys(used):
         if name in local:
             used += _functions(local[name], {})
-    public = set(dir(compensator_theory))
+    public = public_names(PACKAGE)
     return tuple(dict.fromkeys(name for name in used if name in public))
 
 
@@ -104,7 +103,5 @@ def _place(node: ast.Name) -> tuple[int, int]:
 
 def _link(name: str) -> str:
     """To the reference of a public function or class."""
-    found = getattr(compensator_theory, name)
-    module = importlib.import_module(found.__module__)
-    role = "class" if inspect.isclass(found) else "func"
-    return f"{{py:{role}}}`{name} <{module.__name__}.{name}>`"
+    role = "class" if name[0].isupper() else "func"
+    return f"{{py:{role}}}`{name} <{public_names(PACKAGE)[name]}.{name}>`"

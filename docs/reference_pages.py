@@ -108,8 +108,8 @@ def namespaces(package: str) -> list[str]:
     Examples
     --------
     >>> from docs.reference_pages import namespaces
-    >>> namespaces("compensator_theory")
-    ['compensator_theory', 'compensator_theory.errors', 'compensator_theory.results']
+    >>> namespaces("compensator_theory")[:3]
+    ['compensator_theory', 'compensator_theory.bezout', 'compensator_theory.canonical_forms']
     """
     top = _stubbed(ROOT / package / "__init__.pyi", package)
     modules = [name for name, home in top.items() if home == package]

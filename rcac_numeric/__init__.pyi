@@ -3,11 +3,13 @@ from . import dissertation as dissertation
 from . import estimation as estimation
 from . import gallery as gallery
 from . import identification as identification
+from . import plots as plots
 from . import results as results
 from . import sweeps as sweeps
+from . import targets as targets
 from .analysis.closed_loop import ClosedLoop as ClosedLoop
-from .analysis.exact_comparison import compare_exactly as compare_exactly
-from .analysis.match import IntercalatedMatch as IntercalatedMatch
+from .analysis.loop_analysis import LoopAnalysis as LoopAnalysis
+from .analysis.loop_analysis import compare_exactly as compare_exactly
 from .analysis.match import intercalated_match as intercalated_match
 from .analysis.observer_forms import numeric_observer_forms as numeric_observer_forms
 from .analysis.placement_conditioning import placement_conditioning as placement_conditioning
@@ -48,6 +50,7 @@ from .controllers.updates.joint import JointUD as JointUD
 from .controllers.updates.joint import joint_null_dimension as joint_null_dimension
 from .controllers.updates.memoryless import Gradient as Gradient
 from .controllers.updates.memoryless import Instantaneous as Instantaneous
+from .controllers.updates.prior import PriorSamples as PriorSamples
 from .controllers.updates.recursive import UD as UD
 from .controllers.updates.recursive import Covariance as Covariance
 from .controllers.updates.resets import CovarianceReset as CovarianceReset
@@ -57,7 +60,6 @@ from .engine.batches import SimulationCase as SimulationCase
 from .engine.batches import simulate_many as simulate_many
 from .engine.controller import Controller as Controller
 from .engine.interruption import RunInterrupted as RunInterrupted
-from .engine.learning.target_learner import TargetLearner as TargetLearner
 from .engine.live.changes import ControllerChange as ControllerChange
 from .engine.recorder import Recorder as Recorder
 from .engine.reference.run import simulate_reference as simulate_reference
@@ -68,6 +70,7 @@ from .engine.simulation import simulate as simulate
 from .engine.simulator import Simulator as Simulator
 from .engine.states import SavedState as SavedState
 from .engine.streams import simulate_stream as simulate_stream
+from .engine.target_learner import TargetLearner as TargetLearner
 from .experiments.budgets import Budget as Budget
 from .experiments.experiment import Experiment as Experiment
 from .experiments.figure_requests import FigureRequest as FigureRequest
@@ -87,12 +90,9 @@ from .h2.riccati.equations import solve_dare as solve_dare
 from .health.diagnosis import loop_health as loop_health
 from .health.health import HealthWarning as HealthWarning
 from .identification.data_targets import target_from_data as target_from_data
-from .identification.modelling import (
-    modelling_information_from_markov as modelling_information_from_markov,
-)
 from .margins.classical import stability_margins as stability_margins
 from .margins.disk import multivariable_disk_margin as multivariable_disk_margin
-from .plants.foreign.reading import plant_of as plant_of
+from .plants.foreign import plant_of as plant_of
 from .plants.functions import FunctionPlant as FunctionPlant
 from .plants.linear import Plant as Plant
 from .plants.problems import servo_plant as servo_plant
@@ -101,10 +101,6 @@ from .plants.saturation import Saturation as Saturation
 from .plants.schedules import PlantChange as PlantChange
 from .plants.schedules import PlantSchedule as PlantSchedule
 from .plants.transmission_zeros import transmission_zero_polynomial as transmission_zero_polynomial
-from .plots.figures.regions import plot_stability_region as plot_stability_region
-from .plots.figures.requested import plot_request as plot_request
-from .plots.figures.runs import plot_runs as plot_runs
-from .plots.run import plot_sheet as plot_sheet
 from .signals.commands import FilteredCommand as FilteredCommand
 from .signals.recordings import Recorded as Recorded
 from .signals.recordings import read_recording as read_recording
@@ -118,23 +114,13 @@ from .signals.waveforms import Pulse as Pulse
 from .signals.waveforms import Ramp as Ramp
 from .signals.waveforms import Step as Step
 from .signals.waveforms import WhiteNoise as WhiteNoise
+from .synthesis.cold_start import cold_start as cold_start
 from .synthesis.design import design as design
 from .synthesis.plants import Uncertainty as Uncertainty
 from .synthesis.tuning import tune as tune
 from .targets.data_driven import DataDriven as DataDriven
-from .targets.directions.checks import check_directions as check_directions
-from .targets.directions.from_data import directions_from_data as directions_from_data
-from .targets.directions.zero_directions import DirectionInformation as DirectionInformation
-from .targets.directions.zero_directions import direction_information as direction_information
-from .targets.directions.zero_directions import zero_direction_target as zero_direction_target
 from .targets.filters import target_model as target_model
-from .targets.high_authority import high_authority_target_model as high_authority_target_model
-from .targets.markov import markov_parameters as markov_parameters
-from .targets.markov import markov_target as markov_target
 from .targets.model import TargetModel as TargetModel
 from .targets.modelling import ModellingInformation as ModellingInformation
-from .targets.modelling import modelling_information as modelling_information
-from .targets.output_subspaces import output_subspace_target as output_subspace_target
-from .targets.output_subspaces import output_subspace_zeros as output_subspace_zeros
 from .targets.pole_placement import fir_target as fir_target
 from .targets.pole_placement import pole_placement_target as pole_placement_target

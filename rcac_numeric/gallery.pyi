@@ -14,6 +14,6 @@ from .plants.gallery.mass_spring import MassSpringDamper as MassSpringDamper
 from .plants.gallery.rohrs import critical_period as critical_period
 from .plants.gallery.rohrs import rohrs_plant as rohrs_plant
 from .plants.gallery.rohrs import sampling_zeros as sampling_zeros
-from .plants.gallery.zero_order_hold import zero_order_hold as zero_order_hold
 from .plants.gallery.zeros import plant_zeros as plant_zeros
 from .plants.gallery.zeros import zero_path as zero_path
+from .plants.zero_order_hold import zero_order_hold as zero_order_hold

@@ -1,4 +1,5 @@
 from .analysis.exact_comparison import ExactComparison as ExactComparison
+from .analysis.match import IntercalatedMatch as IntercalatedMatch
 from .analysis.observer_forms import NumericObserverForms as NumericObserverForms
 from .analysis.placement_conditioning import PlacementConditioning as PlacementConditioning
 from .analysis.residual_split import ResidualSplit as ResidualSplit
@@ -13,10 +14,10 @@ from .dissertation.errata.checking import Checked as Checked
 from .dissertation.errata.entries import Erratum as Erratum
 from .dissertation.errata.entries import ErratumEvidence as ErratumEvidence
 from .dissertation.reproduction import Reproduction as Reproduction
-from .engine.learning.target_learner import LearnedTarget as LearnedTarget
 from .engine.live.changes import AppliedChange as AppliedChange
 from .engine.reference.run import ReferenceRun as ReferenceRun
 from .engine.streams import CaseResult as CaseResult
+from .engine.target_learner import LearnedTarget as LearnedTarget
 from .estimation.consistency import Consistency as Consistency
 from .estimation.estimates import AdaptedEstimates as AdaptedEstimates
 from .estimation.estimates import ModeEstimates as ModeEstimates
@@ -40,6 +41,7 @@ from .health.health import LoopHealth as LoopHealth
 from .identification.bootstrap import BootstrapZeros as BootstrapZeros
 from .identification.data_targets import DataFact as DataFact
 from .identification.data_targets import DataTarget as DataTarget
+from .identification.directions import DirectionsFromData as DirectionsFromData
 from .identification.era import EigensystemRealisation as EigensystemRealisation
 from .identification.mu_markov import IdentifiedMarkovParameters as IdentifiedMarkovParameters
 from .identification.online.zeros import OnlineZeros as OnlineZeros
@@ -57,6 +59,5 @@ from .sweeps.results.statistics import SweepSummary as SweepSummary
 from .synthesis.design import Design as Design
 from .synthesis.logs import LoggedPlant as LoggedPlant
 from .synthesis.tuning import Tuned as Tuned
-from .targets.directions.checks import DirectionCheck as DirectionCheck
-from .targets.directions.from_data import DirectionsFromData as DirectionsFromData
+from .targets.direction_checks import DirectionCheck as DirectionCheck
 from .targets.output_subspaces import OutputSubspaceZeros as OutputSubspaceZeros

@@ -1,1 +1,5 @@
 """Two polynomials: Sylvester and Bezout matrices, resultants, common factors, identities."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -49,7 +49,7 @@ def bezout_matrix(
 
     Examples
     --------
-    >>> from compensator_theory import bezout_matrix
+    >>> from compensator_theory.bezout import bezout_matrix
     >>> bezout_matrix("s**2 + 3*s + 2", "s + 5")
     Matrix([
     [13, 5],
@@ -102,7 +102,7 @@ def cauchy_index(
 
     Examples
     --------
-    >>> from compensator_theory import cauchy_index
+    >>> from compensator_theory.bezout import cauchy_index
     >>> cauchy_index("2*s", "s**2 - 1"), cauchy_index("s + 5", "s**2 + 3*s + 2")
     (2, 0)
     """

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
 
-from compensator_theory.bezout.subresultants import subresultants
+from compensator_theory.bezout.subresultant_chains import subresultants
 from compensator_theory.bezout.sylvester import sylvester_m1
 from compensator_theory.errors import InputError
 from compensator_theory.latex import displayed, latex, unless
@@ -88,7 +88,7 @@ def gcd_from_null_space(
 
     Examples
     --------
-    >>> from compensator_theory import gcd_from_null_space
+    >>> from compensator_theory.bezout import gcd_from_null_space
     >>> print(gcd_from_null_space("(s - 1)*(s - 2)*(s + 1)", "(s - 1)*(s - 2)*(s + 4)"))
     gcd = s**2 - 3*s + 2, a = gcd*(s + 1), b = gcd*(s + 4)
     """

@@ -6,7 +6,7 @@ import flint
 import sympy
 from sympy import Expr, Poly, Symbol
 
-from compensator_theory.bezout.subresultants import subresultants
+from compensator_theory.bezout.subresultant_chains import subresultants
 from compensator_theory.bezout.sylvester import (
     formal_coefficients,
     matrix_of_coefficients,
@@ -57,7 +57,7 @@ def number_of_common_roots(
 
     Examples
     --------
-    >>> from compensator_theory import number_of_common_roots
+    >>> from compensator_theory.bezout import number_of_common_roots
     >>> number_of_common_roots("(s + 1)**2*(s + 2)", "(s + 1)**3*(s - 7)*s")
     2
     >>> number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s")

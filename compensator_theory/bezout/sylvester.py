@@ -56,7 +56,7 @@ def sylvester_m(
 
     Examples
     --------
-    >>> from compensator_theory import sylvester_m
+    >>> from compensator_theory.bezout import sylvester_m
     >>> sylvester_m("s**2 + 3*s + 2", "s + 5", n_c=1, m_hat=1)
     Matrix([
     [1, 1, 0],
@@ -121,7 +121,7 @@ def sylvester_m1(
 
     Examples
     --------
-    >>> from compensator_theory import sylvester_m1
+    >>> from compensator_theory.bezout import sylvester_m1
     >>> sylvester_m1([1, 1], [1, 3, 2])
     Matrix([
     [1, 0, 1],
@@ -177,7 +177,7 @@ def sylvester_m2(
 
     Examples
     --------
-    >>> from compensator_theory import sylvester_m2
+    >>> from compensator_theory.bezout import sylvester_m2
     >>> sylvester_m2([1, 2], [6])
     Matrix([
     [1, 0],

@@ -106,7 +106,7 @@ def frobenius_form(A: MatrixLike, variable: str | Symbol = "s") -> FrobeniusForm
 
     Examples
     --------
-    >>> from compensator_theory import frobenius_form
+    >>> from compensator_theory.canonical_forms import frobenius_form
     >>> found = frobenius_form([[3, -1, 2, -1], [1, 1, 2, -1], [-1, 1, 1, 1], [-2, 2, -2, 4]])
     >>> print(found)
     companions of s - 2, s**3 - 7*s**2 + 16*s - 12

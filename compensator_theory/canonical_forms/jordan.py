@@ -110,7 +110,7 @@ def jordan_form(A: MatrixLike, *, over: str = "rational") -> JordanForm:
 
     Examples
     --------
-    >>> from compensator_theory import jordan_form
+    >>> from compensator_theory.canonical_forms import jordan_form
     >>> found = jordan_form([[0, 1, 0], [0, 0, 1], [2, -5, 4]])
     >>> print(found, found.form)
     rational Jordan blocks of (s - 2), (s - 1)**2 Matrix([[2, 0, 0], [0, 1, 1], [0, 0, 1]])

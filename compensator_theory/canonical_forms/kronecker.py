@@ -285,7 +285,7 @@ def kronecker_form(A: MatrixLike, E: MatrixLike, variable: str | Symbol = "s") -
 
     Examples
     --------
-    >>> from compensator_theory import kronecker_form
+    >>> from compensator_theory.canonical_forms import kronecker_form
     >>> print(kronecker_form([[0, 1, 0], [0, 0, 2]], [[1, 0, 0], [0, 0, 1]]))
     right indices (1,), left indices (), finite s - 2, infinite ()
     >>> print(kronecker_form([[1, 0], [0, 1]], [[0, 1], [0, 0]]))

@@ -101,7 +101,7 @@ def minimal_basis(
 
     Examples
     --------
-    >>> from compensator_theory import minimal_basis
+    >>> from compensator_theory.canonical_forms import minimal_basis
     >>> found = minimal_basis([["s**2 + 1", "s", "s**3"]])
     >>> print(found, found.indices)
     [[-s, -s], [1, s**2 + 1], [1, 0]] (1, 2)

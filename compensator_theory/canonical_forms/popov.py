@@ -96,7 +96,7 @@ def popov_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
 
     Examples
     --------
-    >>> from compensator_theory import popov_form
+    >>> from compensator_theory.canonical_forms import popov_form
     >>> print(popov_form([["s**2", "s**2 + 1"], ["s", "s"]]))
     [[0, 1], [s, 0]]
     """

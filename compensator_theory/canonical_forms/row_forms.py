@@ -110,7 +110,7 @@ def hermite_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = N
 
     Examples
     --------
-    >>> from compensator_theory import hermite_form
+    >>> from compensator_theory.canonical_forms import hermite_form
     >>> print(hermite_form([["s", "s**2"], ["s + 1", "1"]]))
     [[1, -s**2 + 1], [0, s**3 + s**2 - s]]
     """
@@ -150,7 +150,7 @@ def row_reduced_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None
 
     Examples
     --------
-    >>> from compensator_theory import row_reduced_form
+    >>> from compensator_theory.canonical_forms import row_reduced_form
     >>> found = row_reduced_form([["s**2", "s**2 + 1"], ["s", "s"]])
     >>> print(found, found.row_degrees)
     [[0, 1], [s, s]] (0, 1)

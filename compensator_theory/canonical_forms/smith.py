@@ -107,7 +107,7 @@ def smith_form(matrix: PolynomialMatrixLike, variable: str | Symbol | None = Non
 
     Examples
     --------
-    >>> from compensator_theory import smith_form
+    >>> from compensator_theory.canonical_forms import smith_form
     >>> print(smith_form([["s*(s + 1)", 0], [0, "s*(s + 2)"]]))
     [[s, 0], [0, s**3 + 3*s**2 + 2*s]]
     >>> found = smith_form([["s", "a"], [0, "s"]])

@@ -124,7 +124,7 @@ def smith_mcmillan_form(
 
     Examples
     --------
-    >>> from compensator_theory import smith_mcmillan_form
+    >>> from compensator_theory.canonical_forms import smith_mcmillan_form
     >>> G = [["s/((s + 1)**2*(s + 2)**2)", "s/(s + 2)**2"], ["-s/(s + 1)**2", "-s/(s + 1)**2"]]
     >>> found = smith_mcmillan_form(G)
     >>> print(found, found.mcmillan_degree)

@@ -1,1 +1,5 @@
 """A plant and a compensator joined: closed-loop polynomials, maps and matrices, intercalation."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -77,7 +77,8 @@ def closed_loop_transfer_matrix(
 
     Examples
     --------
-    >>> from compensator_theory import closed_loop_transfer_matrix, standard_problem
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.loops import closed_loop_transfer_matrix
     >>> print(closed_loop_transfer_matrix(standard_problem("1/(q - 2)"), "-2", "q").scalar())
     (q)/(q**2 - 2*q + 2)
     """
@@ -119,7 +120,8 @@ def closed_loop_zero_polynomial(
 
     Examples
     --------
-    >>> from compensator_theory import closed_loop_zero_polynomial, standard_problem
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.loops import closed_loop_zero_polynomial
     >>> closed_loop_zero_polynomial(standard_problem("1/(q - 2)"), "-2", "q")
     Poly(q, q, domain='QQ')
     """

@@ -118,7 +118,8 @@ def control_perturbation_transfer_matrix(
 
     Examples
     --------
-    >>> from compensator_theory import control_perturbation_transfer_matrix, standard_problem
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.loops import control_perturbation_transfer_matrix
     >>> print(control_perturbation_transfer_matrix(standard_problem("1/(q-2)"), "-2", "q+1")[0, 0])
     (q + 1)/(q**2 - q)
     """
@@ -149,7 +150,8 @@ def control_perturbation_transfer_function(
 
     Examples
     --------
-    >>> from compensator_theory import control_perturbation_transfer_function, standard_problem
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.loops import control_perturbation_transfer_function
     >>> print(control_perturbation_transfer_function(standard_problem("1/(q-2)"), "-2", "q+1"))
     (q + 1)/(q**2 - q)
     """

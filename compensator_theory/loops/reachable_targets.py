@@ -51,7 +51,8 @@ def target_characteristic_polynomial(
 
     Examples
     --------
-    >>> from compensator_theory import standard_problem, target_characteristic_polynomial
+    >>> from compensator_theory import standard_problem
+    >>> from compensator_theory.loops import target_characteristic_polynomial
     >>> plant = standard_problem("2*(q - 0.5)/((q - 1)*(q - 2))")
     >>> target_characteristic_polynomial(plant, 2, "2*q/(q**2 - 0.1)").as_expr()
     q**4 - q**3/2 - q**2/10 + q/20

@@ -89,7 +89,7 @@ def compensator_from_sensitivity(
 
     Examples
     --------
-    >>> from compensator_theory import compensator_from_sensitivity
+    >>> from compensator_theory.loops import compensator_from_sensitivity
     >>> print(compensator_from_sensitivity("1/(s - 1)", "(s - 1)/(s + 2)", feedback=-1))
     (3)/(1)
     """

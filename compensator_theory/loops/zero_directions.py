@@ -185,7 +185,7 @@ def direction_residual(
 
     Examples
     --------
-    >>> from compensator_theory import direction_residual
+    >>> from compensator_theory.loops import direction_residual
     >>> G_f = [["(q - 3/2)/q**2", 0], [0, "1/q"]]
     >>> direction_residual(G_f, "3/2", [1, 0]), direction_residual(G_f, "3/2", [1, 1])
     (Matrix([[0, 0]]), Matrix([[0, 2/3]]))

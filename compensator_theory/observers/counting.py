@@ -46,7 +46,7 @@ def count_observer_forms(
 
     Examples
     --------
-    >>> from compensator_theory import count_observer_forms
+    >>> from compensator_theory.observers import count_observer_forms
     >>> count_observer_forms("(s + 2)*(s + 4)*(s + 5)*(s + 6)", 2)  # Example 7.1
     6
     >>> count_observer_forms("(s + 1)**2*(s**2 + 1)**2", 3)

@@ -68,7 +68,7 @@ def is_lqg_suboptimal(
 
     Examples
     --------
-    >>> from compensator_theory import is_lqg_suboptimal
+    >>> from compensator_theory.observers import is_lqg_suboptimal
     >>> plant, g = "1/(s**3 + 3*s**2 + 8*s + 6)", "(s**2 + 4*s + 5)"
     >>> is_lqg_suboptimal(plant, (f"4*{g}", f"(s + 1)*{g}"), feedback=-1).answer
     False

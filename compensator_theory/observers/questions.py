@@ -58,7 +58,7 @@ def pair_is_observer_based(
 
     Examples
     --------
-    >>> from compensator_theory import pair_is_observer_based
+    >>> from compensator_theory.observers import pair_is_observer_based
     >>> plant = "1/(s**3 + s**2 + 2*s)"
     >>> print(pair_is_observer_based(plant, ("2*(s**2 + 4*s + 5)", "(s + 1)*(s**2 + 4*s + 5)"),
     ...                              feedback=-1))
@@ -123,7 +123,7 @@ def transfer_function_is_observer_based(
 
     Examples
     --------
-    >>> from compensator_theory import transfer_function_is_observer_based
+    >>> from compensator_theory.observers import transfer_function_is_observer_based
     >>> print(transfer_function_is_observer_based("1/(s**3 + s**2 + 2*s)", "2/(s + 1)",
     ...                                           feedback=-1))
     Is the transfer function observer-based? yes: in lowest terms it has 1 pole(s), fewer than

@@ -82,7 +82,7 @@ def realisation_is_observer_based(
 
     Examples
     --------
-    >>> from compensator_theory import realisation_is_observer_based
+    >>> from compensator_theory.observers import realisation_is_observer_based
     >>> plant = ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
     >>> hidden = ([[-6, 0], [0, -7]], [[1], [0]], [[12, 0]])
     >>> print(realisation_is_observer_based(plant, hidden))

@@ -162,7 +162,8 @@ def youla_forms(
 
     Examples
     --------
-    >>> from compensator_theory import realisation, youla_forms
+    >>> from compensator_theory import realisation
+    >>> from compensator_theory.observers import youla_forms
     >>> forms = youla_forms("1/(s - 1)", realisation("-24/(s**2 + 7*s + 18)"))
     >>> len(forms), all(form.is_verified for form in forms)
     (6, True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import cast
+from typing import Literal, cast
 
 import sympy
 from sympy import Expr, ImmutableMatrix, Poly, Symbol
@@ -43,7 +43,7 @@ from compensator_theory.transfer_functions.transfer_functions import (
 def place_poles(
     plant: TransferFunctionLike,
     target: SpectrumLike | None = None,
-    n_c: int | None = None,
+    n_c: int | Literal["least"] | None = None,
     *,
     feedback: int,
     polynomial: PolynomialLike | None = None,
@@ -64,8 +64,11 @@ def place_poles(
     target : polynomial or list of roots, also in a text: "-1, -2"
         :math:`\tilde D` of degree :math:`n + n_c`, up to a factor. A list holds its *roots*, and
         the result says so; coefficients go to `polynomial`. Roots may be irrational.
-    n_c : int, optional
-        Order of the compensator; default deg(target) - n.
+    n_c : int or "least", optional
+        Order of the compensator; default deg(target) - n. With "least" the target is a list of
+        roots in the order in which they are wanted, and the compensator has the least order that
+        places the first n + n_c of them; the rest is not used. (Orders at which a pair of complex
+        poles would be divided are passed over.)
     feedback : {+1, -1}
         The sign f. Chapters 2 and 4 use +1, Section 7.3 and after -1.
     polynomial : polynomial, optional
@@ -95,6 +98,8 @@ def place_poles(
     NoSolutionError
         If n_c or numerator_degree is below n - 1 and the target is out of reach. The message
         gives the linear relation that every reachable target satisfies and this one does not.
+        If no order up to the length of a list does; with 2n - 1 poles (2n for a strictly proper
+        compensator) and a coprime plant one always does, pairs of complex poles permitting.
     InputError
         If degrees do not fit or `feedback` is neither +1 nor -1.
 
@@ -113,10 +118,20 @@ def place_poles(
     G_c = (33*s/4 + 93/4)/(s**2 + 13*s + 49)
     unique: deg N_c <= 1, deg D_c = 2
     D D_c + N N_c = s**4 + 17*s**3 + 104*s**2 + 268*s + 240
+    >>> found = place_poles("1/(s*(s + 3))", [-1, -2, -5, -6], "least", feedback=-1)
+    >>> print(found.compensator)  # D + 2 = (s + 1)(s + 2), so that no dynamics are needed
+    (2)/(1)
     """
     require_sign(feedback)
     G = transfer_function(plant, variable)
     require_proper(G, "plant")
+    if isinstance(n_c, str):
+        if n_c != "least" or polynomial is not None or numerator_degree is not None:
+            raise InputError(
+                f'n_c = {shown(n_c)} must be an integer or "least", which takes a list of roots '
+                "and chooses the degrees itself"
+            )
+        return _of_least_order(G, target, feedback, properness)
     goal, roots = _goal(target, polynomial, G)
     n = G.order
     n_c = goal.degree() - n if n_c is None else n_c
@@ -134,6 +149,31 @@ def place_poles(
     pair, homogeneous = _solve(G, goal, n_c, m_hat, feedback)
     placement = replace(_placement(G, goal, n_c, feedback, pair, homogeneous), roots=roots)
     return _exactly_proper(placement) if properness == "exactly proper" else placement
+
+
+def _of_least_order(
+    G: TransferFunction, target: SpectrumLike | None, feedback: int, properness: str | None
+) -> PolePlacement:
+    poles = read_roots(cast(Iterable[NumberLike], target))
+    if len(poles) < G.order:
+        raise InputError(
+            f"there are {len(poles)} poles, but the loop has at least {G.order}; give more"
+        )
+    polynomial_from_roots(poles, G.variable)  # complain about the whole list first
+    reason: Exception | None = None
+    for count in range(G.order, len(poles) + 1):
+        try:
+            polynomial_from_roots(poles[:count], G.variable)
+        except InputError:
+            continue  # a conjugate pair is divided here
+        try:
+            return place_poles(G, poles[:count], feedback=feedback, properness=properness)
+        except (NoSolutionError, ImproperError) as error:
+            reason = error
+    raise NoSolutionError(
+        f"no order n_c from 0 to {len(poles) - G.order} places the first n + n_c of these "
+        f"{len(poles)} poles; with {2 * G.order} of them one would. Last reason: {reason}"
+    ) from reason
 
 
 def _goal(

@@ -1,1 +1,5 @@
 """Where roots are, with certificates: counts, enclosures, stability, spectral factors."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

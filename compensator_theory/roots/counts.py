@@ -85,7 +85,8 @@ def number_of_real_roots(poly: PolynomialLike, *, variable: str | Symbol | None 
 
     Examples
     --------
-    >>> from compensator_theory import number_of_real_roots, polynomial
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import number_of_real_roots
     >>> number_of_real_roots(polynomial("(s + 1)**2*(s**2 + 1)**2"))
     2
     """

@@ -33,7 +33,7 @@ class Enclosure(ExactValue):
     Examples
     --------
     >>> from sympy import Rational
-    >>> from compensator_theory import Enclosure
+    >>> from compensator_theory.results import Enclosure
     >>> third = Enclosure(Rational(333, 1000), Rational(1, 1000))
     >>> third
     0.333 ± 1.0e-3
@@ -98,7 +98,8 @@ class PolynomialEnclosure(ExactValue):
 
     Examples
     --------
-    >>> from compensator_theory import enclose_split_at_unit_circle, polynomial
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import enclose_split_at_unit_circle
     >>> inside, outside = enclose_split_at_unit_circle(polynomial("q**2 - 3*q + 1"))
     >>> print(inside)
     q - 0.38196601125010515180

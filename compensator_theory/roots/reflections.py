@@ -30,7 +30,8 @@ def reciprocal_polynomial(poly: PolynomialLike, *, variable: str | Symbol | None
 
     Examples
     --------
-    >>> from compensator_theory import polynomial, reciprocal_polynomial
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import reciprocal_polynomial
     >>> reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(-6/5*z + 1, z, domain='QQ')
     """
@@ -65,7 +66,8 @@ def monic_reciprocal_polynomial(
 
     Examples
     --------
-    >>> from compensator_theory import monic_reciprocal_polynomial, polynomial
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import monic_reciprocal_polynomial
     >>> monic_reciprocal_polynomial(polynomial("z - 6/5"))
     Poly(z - 5/6, z, domain='QQ')
     """

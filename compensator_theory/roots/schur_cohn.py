@@ -48,7 +48,8 @@ def reflection_coefficients(
 
     Examples
     --------
-    >>> from compensator_theory import polynomial, reflection_coefficients
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import reflection_coefficients
     >>> reflection_coefficients(polynomial("z**2 - z/2 + 1/4"))
     (1/4, -2/5)
     >>> reflection_coefficients(polynomial("z**2 - 3*z + 2"))

@@ -175,7 +175,7 @@ def hurwitz_determinants(
 
     Examples
     --------
-    >>> from compensator_theory import hurwitz_determinants
+    >>> from compensator_theory.roots import hurwitz_determinants
     >>> hurwitz_determinants("s**2 + a*s + b")
     (a, a*b)
     """

@@ -52,7 +52,8 @@ def split_at_unit_circle(
 
     Examples
     --------
-    >>> from compensator_theory import polynomial, split_at_unit_circle
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import split_at_unit_circle
     >>> stable, unstable = split_at_unit_circle(polynomial("3*q*(q - 1/2)*(q - 2)"))
     >>> stable.as_expr(), unstable.as_expr()
     (q**2 - q/2, q - 2)

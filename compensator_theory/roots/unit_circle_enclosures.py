@@ -67,7 +67,8 @@ def enclose_split_at_unit_circle(
 
     Examples
     --------
-    >>> from compensator_theory import enclose_split_at_unit_circle, polynomial
+    >>> from compensator_theory import polynomial
+    >>> from compensator_theory.roots import enclose_split_at_unit_circle
     >>> inside, outside = enclose_split_at_unit_circle(polynomial("q**2 - 4*q + 1"), digits=12)
     >>> print(inside, "|", outside)
     q - 0.26794919243112270647 | q - 3.7320508075688772935

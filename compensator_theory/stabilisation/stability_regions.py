@@ -175,7 +175,7 @@ def stability_region(
     -----
     Source: the parameter plane of D. Mitrovic (1959) and D. D. Siljak (1969), here with proof: no
     isolated component is missed; open cells by the projection of G. E. Collins (1975).
-    ``rcac_numeric.plot_stability_region`` draws it for two parameters.
+    ``rcac_numeric.plots.plot_stability_region`` draws it for two parameters.
 
     Examples
     --------

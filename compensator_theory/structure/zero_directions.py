@@ -121,7 +121,7 @@ def zeros_of(
 
     Examples
     --------
-    >>> from compensator_theory import smith_form
+    >>> from compensator_theory.canonical_forms import smith_form
     >>> from compensator_theory.structure.zero_directions import zeros_of
     >>> smith = smith_form([["s + 1", 0], [0, 1]])
     >>> print(zeros_of(smith, smith, (2, 0), (2, 0)))

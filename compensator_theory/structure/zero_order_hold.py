@@ -132,7 +132,7 @@ def zero_order_hold(
     Examples
     --------
     >>> from sympy import log
-    >>> from compensator_theory import zero_order_hold
+    >>> from compensator_theory.sampling import zero_order_hold
     >>> print(zero_order_hold("1/((s + 1)*(s + 2))", log(2)).transfer_function())
     (z/8 + 1/16)/(z**2 - 3*z/4 + 1/8)
     >>> print(zero_order_hold("1/(s + 1)"))
@@ -188,7 +188,7 @@ def first_order_hold(
 
     Examples
     --------
-    >>> from compensator_theory import first_order_hold
+    >>> from compensator_theory.sampling import first_order_hold
     >>> print(first_order_hold("1/s").transfer_function())
     (h*z/2 + h/2)/(z - 1)
     """
@@ -225,7 +225,7 @@ def tustin(
 
     Examples
     --------
-    >>> from compensator_theory import tustin
+    >>> from compensator_theory.sampling import tustin
     >>> print(tustin("1/(s + 1)", "1/2").transfer_function())
     (z/5 + 1/5)/(z - 3/5)
     """
@@ -290,7 +290,7 @@ def matched(
     Examples
     --------
     >>> from sympy import log
-    >>> from compensator_theory import matched
+    >>> from compensator_theory.sampling import matched
     >>> print(matched("(s + 1)/(s + 2)", log(2)).transfer_function())
     (3*z/4 - 3/8)/(z - 1/4)
     >>> print(matched("1/(s*(s + 1))").transfer_function())
@@ -453,7 +453,7 @@ def sampling_zero_polynomial(relative_degree: int, variable: str | Symbol = "z")
 
     Examples
     --------
-    >>> from compensator_theory import sampling_zero_polynomial
+    >>> from compensator_theory.sampling import sampling_zero_polynomial
     >>> sampling_zero_polynomial(3)
     Poly(z**2 + 4*z + 1, z, domain='QQ')
     """

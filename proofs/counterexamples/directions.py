@@ -4,12 +4,8 @@ from collections.abc import Iterator
 
 from sympy import Matrix, Rational, Symbol, eye, zeros
 
-from compensator_theory import (
-    StandardProblem,
-    direction_residual,
-    intercalated_transfer_matrix,
-    transfer_matrix,
-)
+from compensator_theory import StandardProblem, intercalated_transfer_matrix, transfer_matrix
+from compensator_theory.loops import direction_residual
 
 Facts = Iterator[tuple[str, bool]]
 q = Symbol("q")

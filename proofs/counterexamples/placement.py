@@ -4,13 +4,10 @@ from collections.abc import Iterator
 
 from sympy import Expr, I, Integer, Matrix, Symbol, expand
 
-from compensator_theory import (
-    TransferFunction,
-    check_proposition_3,
-    polynomial,
-    target_characteristic_polynomial,
-)
+from compensator_theory import TransferFunction, polynomial
+from compensator_theory.bezout import check_proposition_3
 from compensator_theory.bezout.sylvester import sylvester_m
+from compensator_theory.loops import target_characteristic_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
 
 Facts = Iterator[tuple[str, bool]]

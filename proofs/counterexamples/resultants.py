@@ -4,7 +4,8 @@ from collections.abc import Iterator
 
 from sympy import Matrix
 
-from compensator_theory import polynomial, sylvester_m1, sylvester_m2
+from compensator_theory import polynomial
+from compensator_theory.bezout import sylvester_m1, sylvester_m2
 from compensator_theory.matrices.linear_algebra import determinant, rank
 
 Facts = Iterator[tuple[str, bool]]

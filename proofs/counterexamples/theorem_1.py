@@ -6,16 +6,18 @@ from sympy import I, Matrix, Rational, Symbol, roots
 
 from compensator_theory import (
     Realisation,
-    is_lqg_suboptimal,
-    number_of_real_roots,
     observer_based_compensator,
     observer_forms,
-    pair_is_observer_based,
     polynomial,
     realisation,
-    transfer_function_is_observer_based,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.observers import (
+    is_lqg_suboptimal,
+    pair_is_observer_based,
+    transfer_function_is_observer_based,
+)
+from compensator_theory.roots import number_of_real_roots
 
 Facts = Iterator[tuple[str, bool]]
 s = Symbol("s")

@@ -4,12 +4,8 @@ from hypothesis import assume
 from hypothesis import strategies as st
 from sympy import Matrix, Rational, Symbol, eye, zeros
 
-from compensator_theory import (
-    StandardProblem,
-    direction_residual,
-    intercalated_transfer_matrix,
-    zero_direction_target,
-)
+from compensator_theory import StandardProblem, intercalated_transfer_matrix, zero_direction_target
+from compensator_theory.loops import direction_residual
 from compensator_theory.strategies import matrices
 
 from ..ledger.checks import for_all

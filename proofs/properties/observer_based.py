@@ -6,12 +6,11 @@ from sympy import Expr, I, Rational, conjugate
 from compensator_theory import (
     TransferFunction,
     observer_based_compensator,
-    pair_is_observer_based,
     place_poles,
     polynomial,
     polynomial_from_roots,
-    transfer_function_is_observer_based,
 )
+from compensator_theory.observers import pair_is_observer_based, transfer_function_is_observer_based
 from compensator_theory.strategies import (
     polynomials,
     rationals,

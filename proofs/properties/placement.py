@@ -3,18 +3,15 @@
 from hypothesis import strategies as st
 from sympy import Expr, Matrix, Poly
 
-from compensator_theory import (
-    TransferFunction,
+from compensator_theory import TransferFunction, place_poles, polynomial, polynomial_from_roots
+from compensator_theory.bezout import (
     check_proposition_3,
     check_proposition_4,
-    place_poles,
-    polynomial,
-    polynomial_from_roots,
     sylvester_m,
     sylvester_m1,
-    target_characteristic_polynomial,
 )
 from compensator_theory.errors import NotReachableTargetError
+from compensator_theory.loops import target_characteristic_polynomial
 from compensator_theory.matrices.linear_algebra import determinant, solve_affine
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
 

@@ -6,7 +6,7 @@ canonical form: a change of basis, so that nothing is lost for minimal ones.
 
 from sympy import Expr, Matrix, Poly, Symbol, expand, prod, symbols, zeros
 
-from compensator_theory import sylvester_m, sylvester_m1, sylvester_m2
+from compensator_theory.bezout import sylvester_m, sylvester_m1, sylvester_m2
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, determinant
 from compensator_theory.polynomials.poly import canonical
 

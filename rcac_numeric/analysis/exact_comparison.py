@@ -8,9 +8,11 @@ import numpy as np
 from sympy import Poly
 
 import compensator_theory as exact
+from compensator_theory import figures
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.pairing import pairing
+from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.structure import Structure
@@ -49,6 +51,24 @@ class ExactComparison(Value):
     poles: ComplexArray
     zeros: dict[str, ComplexArray]
     target_poles: ComplexArray
+
+    def report(self) -> str:
+        """The polynomials, poles and zeros in words and numbers; missed poles first."""
+        return report_of(self)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        return f"ExactComparison(worst_distance={self.worst_distance:.3g})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and the map of poles."""
+        return notebook_of(self, self.plot)
+
+    def plot(self, *, width: float = 5.0) -> figures.Figure:
+        """The closed-loop poles and zeros beside the poles that the target asks for."""
+        return picture_of(self, width=width)
 
     @property
     def asked_poles(self) -> ComplexArray:
@@ -134,36 +154,8 @@ def _distance(gap: Array, directions: Array) -> float:
     return float(np.linalg.norm(gap))
 
 
-def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel) -> ExactComparison:
-    """Compare a compensator with the exact prediction for its target model.
-
-    Parameters
-    ----------
-    plant : Plant
-        With scalar u, y and z.
-    compensator : Compensator
-        For example ``run.compensator``.
-    target : TargetModel
-        With exact data: built by `fir_target`, `pole_placement_target` or `target_model`.
-
-    Raises
-    ------
-    InputError
-        Where a signal is not scalar.
-
-    Examples
-    --------
-    >>> from rcac_numeric import (
-    ...     Compensator, compare_exactly, pole_placement_target, standard_plant)
-    >>> plant = standard_plant("1/(q - 2)")
-    >>> target = pole_placement_target(plant, ["1/2", "1/4"])
-    >>> converged = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 1e-6]]])
-    >>> comparison = compare_exactly(plant, converged, target)
-    >>> comparison.asked
-    Poly(q**2 - 3/4*q + 1/8, q, domain='QQ')
-    >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
-    (4e-06, 1e-06)
-    """
+def comparison_of(plant: Plant, compensator: Compensator, target: TargetModel) -> ExactComparison:
+    """A compensator beside the exact prediction for its target model."""
     if (plant.l_u, plant.l_y, plant.l_z) != (1, 1, 1):
         raise InputError(
             f"the plant has l_u = {plant.l_u}, l_y = {plant.l_y}, l_z = {plant.l_z}; the exact "
@@ -180,7 +172,7 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
                 if target.exact is None
                 else f"the target model is {target.l_z} x {target.l_u}, not scalar."
             )
-        asked = exact.target_characteristic_polynomial(problem, compensator.n_c, target.exact)
+        asked = exact.loops.target_characteristic_polynomial(problem, compensator.n_c, target.exact)
         strictness = _strictness(compensator)
         placed = exact.place_poles(
             problem.transfer_function("yu"),
@@ -193,7 +185,7 @@ def compare_exactly(plant: Plant, compensator: Compensator, target: TargetModel)
         obstacle = str(error)
     zeros = {}
     for index, name in enumerate(plant.channels):
-        polynomial = exact.closed_loop_zero_polynomial(problem, N_c, D_c, index)
+        polynomial = exact.loops.closed_loop_zero_polynomial(problem, N_c, D_c, index)
         if not polynomial.is_zero:
             zeros[name] = _roots(polynomial)
     return ExactComparison(

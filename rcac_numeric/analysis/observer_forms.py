@@ -10,24 +10,22 @@ from numpy.typing import NDArray
 from scipy.linalg import matrix_balance
 from sympy import ImmutableMatrix
 
-from compensator_theory import (
-    InputError,
-    Realisation,
-    closed_loop_matrix,
-    count_observer_forms,
-    figures,
-    realisation,
-)
+from compensator_theory import InputError, Realisation, closed_loop_matrix, figures, realisation
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.invariant_subspaces import derogatory_factor
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.observers import count_observer_forms
 from compensator_theory.polynomials.ball_precision import ball_precision
 from compensator_theory.roots.certified import root_balls
+from rcac_numeric.analysis.loop_analysis import closed_loop
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.arrays.wording import matrix_latex
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.plants.linear import Plant
 
 # Largest relative residual of a form that is handed out.
 RESOLVED = 1e-6
@@ -163,7 +161,7 @@ class NumericObserverForms(Value):
 
 
 def numeric_observer_forms(
-    plant: Any, compensator: Any, *, limit: int = 200_000, singular: float = 1e-13
+    plant: Any, compensator: Any = None, *, limit: int = 200_000, singular: float = 1e-13
 ) -> NumericObserverForms:
     r"""Compute every real observer-based form, irrational regulator polynomials included.
 
@@ -171,15 +169,19 @@ def numeric_observer_forms(
 
     Parameters
     ----------
-    plant, compensator : realisation
-        Anything :func:`compensator_theory.realisation` reads, rational: matrices, a transfer
-        function, a python-control system; :math:`u = C_c x_c`. Floats mean their shortest decimals.
+    plant : Run, Plant or realisation
+        A run has its compensator: its last controller. A realisation is anything that
+        :func:`compensator_theory.realisation` reads, rational: matrices, a transfer function, a
+        python-control system. Floats mean their shortest decimals.
+    compensator : Compensator or realisation
+        :math:`u = C_c x_c`.
     limit : int
         Largest number of forms.
     singular : float
         A subspace counts as without a form if one of its directions makes an angle with the states
         of the plant, or with those of the compensator, whose sine is not larger. The exact
-        decision, :func:`compensator_theory.realisation_is_observer_based`, needs no such bound.
+        decision, :func:`compensator_theory.observers.realisation_is_observer_based`, needs no such
+        bound.
 
     Returns
     -------
@@ -209,7 +211,14 @@ def numeric_observer_forms(
     integer(limit, "limit", at_least=1)
     if not 0 < number(singular, "singular") < 1:
         raise InputError(f"singular = {singular} must lie between 0 and 1")
-    system, controller = realisation(plant), realisation(compensator)
+    if isinstance(plant, Run):
+        if compensator is not None:
+            raise InputError("a run has its own controller; leave compensator out")
+        of_run = closed_loop(plant)
+        plant, compensator = of_run.plant, of_run.compensator
+    if compensator is None:
+        raise InputError("a plant alone is no loop; give its compensator, or a Run")
+    system, controller = _realisation(plant), _realisation(compensator)
     exact_loop = closed_loop_matrix(system, controller)
     n, n_c = system.n, controller.n
     if not (n and n_c):
@@ -256,6 +265,15 @@ def numeric_observer_forms(
         residual[good], np.linalg.cond(T[good]) if len(which) else np.zeros(0),
         len(V) - len(kept), roots[regulator[kept[~good]]],
     )  # fmt: skip
+
+
+def _realisation(system: Any) -> Realisation:
+    """That of a plant or a compensator of ours, in q; else what `realisation` reads."""
+    if isinstance(system, Plant):
+        return realisation((system.A, system.B, system.C, system.D_0), "q")
+    if isinstance(system, Compensator):
+        return realisation(system.state_space(), "q")
+    return realisation(system)
 
 
 def _rounded(matrix: ImmutableMatrix) -> Array:

@@ -9,13 +9,8 @@ from typing import Any
 import numpy as np
 from sympy import Poly
 
-from compensator_theory import (
-    TransferFunction,
-    certified_roots,
-    exact_number,
-    place_poles,
-    sylvester_m,
-)
+from compensator_theory import TransferFunction, certified_roots, exact_number, place_poles
+from compensator_theory.bezout import sylvester_m
 from compensator_theory.errors import InputError, RoundingWarning
 from compensator_theory.placement.rounding_effects import is_stable
 from compensator_theory.polynomials.poly import canonical, scaled

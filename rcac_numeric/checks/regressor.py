@@ -2,45 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.checks.logs import ControllerLog
+from rcac_numeric.controllers.regressor import regressor_of
 from rcac_numeric.controllers.structure import Structure
 
 
 def regressor(structure: Structure, log: ControllerLog) -> Array:
     """phi(k) of (2.29), from the logged signals and zero before; shape (steps, taps)."""
     return regressor_of(structure, {"u": log.u, "y": log.y, "r": log.r}, np.asarray)
-
-
-def regressor_of(structure: Structure, signals: Mapping[str, Array | None], sign: Any) -> Array:
-    """The same of any signals; with np.abs as `sign`, a bound of its error from that of theirs."""
-    u, y, r = signals["u"], signals["y"], signals["r"]
-    assert u is not None and y is not None
-    steps = len(u)
-    inputs = y if r is None or not structure.l_r else np.hstack([y, r])
-    derived = np.zeros((steps, len(structure.derived)))
-    for i, signal in enumerate(structure.derived):
-        drive = inputs @ sign(np.array(signal.now))
-        drive[1:] += inputs[:-1] @ sign(np.array(signal.before))
-        pole, before = float(sign(signal.pole)), 0.0
-        # A clamp makes no error larger: the bound is that without it.
-        limit = np.inf if sign is np.abs else signal.limit
-        for k in range(steps):
-            free = pole * before + drive[k]
-            before = derived[k, i] = min(max(free, -limit), limit)
-    known = {"u": u, "y": y, "r": r, "derived": derived}
-    phi = np.zeros((steps, len(structure.taps)))
-    for j, tap in enumerate(structure.taps):
-        past = known[tap.signal]
-        assert past is not None
-        phi[tap.delay :, j] = past[: max(steps - tap.delay, 0), tap.component]
-    return phi
 
 
 def require_fit(log: ControllerLog, structure: Structure) -> None:

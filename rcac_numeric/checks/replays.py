@@ -11,9 +11,10 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.logs import ControllerLog
-from rcac_numeric.checks.regressor import regressor, regressor_of, require_fit
+from rcac_numeric.checks.regressor import regressor, require_fit
 from rcac_numeric.checks.resolution import HALF_SINGLE, Resolution, resolution_of
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.regressor import regressor_of
 from rcac_numeric.controllers.structure import Structure
 
 # What is left of the same sum in float64, added up in another order.

@@ -13,6 +13,8 @@ from compensator_theory.errors import InputError
 from rcac_numeric.checks.logs import read_log
 from rcac_numeric.cli.check import is_transfer_function, read_case
 from rcac_numeric.cli.output import as_json_option, picture_option, show
+from rcac_numeric.controllers.kinds import fir, fir_integrator, pid
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.reports.design import design_sheet, tuned_sheet
 from rcac_numeric.signals.data_files import read_variables
 from rcac_numeric.signals.waveforms import Step
@@ -20,6 +22,7 @@ from rcac_numeric.sweeps.running.progress import ProgressLine
 from rcac_numeric.synthesis.design import Design
 from rcac_numeric.synthesis.design import design as designed
 from rcac_numeric.synthesis.files import design_arguments
+from rcac_numeric.synthesis.plants import Uncertainty
 from rcac_numeric.synthesis.tuning import Tuned, tune
 
 # What only the owner of the plant knows: the option, the question, and what is taken unasked.
@@ -47,6 +50,17 @@ PLANT = (
     click.option(
         "--dead-time", type=float, default=0.0, help="In seconds, or steps without them."
     ),
+    click.option("--uncertain-gain", metavar="LOW,HIGH",
+                 help="Factors between which the gain may be.  [default: 0.8,1.25]"),
+    click.option("--uncertain-delay", type=click.IntRange(min=0),
+                 help="Steps by which the dead time may differ.  [default: 1]"),
+    click.option("--uncertain-time", type=float,
+                 help="Factor by which time constants may differ.  [default: 1.2]"),
+    click.option("--structure", metavar="KIND",
+                 help='"PI", "PID" or another choice of its terms; "fir:20", or "fir+i:20", with '
+                 "an integrator. By default an IIR one of the order that the plant needs."),
+    click.option("--feedforward", is_flag=True,
+                 help="The controller reads the command too."),
     click.option("--assume", is_flag=True,
                  help="Ask nothing: assume what is not given, and say so."),
 )  # fmt: skip
@@ -71,7 +85,8 @@ def design(
     """From a plant to a controller: RCAC or a fixed one, with reasons, tried on other plants.
 
     FILE is a .toml file with [plant] (its [signals] and [saturation] are read too), a .mat or .npz
-    file with A, B and C, a transfer function such as "1/(10*s + 1)", or a log: a .csv, .mat or .npz
+    file with A, B and C, a transfer function such as "1/(10*s + 1)", the rows of several such as
+    "1/(s + 1), 0; 0.2/(s + 1), 2/(s + 3)", or a log: a .csv, .mat or .npz
     file with u and y of an open loop, or of a closed one in which a command r or a dither moves u.
     What is not given is asked for at a terminal; in a pipe it is refused by name, or assumed
     with --assume.
@@ -115,12 +130,15 @@ def tune_command(
 
 def _known(
     *, plant: str, disturbance: str | None, noise: str | None, height: float | None,
-    u_limits: str | None, sample_time: float | None, dead_time: float, assume: bool,
+    u_limits: str | None, sample_time: float | None, dead_time: float, structure: str | None,
+    feedforward: bool, assume: bool, **uncertain: Any,
 ) -> dict[str, Any]:  # fmt: skip
     """The arguments of `design`, what is not given asked for."""
-    known: dict[str, Any] = {"sample_time": sample_time}
+    known: dict[str, Any] = {"sample_time": sample_time, "feedforward": feedforward}
+    known["structure"] = None if structure is None else _structure(structure)
+    known["uncertainty"] = _uncertainty(**uncertain)
     if is_transfer_function(plant):
-        known["plant"] = plant
+        known["plant"] = _entries(plant) if set(plant) & set(",;[") else plant
     elif Path(plant).suffix.lower() == ".toml":
         read = design_arguments(plant)
         known |= {name: value for name, value in read.items() if value is not None}
@@ -149,6 +167,36 @@ def _known(
     return known | {"dead_time": dead_time}
 
 
+def _entries(text: str) -> list[list[str]]:
+    """A transfer matrix: entries between commas, rows between semicolons, or in brackets."""
+    inside = text.strip()
+    if inside.startswith("["):
+        inside = inside[1:-1] if inside.replace(" ", "").startswith("[[") else inside
+        inside = inside.replace("],", ";").replace("[", "").replace("]", "")
+    return [[one.strip() for one in row.split(",")] for row in inside.split(";")]
+
+
+def _structure(text: str) -> Structure:
+    """PI, PID and the like, fir:N, or fir+i:N."""
+    kind, _, order = text.strip().partition(":")
+    if kind.lower() in ("fir", "fir+i") and order.isdecimal():
+        return (fir if kind.lower() == "fir" else fir_integrator)(int(order))
+    if order or not kind or set(kind.upper()) - set("PID"):
+        raise InputError(f'--structure {text}: write "PI", "PID", "fir:20" or "fir+i:20".')
+    return pid(kind.upper())
+
+
+def _uncertainty(
+    uncertain_gain: str | None, uncertain_delay: int | None, uncertain_time: float | None
+) -> Uncertainty | None:
+    """What is said of it; None where nothing is."""
+    said: dict[str, Any] = {"delay": uncertain_delay, "time": uncertain_time}
+    if uncertain_gain is not None:
+        said["gain"] = _numbers("uncertain_gain", uncertain_gain)
+    given = {name: value for name, value in said.items() if value is not None}
+    return Uncertainty(**given) if given else None
+
+
 def at_a_terminal() -> bool:
     """Whether somebody can answer."""
     return sys.stdin.isatty() and sys.stderr.isatty()
@@ -161,10 +209,11 @@ def _numbers(name: str, text: str) -> float | tuple[float, ...]:
         values = tuple(float(part) for part in text.split(","))
     except ValueError:
         values = ()
-    if len(values) != (2 if name == "u_limits" else 1):
-        form = "LOW,HIGH" if name == "u_limits" else "a number"
-        raise InputError(f"{option} {text}: write {form}, or {ASKED[name][1]!r}.")
-    return values if name == "u_limits" else values[0]
+    if len(values) != (1 if name in ("disturbance", "noise") else 2):
+        form = "a number" if name in ("disturbance", "noise") else "LOW,HIGH"
+        instead = f", or {ASKED[name][1]!r}" if name in ASKED else ""
+        raise InputError(f"{option} {text}: write {form}{instead}.")
+    return values if len(values) > 1 else values[0]
 
 
 def _written(found: Design | Tuned, output: Path | None) -> list[str]:

@@ -28,8 +28,10 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator, parallel
 from rcac_numeric.controllers.normalization import Normalization
+from rcac_numeric.controllers.prior import prior_weight
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.controllers.updates.joint import JointUD
+from rcac_numeric.controllers.updates.prior import PriorSamples
 from rcac_numeric.controllers.updates.update import Update
 from rcac_numeric.controllers.weights import SignalWeight, Weight, WeightFunction, weight
 from rcac_numeric.targets.data_driven import DataDriven
@@ -181,6 +183,11 @@ class ControllerSettings(Value):
                 )
         for model in self.targets:
             require_target(model, structure, target)
+        if isinstance(prior := getattr(update, "R_theta", None), PriorSamples):
+            if self.learning is not None:
+                raise InputError("PriorSamples needs a target model from the start; give a number.")
+            update = attrs.evolve(update, R_theta=prior_weight(prior, structure, target))
+            set_("update", update)
         update.require_size(structure.l_theta)
         set_("R_z", weight(self.R_z, "R_z", target.l_z, definite=True))
         set_("R_u", weight(self.R_u, "R_u", target.l_z, definite=False))

@@ -10,7 +10,6 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
-from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.validation import instance_of, integer, items
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.engine.compatibility import AnyController
@@ -18,7 +17,7 @@ from rcac_numeric.engine.interruption import run_to_end
 from rcac_numeric.engine.jobs import PreparedRun
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import as_plant
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -55,7 +54,7 @@ class SimulationCase(Value):
         w: ArrayLike,
         options: Mapping[str, Any] | None = None,
     ) -> None:
-        object.__setattr__(self, "plant", plant_of(plant) if is_foreign(plant) else plant)
+        object.__setattr__(self, "plant", as_plant(plant))
         object.__setattr__(self, "settings", settings)
         object.__setattr__(self, "w", w)
         object.__setattr__(self, "options", {} if options is None else options)

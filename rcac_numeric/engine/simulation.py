@@ -14,7 +14,6 @@ from compensator_theory.errors import (
     FunctionFailedError,
     InputError,
 )
-from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of, integer, real_array, signal_array
 from rcac_numeric.arrays.values import fingerprint, replaced
@@ -32,7 +31,7 @@ from rcac_numeric.engine.live.device_learner import require_not_learnt
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.states import SavedState, saved_state
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import as_plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantSchedule
 
@@ -56,7 +55,8 @@ def simulate(
     Parameters
     ----------
     plant : Plant, PlantSchedule or FunctionPlant
-        Or a discrete system of python-control, SciPy or SymPy, read by `plant_of`.
+        Or a text in q, a transfer function or a discrete system of python-control, SciPy or
+        SymPy, read by `plant_of`.
     settings : ControllerSettings, Decentralized, FixedController, GainSchedule or IndirectSettings
     w : array, shape (steps, l_w)
         The exogenous input; its length is the number of steps. Where the structure reads a
@@ -114,8 +114,7 @@ def simulate(
     >>> bool((rest.theta_final == run.theta_final).all())
     True
     """
-    if is_foreign(plant):
-        plant = plant_of(plant)
+    plant = as_plant(plant)
     options: dict[str, Any] = {
         "x_0": x_0,
         "stride": stride,

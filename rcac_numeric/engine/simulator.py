@@ -7,13 +7,12 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from compensator_theory.errors import FunctionFailedError
-from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import vector
 from rcac_numeric.engine.compiled.callbacks import Failures
 from rcac_numeric.engine.compiled.plants import compiled_plant
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import as_plant
 
 
 class Simulator:
@@ -37,8 +36,7 @@ class Simulator:
     """
 
     def __init__(self, plant: AnyPlant, x_0: ArrayLike | None = None) -> None:
-        if is_foreign(plant):
-            plant = plant_of(plant)
+        plant = as_plant(plant)
         self._failures = Failures()
         self._body = compiled_plant(plant, x_0, self._failures)
         self._plant, self._l_u, self._l_w, self._k = plant, plant.l_u, plant.l_w, 0

@@ -205,7 +205,7 @@ def observer_based(
     forms : int
         In how many forms; not looked at where it is left out.
     """
-    decision = exact.pair_is_observer_based(
+    decision = exact.observers.pair_is_observer_based(
         system.transfer_function, compensator, feedback=system.feedback
     )
     words = f"{decision.answer}: {decision.reason}"
@@ -226,7 +226,7 @@ def placed_pair_is_observer_based(system: ExactSystem, poles: Entry, answer: boo
         What is claimed.
     """
     found = exact.place_poles(system.transfer_function, poles, feedback=system.feedback)
-    decision = exact.pair_is_observer_based(
+    decision = exact.observers.pair_is_observer_based(
         system.transfer_function, found.compensator, feedback=system.feedback
     )
     is_claimed = None if decision.answer is None else decision.answer is answer
@@ -313,12 +313,12 @@ def common_roots(system: ExactSystem, equals: int) -> Found:
     equals : int
         The number that is claimed.
     """
-    count = exact.number_of_common_roots(*system.polynomials)
+    count = exact.bezout.number_of_common_roots(*system.polynomials)
     return Found(None if count is None else count == equals, f"{count} common roots")
 
 
 def _matrix(system: ExactSystem, second: bool) -> Any:
-    make = exact.sylvester_m2 if second else exact.sylvester_m1
+    make = exact.bezout.sylvester_m2 if second else exact.bezout.sylvester_m1
     return make(*system.polynomials)
 
 

@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value, replaced
@@ -24,7 +25,6 @@ from rcac_numeric.experiments.figure_requests import FigureRequest
 from rcac_numeric.experiments.format.values import Integer
 from rcac_numeric.experiments.judging.claim import Claim, OpenItem
 from rcac_numeric.experiments.judging.interval import Check
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.measures.measures import MEASURES, OF_PLANT
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation

@@ -26,6 +26,18 @@ from rcac_numeric.plants.saturation import Saturation
 
 VERSIONS = ("2.0", "3.0")
 EPOCH = (1980, 1, 1, 0, 0, 0)  # of every file in it, so that the same settings give the same bytes
+# For who builds it on another machine.
+BUILD = """\
+<?xml version="1.0" encoding="UTF-8"?>
+<fmiBuildDescription fmiVersion="3.0">
+  <BuildConfiguration modelIdentifier="rcac">
+    <SourceFileSet language="C99">
+      <SourceFile name="rcac.c"/>
+      <SourceFile name="fmu.c"/>
+    </SourceFileSet>
+  </BuildConfiguration>
+</fmiBuildDescription>
+"""
 
 
 def export_fmu(
@@ -134,6 +146,8 @@ def _members(
     )  # fmt: skip
     binary = f"binaries/{_platform(version)}/rcac.{suffix}"
     described = _description_2 if version == "2.0" else _description_3
+    if version == "3.0":  # 2.0 says it in modelDescription.xml
+        texts["buildDescription.xml"] = BUILD
     return {
         "modelDescription.xml": described(tables, token, sample_time).encode(),
         binary: library.read_bytes(),

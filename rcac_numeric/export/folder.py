@@ -26,11 +26,13 @@ from rcac_numeric.export.readme import readme
 from rcac_numeric.export.recording import Recording, compiled_recording, recorded
 from rcac_numeric.export.tables import CoreTables, core_tables, scaled
 from rcac_numeric.plants.saturation import Saturation
+from rcac_numeric.targets.model import TargetModel
 
 LAYOUTS = ("c", "arduino", "px4", "wasm", "mex")
 # float32 may leave so much more of z than float64 does.
 WORST_RATIO = 1.5
 SMALLEST_R_THETA, LARGEST_R_THETA = 1e-40, 1e8
+LONGEST_FOR_PX4 = 16 - len("_LAMBDA")  # letters of a prefix
 
 
 @dataclass(frozen=True)
@@ -153,6 +155,11 @@ def export_controller(
             f"prefix = {prefix!r}: a name of C with small letters, digits and _ is needed, such as "
             "'roll'."
         )
+    if "px4" in layouts and len(prefix) > LONGEST_FOR_PX4:
+        raise InputError(
+            f"prefix = {prefix!r} has {len(prefix)} letters; a parameter of PX4 has 16 at most, "
+            f"_LAMBDA among them, so that {LONGEST_FOR_PX4} are left."
+        )
     one_of(real, "real", REALS)
     tables = core_tables(source, saturation=saturation, live_order=live_order,
                          supervision=supervision)  # fmt: skip
@@ -162,7 +169,10 @@ def export_controller(
         warnings = _ranges(source, tables, recording)
         tables = scaled(tables)
         recording, agreement = _in_float32(tables, recording, run)
-    texts = folder_texts(tables, recording, real, tuple(layouts), prefix, agreement, warnings)
+    texts = folder_texts(
+        tables, recording, real, tuple(layouts), prefix, agreement, warnings,
+        None if run is None else run.sample_time,
+    )  # fmt: skip
     said = _verified(texts, prefix)
     target = Path(folder)
     for name, text in texts.items():
@@ -204,6 +214,7 @@ def folder_texts(
     prefix: str,
     agreement: str = "",
     warnings: Sequence[str] = (),
+    sample_time: float | None = None,
 ) -> dict[str, str]:
     """The texts of a folder by their names; the same arguments give the same bytes."""
     core = core_texts()
@@ -213,7 +224,7 @@ def folder_texts(
         "src/rcac_config.h": config_header(tables, real),
         "test/replay.c": core["layouts/c/replay.c"],
         "test/rcac_vector.h": vector_header(tables, recording, real),
-        "README.md": readme(tables, recording, real, layouts, agreement, warnings),
+        "README.md": readme(tables, recording, real, layouts, agreement, warnings, sample_time),
         "CMakeLists.txt": core["layouts/c/CMakeLists.txt"],
         "examples/main.c": core["layouts/c/main.c"],
     }
@@ -310,13 +321,24 @@ def _ranges(controller: Any, tables: CoreTables, recording: Recording) -> tuple[
 
 
 def _largest_row(settings: ControllerSettings, recording: Recording) -> float:
-    """About the largest W phi_f^2, from the peak of G_f and the largest signal."""
-    signals: list[Array] = [recording.u, recording.y, recording.r]
-    largest = max((float(np.abs(s).max()) for s in signals if s.size), default=0.0)
-    peak = max(
-        float(np.abs(model.frequency_response(np.linspace(0, np.pi, 65))).max())
-        for model in settings.targets
-    )
+    """W max phi_f^2 over the recorded steps, of what u, y and r become in the target models."""
+    largest = 0.0
+    with np.errstate(all="ignore"):
+        for model in settings.targets:
+            for signal in np.hstack([recording.u, recording.y, recording.r]).T:
+                largest = max(largest, float(np.abs(_filtered(model, signal)).max()))
     weights = [R for R in (settings.R_z, settings.R_u) if isinstance(R, np.ndarray)]
-    root = min(peak * largest, 1e150)
+    root = min(largest, 1e150) if np.isfinite(largest) else 1e150
     return max([1.0, *(float(np.abs(R).max()) for R in weights)]) * root * root
+
+
+def _filtered(model: TargetModel, signal: Array) -> Array:
+    """G_f s, steps x l_z x l_u."""
+    N, D = model.numerator, model.denominator
+    F = np.zeros((len(signal), *N.shape[1:]))
+    for k in range(len(signal)):
+        for i in range(min(k + 1, len(N))):
+            F[k] += N[i] * signal[k - i]
+        for i in range(1, min(k + 1, len(D))):
+            F[k] -= D[i] @ F[k - i]
+    return F

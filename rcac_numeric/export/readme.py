@@ -15,6 +15,7 @@ def readme(
     layouts: tuple[str, ...],
     agreement: str,
     warnings: Sequence[str],
+    sample_time: float | None = None,
 ) -> str:
     """Sizes, operations, units, and how the folder is used.
 
@@ -27,8 +28,11 @@ def readme(
     agreement : str
         Of float32 with float64.
     warnings : sequence of str
+    sample_time : float, optional
+        In seconds.
     """
     t = tables
+    period = "one sample of them" if sample_time is None else f"one sample, {sample_time:g} s"
     state, constants = t.sizes(real)
     products, quotients = t.operations()
     exact = (
@@ -51,8 +55,8 @@ def readme(
         "status = rcac_step(&s, y, z, r, u);  /* y(k), z(k), r(k) in; u(k) out */",
         "```",
         "",
-        f"y has {t.l_y} entries, z {t.l_z}, r {t.l_r} and u {t.l_u}. Their units are those of the "
-        "data that the settings were tuned with; a step is one sample of them. rcac.h says what a "
+        f"y, z, r and u have {t.l_y}, {t.l_z}, {t.l_r} and {t.l_u} entries. Their units are those "
+        f"of the data that the settings were tuned with; a step is {period}. rcac.h says what a "
         "status means, and how to freeze, save and restore.",
         "",
         "## Sizes",
@@ -102,7 +106,18 @@ def readme(
     if "mex" in layouts:
         said += ["", "MATLAB and Octave: `mkoctfile --mex -Isrc mex/rcac_mex.c src/rcac.c`."]
     if "px4" in layouts:
-        said += ["", "PX4: put this folder under src/modules; px4/ is the module, a skeleton."]
+        said += [
+            "",
+            "PX4: px4/ is a module, a skeleton, whose two marks are for your topics.",
+            "",
+            "```sh",
+            "mkdir PX4-Autopilot/src/modules/rcac",
+            "cp px4/* src/* PX4-Autopilot/src/modules/rcac/",
+            "echo CONFIG_MODULES_RCAC=y >> PX4-Autopilot/boards/px4/fmu-v6x/default.px4board",
+            "```",
+            "",
+            "Then `rcac start` in its shell; RCAC_SW and RCAC_LAMBDA are its parameters.",
+        ]
     if warnings:
         said += ["", "## Warnings", "", *(f"- {warning}" for warning in warnings)]
     return "\n".join([*said, ""])

@@ -118,8 +118,9 @@ def recorded(
         Made of it.
     saturation : Saturation, optional
     run : Run, optional
-        From step 0 on; its y, z and r are the inputs. Without it a small plant with noise stands
-        in.
+        From step 0 on. Its plant is run anew around the controller: what it answered to other
+        last digits would drive an unstable controller away. Where y or z waits for u, the y and
+        z of the run are the inputs. Without a run a small plant with noise stands in.
     """
     if isinstance(controller, Compensator):
         controller = FixedController(controller)
@@ -130,7 +131,12 @@ def recorded(
         )
     run = usable(run)
     kernel = compiled_controller(controller, tables.l_z, Failures(), "plain")
-    signals = _StandIn(tables) if run is None else _Given(run, tables.l_r)
+    if run is None:
+        signals: _Given = _StandIn(tables)
+    elif run.plant.y_needs_u or run.plant.z_needs_u:
+        signals = _Given(run, tables.l_r)
+    else:
+        signals = _Loop(run, tables.l_r)
     limits = _Limits(saturation, tables.l_u)
     rows: Rows = []
     theta, applied = kernel.theta, None
@@ -140,9 +146,15 @@ def recorded(
             z = np.zeros(1)
         answer = kernel.step(y, z, r if tables.l_r else None, applied)
         if answer is None:
-            raise InputError(f"the run's signals at step {k} are not finite, or do not fit.")
+            if rows:
+                break
+            raise InputError("the run's first signals are not finite, or do not fit.")
         u = limits.applied(answer[0])
-        if not answer[1] or (run is None and np.abs(u).max() > LARGEST_U):
+        if (
+            not answer[1]
+            or not np.isfinite(u).all()
+            or (run is None and np.abs(u).max() > LARGEST_U)
+        ):
             break
         applied, theta = (None if saturation is None else u), kernel.theta
         rows.append((y, z, r, u))

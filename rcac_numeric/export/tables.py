@@ -421,13 +421,13 @@ def _require_known(settings: ControllerSettings, live_order: int | None) -> None
         refuse("DataDriven learning of the target model",
                "export with the model that was learnt, and live_order")  # fmt: skip
     if settings.reflect_poles:
-        refuse("reflect_poles, which needs complex roots", "use bounds on theta")
+        refuse("reflect_poles, which needs complex roots,", "use bounds on theta")
     for name, value in (("R_z", settings.R_z), ("R_u", settings.R_u)):
         if not isinstance(value, np.ndarray | SignalWeight):
             refuse(f"{name} as a function", "use a number, a matrix or SignalWeight")
     normalization = settings.z_normalization
     if normalization is not None and normalization.function not in ("rational", "root"):
-        refuse(f'the normalisation "{normalization.function}", which needs libm',
+        refuse(f'the normalisation "{normalization.function}", which needs libm,',
                'use "rational" or "root"')  # fmt: skip
     if live_order is not None and settings.target_changes:
         refuse("target_changes beside live_order", "leave one of them out")

@@ -12,13 +12,15 @@ from flint import arb, arb_mat, fmpq_mat
 from compensator_theory.errors import IllConditionedError, ImproperError, InputError
 from compensator_theory.polynomials.ball_precision import ball_precision
 from rcac_numeric.analysis.gramians import PRECISIONS, enclosed_gramians, rational, stein_solution
+from rcac_numeric.analysis.loop_analysis import closed_loop
 from rcac_numeric.analysis.stability import EPS, counted_stable, decide_stability
 from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.engine.runs import Run
 from rcac_numeric.h2.noise import NoiseInputs, NoiseIntensities, noise_inputs
 from rcac_numeric.h2.state_space import StateSpace, state_space_of
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 
 # Relative error of J, by the bound that its residuals and its data leave, up to which float64 is
@@ -72,7 +74,9 @@ class H2Cost(Value):
         return f"H2Cost({self.value:.6g}: {parts})"
 
 
-def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = None) -> H2Cost:
+def h2_cost(
+    plant: Plant | Run, compensator: Any = None, *, noise: NoiseIntensities | None = None
+) -> H2Cost:
     """Compute J = lim E[z'z] of the loop u = G_c y for white noise w.
 
     J = tr(Q_1 R_1) + 2 tr(R_12 C_c Q_12') + tr(Q_2 C_c' R_2 C_c) + tr(E_0 E_0')
@@ -81,7 +85,8 @@ def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = 
 
     Parameters
     ----------
-    plant : Plant
+    plant : Plant, a system that `plant_of` reads, or Run
+        A run has its compensator: its last controller.
     compensator : Compensator, python-control system or (A_c, B_c, C_c, D_c)
         For the positive feedback u = G_c y of chapters 2 and 4.
     noise : mapping, optional
@@ -119,7 +124,14 @@ def h2_cost(plant: Plant, compensator: Any, *, noise: NoiseIntensities | None = 
     >>> float(h2_cost(standard_plant("1/(q - 1)"), none))
     inf
     """
+    if isinstance(plant, Run):
+        if compensator is not None:
+            raise InputError("a run has its own controller; leave compensator out.")
+        loop = closed_loop(plant)
+        plant, compensator = loop.plant, loop.compensator
     plant = linear_plant(plant)
+    if compensator is None:
+        raise InputError("a plant alone is no loop; give its compensator, or a Run.")
     parts = state_space_of(compensator, plant.l_u, plant.l_y)
     inputs = noise_inputs(plant, noise)
     with np.errstate(over="ignore", invalid="ignore"):  # what overflows is looked for

@@ -26,7 +26,7 @@ from rcac_numeric.h2.riccati.obstacles import ESTIMATOR, REGULATOR
 from rcac_numeric.h2.riccati.solutions import StabilisingSolution
 from rcac_numeric.h2.riccati.square_roots import least_squares
 from rcac_numeric.h2.state_space import StateSpace, state_space_latex
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 
 FORMS = ("predictor", "filter")

@@ -126,8 +126,9 @@ def with_bias(plant: Plant, channel: str, *, pole: float, mean_square: float) ->
 
 
 def with_oscillation(
-    plant: Plant, channel: str, *, omega: float, radius: float, mean_square: float
-) -> Plant:
+    plant: Plant, channel: str, *, omega: float, radius: float, mean_square: float,
+    name: str = "oscillation",
+) -> Plant:  # fmt: skip
     """The plant whose channel of w also carries a sinusoid that drifts in amplitude and phase.
 
     s(k+1) = radius [cos omega, sin omega; -sin omega, cos omega] s(k) + noise, b(k) = s_1(k): the
@@ -144,11 +145,13 @@ def with_oscillation(
         In (0, 1); the sinusoid lasts about 1/(1 - radius) steps.
     mean_square : float
         The stationary E[b(k)^2].
+    name : str
+        What the block is called; of several sinusoids on one channel each its own.
 
     Returns
     -------
     Plant
-        Of order n + 2, with two more channels of w, the block ``channel + "_oscillation"``.
+        Of order n + 2, with two more channels of w, the block ``channel + "_" + name``.
 
     Examples
     --------
@@ -168,7 +171,7 @@ def with_oscillation(
         )
     turn = np.array([[np.cos(omega), np.sin(omega)], [-np.sin(omega), np.cos(omega)]])
     drive = np.sqrt((1 - radius**2) * mean_square) * np.eye(2)
-    return _with_model(plant, channel, radius * turn, drive, "oscillation")
+    return _with_model(plant, channel, radius * turn, drive, name)
 
 
 def _with_model(plant: Plant, channel: str, S: Array, drive: Array, name: str) -> Plant:

@@ -10,12 +10,12 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.checks.check import ControllerCheck, channel_margins
 from rcac_numeric.controllers.stepwise import StepwiseController
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.controller import Controller
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.excitation import excitation_of
 from rcac_numeric.health.health import LoopHealth

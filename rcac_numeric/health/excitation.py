@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rcac_numeric.arrays.array_types import Array
-from rcac_numeric.checks.regressor import regressor_of
+from rcac_numeric.controllers.regressor import (
+    filtered_regressor,
+    has_common_filter,
+    regressor_of,
+)
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.engine.compatibility import command_position
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.targets.model import TargetModel
 
 ROWS = 20_000  # steps that are looked at: the first ones from k_w on
 
@@ -57,7 +59,7 @@ def excitation_of(run: Run) -> Excitation | None:
         if not told:
             return None
         target = told[-1]
-    if R_theta is None or not isinstance(R_z, np.ndarray) or not _has_common_filter(target):
+    if R_theta is None or not isinstance(R_z, np.ndarray) or not has_common_filter(target):
         return None
     if settings.fixed is not None:
         return None
@@ -84,46 +86,3 @@ def excitation_of(run: Run) -> Excitation | None:
         spread[spread == 0] = 1.0
         values = np.linalg.eigvalsh(information / np.outer(spread, spread))
     return Excitation(size, int(outweighed.sum()), int((values > 1e-13 * size).sum()))
-
-
-def _has_common_filter(target: TargetModel) -> bool:
-    """Whether D_f is one polynomial times the identity, so that signals are filtered one by one."""
-    first = target.denominator[:, :1, :1] * np.eye(target.l_z)
-    return bool(np.array_equal(first, target.denominator))
-
-
-def _divided(phi: Array, tail: Array) -> Array:
-    """The columns of phi through 1/(1 + tail(q^-1)); scipy.signal would cost half a second."""
-    out, order = phi.copy(), len(tail)
-    reversed_tail = tail[::-1]
-    for k in range(1, len(out)):
-        first = max(k - order, 0)
-        out[k] -= reversed_tail[order - (k - first) :] @ out[first:k]
-    return out
-
-
-def filtered_regressor(phi: Array, target: TargetModel) -> Array:
-    """Phi_f = G_f Phi of (2.40) for Phi = phi' (x) I; shape (steps, l_z, l_theta).
-
-    Parameters
-    ----------
-    phi : array, shape (steps, number of taps)
-    target : TargetModel
-        Whose D_f is one polynomial times the identity.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rcac_numeric import TargetModel
-    >>> from rcac_numeric.health.excitation import filtered_regressor
-    >>> filtered_regressor(np.ones((3, 1)), TargetModel([0, 2])).ravel()
-    array([0., 2., 2.])
-    """
-    steps, taps = phi.shape
-    if target.denominator[1:].any():
-        phi = _divided(phi, target.denominator[1:, 0, 0])
-    out = np.zeros((steps, target.l_z, taps, target.l_u))
-    for lag, N in enumerate(target.numerator):
-        if N.any() and lag < steps:
-            out[lag:] += np.einsum("kt,zu->kztu", phi[: steps - lag], N)
-    return out.reshape(steps, target.l_z, taps * target.l_u)

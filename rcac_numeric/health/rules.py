@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, DivergedError, InputError
 from rcac_numeric.analysis.internal_models import drift_of
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import MOST_STATES
 from rcac_numeric.checks.check import ControllerCheck
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.supervision import SupervisionRecord
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.health.health import HealthWarning, LoopHealth
 from rcac_numeric.health.target_errors import TURNED, TargetError, target_errors, zeros_of
 from rcac_numeric.health.trials import MISSED, what_places_them
@@ -24,7 +24,7 @@ from rcac_numeric.margins.classical import Margins
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.data_driven import DataDriven
-from rcac_numeric.targets.directions.checks import check_directions
+from rcac_numeric.targets.direction_checks import check_directions
 from rcac_numeric.targets.model import TargetModel
 
 TRANSIENT = 30.0  # |z| under control over the largest |w|, |z| before control and |z| at the end
@@ -77,7 +77,64 @@ def warnings_of_run(health: LoopHealth, found: LoopAnalysis) -> tuple[HealthWarn
     if warnings:  # a loop that does well with another G_f than the plant's needs no mend
         warnings += [_of_target(error) for error in errors]
     warnings += [_of_target(error) for error in directed]  # what hides from z is said in any case
+    warnings = _with_road(warnings, found)
     return tuple(sorted(warnings, key=lambda warning: not warning.is_grave))
+
+
+# Where settings that begin at theta = 0 went wrong, and the plant is known.
+
+BY_SETTINGS = (
+    "diverged", "unstable", "large transient", "large control", "worse than without control",
+    "small margins", "costly",
+)  # fmt: skip
+DAMPED, SOON = 0.2, 3  # damping of a pole, and steps until z feels u, below which FIR is a fair try
+
+
+def _with_road(warnings: list[HealthWarning], found: LoopAnalysis) -> list[HealthWarning]:
+    """The same; the first that settings can be blamed for names `design`."""
+    blamed = [w for w in warnings if w.code in BY_SETTINGS]
+    settings = found.run.settings
+    if not blamed or not isinstance(settings, ControllerSettings) or settings.theta_0.any():
+        return warnings
+    try:
+        plant = plant_at(found.run.plant, 0)
+    except CompensatorError:
+        return warnings
+    is_read = plant.l_u == plant.l_y and np.array_equal(plant.E_1, plant.C)
+    if not is_read or plant.D_0.any():
+        return warnings
+    first = next((w for w in blamed if w.is_grave), blamed[0])
+    words = f"{first.next_step}; or design(plant), which begins at a robust loop"
+    why = what_to_expect(plant, settings.target)
+    sentence = f"{first.sentence} {why}" if why else first.sentence
+    return [replace(w, sentence=sentence, next_step=words) if w is first else w for w in warnings]
+
+
+def what_to_expect(plant: Plant, target: TargetModel) -> str:
+    """What an FIR target model asks of a plant that oscillates or answers late; else nothing.
+
+    Examples
+    --------
+    >>> from rcac_numeric import fir_target, standard_plant
+    >>> from rcac_numeric.health.rules import what_to_expect
+    >>> plant = standard_plant("1/(q**2 - 1.9*q + 0.98)")
+    >>> what_to_expect(plant, fir_target(plant)).partition(",")[0]
+    'G_f is FIR: it asks for a loop that is at rest within 2 steps'
+    """
+    if target.denominator[1:].any():
+        return ""
+    poles = np.linalg.eigvals(plant.A).astype(np.complex128)
+    turning = poles[(np.abs(poles.imag) > TURNED) & (np.abs(poles) > RINGING)]
+    damping = -np.log(np.abs(turning)) / np.abs(np.log(turning))
+    late = target.relative_degree
+    words = [f"a damping of {damping.min():.2g}"] if (damping < DAMPED).any() else []
+    words += [f"a dead time of {late} steps"] if late > SOON else []
+    if not words:
+        return ""
+    return (
+        f"G_f is FIR: it asks for a loop that is at rest within {target.n_f} steps, and with "
+        f"{' and '.join(words)} seldom any R_theta makes it a good one."
+    )
 
 
 def warnings_of_check(health: LoopHealth, check: ControllerCheck) -> tuple[HealthWarning, ...]:

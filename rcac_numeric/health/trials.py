@@ -14,19 +14,20 @@ import numpy as np
 
 from compensator_theory.errors import CompensatorError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.updates.recursive import RecursiveLeastSquares
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.engine.simulation import simulate
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.h2.loop_costs import loop_costs
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 
 KICKS, KICKED = (0.05, 0.2), 300  # of the size of w, white, and for so many steps
+ROUNDING = 1e-12  # of its peak: no more than that, a constant w has by the rounding of its mean
 DRAWS = 3  # of each: a single one may stay where the data support theta
 MISSED = 0.05  # distance of a pole from where it was asked
 LONGEST = 20_000  # steps of a run that is repeated
@@ -83,8 +84,8 @@ def next_disturbance(run: Run) -> NextDisturbance | None:
     ):
         return None
     # Of what moved w, in every channel that moved at all; a constant command stays as it is.
-    sizes = np.sqrt(np.mean((run.w - run.w.mean(axis=0)) ** 2, axis=0))
-    sizes = np.where(sizes > 0, sizes, np.abs(run.w).max(axis=0))
+    sizes, peaks = run.w.std(axis=0), np.abs(run.w).max(axis=0)
+    sizes = np.where(sizes > ROUNDING * peaks, sizes, peaks)
     if not sizes.any():
         return None
     held = FixedController(run.compensator)

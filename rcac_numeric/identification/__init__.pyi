@@ -1,5 +1,7 @@
 from .bootstrap import bootstrap_zeros as bootstrap_zeros
+from .directions import directions_from_data as directions_from_data
 from .era import eigensystem_realisation as eigensystem_realisation
+from .modelling import modelling_information_from_markov as modelling_information_from_markov
 from .mu_markov import identify_markov_parameters as identify_markov_parameters
 from .noise_models import NeweyWest as NeweyWest
 from .online.arx import RecursiveARX as RecursiveARX

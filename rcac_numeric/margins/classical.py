@@ -168,10 +168,11 @@ def stability_margins(
 
     Parameters
     ----------
-    loop : ClosedLoop, or a python-control TransferFunction or StateSpace
-        The latter is the scalar loop transfer function L in discrete time.
+    loop : Run, ClosedLoop, pair of a plant and a Compensator, or python-control system
+        Of a run it is the loop of its last controller. A TransferFunction or StateSpace of
+        python-control is the scalar loop transfer function L in discrete time.
     at : {"u", "y"}, channel : int
-        Where a ClosedLoop is opened; its other channels stay closed.
+        Where a closed loop is opened; its other channels stay closed.
     feedback : {+1, -1}
         For a loop transfer function: -1 closes 1 + L = 0, +1 closes 1 - L = 0.
     sample_time : float, optional

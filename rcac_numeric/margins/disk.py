@@ -10,13 +10,17 @@ import numpy as np
 from compensator_theory import figures
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.loop_analysis import closed_loop
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.showing import picture_of
-from rcac_numeric.arrays.validation import instance_of, one_of
+from rcac_numeric.arrays.validation import one_of
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.engine.runs import Run
 from rcac_numeric.margins.opened_loop import OpenedLoop
 from rcac_numeric.margins.peaks import Matrices, hinf_norm
 from rcac_numeric.margins.structured import structured_peak
+from rcac_numeric.plants.any_plant import AnyPlant
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,12 +85,14 @@ def disk_margin_of(loop: OpenedLoop) -> DiskMargin:
     return _disk_margin((loop.A, loop.B, loop.C, loop.D), loop)
 
 
-def multivariable_disk_margin(loop: ClosedLoop, *, at: str = "u") -> DiskMargin:
+def multivariable_disk_margin(
+    loop: ClosedLoop | Run | tuple[AnyPlant, Compensator], *, at: str = "u"
+) -> DiskMargin:
     """The disk margin against simultaneous, independent factors in every channel of u or of y.
 
     Parameters
     ----------
-    loop : ClosedLoop
+    loop : Run, ClosedLoop, or pair of a plant and a Compensator
     at : {"u", "y"}
 
     Raises
@@ -106,7 +112,8 @@ def multivariable_disk_margin(loop: ClosedLoop, *, at: str = "u") -> DiskMargin:
     >>> round(multivariable_disk_margin(ClosedLoop(two, gains)).alpha, 6)   # L = 2/(q - 2)
     0.4
     """
-    if not instance_of(loop, "loop", ClosedLoop).is_stable:
+    loop = closed_loop(loop)
+    if not loop.is_stable:
         raise InputError(
             f"the loop is unstable, spectral radius {loop.spectral_radius:.6g}: it has no margins."
         )

@@ -11,11 +11,13 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import ImproperError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis, closed_loop
 from rcac_numeric.analysis.stability import decide_stability
 from rcac_numeric.arrays.algebraic_loops import closes
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, one_of, real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.engine.runs import Run
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,8 +120,8 @@ def broken_loop(
 
     Parameters
     ----------
-    loop : ClosedLoop, or a python-control system
-        Of a ClosedLoop the other components stay closed. A python-control system is the whole
+    loop : what `closed_loop` reads, or a python-control system
+        Of a closed loop the other components stay closed. A python-control system is the whole
         loop transfer function: scalar, in discrete time.
     at : {"u", "y"}
         Where a ClosedLoop is opened: between controller and plant input, or between plant output
@@ -130,10 +132,10 @@ def broken_loop(
         -1 where the loop is closed by 1 + L = 0, +1 where it is closed by 1 - L = 0. A ClosedLoop
         knows its own sign (+1 everywhere in this package).
     """
-    if isinstance(loop, ClosedLoop):
+    if isinstance(loop, ClosedLoop | LoopAnalysis | Run | tuple):
         if feedback is not None:
-            raise InputError("a ClosedLoop knows its sign of feedback; leave feedback out.")
-        return _opened(loop, one_of(at, "at", ("u", "y")), channel)
+            raise InputError("a closed loop knows its sign of feedback; leave feedback out.")
+        return _opened(closed_loop(loop), one_of(at, "at", ("u", "y")), channel)
     A, B, C, D = _matrices(loop)
     if feedback not in (1, -1):
         raise InputError(
@@ -147,8 +149,8 @@ def _matrices(system: Any) -> tuple[Array, Array, Array, Array]:
     kind = type(system).__name__
     if type(system).__module__.split(".")[0] != "control" or not hasattr(system, "isdtime"):
         raise InputError(
-            f"a {kind} is not a loop; give a ClosedLoop or a python-control TransferFunction or "
-            "StateSpace."
+            f"a {kind} is not a loop; give a Run, a ClosedLoop, a pair of a plant and a "
+            "Compensator, or a python-control TransferFunction or StateSpace."
         )
     if system.dt is None or not system.isdtime(strict=True):
         raise InputError(

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
+from rcac_numeric.arrays.array_types import ComplexArray
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.experiments.figure_requests import FigureRequest
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.plots.library import Axes, Figure
 from rcac_numeric.plots.pole_maps import Kind, draw_plane, largest_counts
@@ -64,16 +65,23 @@ def legend_below(figure: Figure, *, always: bool = False) -> None:
 
 def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True) -> None:
     """Closed-loop poles and zeros of the final controller, and the poles that G_f asks for."""
+    comparison, _ = attempted(lambda: repetition.comparison)
     nothing = np.zeros(0, dtype=np.complex128)
     wanted, zeros = nothing, nothing
-    if not repetition.obstacle:
-        comparison = repetition.comparison
+    if comparison is not None:
         poles, wanted = comparison.poles, comparison.asked_poles
         zeros = largest_counts(comparison.zeros.values())
     else:
         poles = repetition.loop.poles()
-        if repetition.run.plant.l_z == 1:
+        if repetition.plant.l_z == 1:
             zeros = largest_counts(repetition.zeros.values())
+    draw_poles(axis, poles, wanted, zeros)
+    if legend:
+        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)
+
+
+def draw_poles(axis: Axes, poles: ComplexArray, wanted: ComplexArray, zeros: ComplexArray) -> None:
+    """Poles reached beside those asked for, and zeros from w to z."""
     finite = np.isfinite(poles)
     kinds = [
         Kind("asked for", "asked for", wanted, "s", WANTED, 10),
@@ -83,5 +91,3 @@ def draw_pole_zero(axis: Axes, repetition: LoopAnalysis, *, legend: bool = True)
     draw_plane(axis, [kind for kind in kinds if len(kind.values)])
     title = "closed loop with the final controller"
     axis.set_title(title if finite.all() else f"{title}: poles beyond float64", fontsize=10)
-    if legend:
-        axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5), frameon=False)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from compensator_theory.errors import CompensatorError
+from rcac_numeric.analysis.exact_comparison import ExactComparison
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.arrays.wording import shortened
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
-from rcac_numeric.plots.axes import draw_control, draw_pole_zero
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.plots.axes import draw_control, draw_pole_zero, draw_poles
 from rcac_numeric.plots.coefficients import draw_theta
-from rcac_numeric.plots.library import Figure
+from rcac_numeric.plots.library import Axes, Figure
+from rcac_numeric.plots.pole_maps import largest_counts
 from rcac_numeric.plots.style import (
     WANTED,
+    checked_width,
     draw_history,
     draw_magnitude,
     draw_phase,
@@ -40,12 +43,15 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
 
     Examples
     --------
-    >>> from rcac_numeric import plot_sheet, verify
+    >>> from rcac_numeric import verify
+    >>> from rcac_numeric.plots import plot_sheet
     >>> from rcac_numeric.dissertation import load_example
     >>> figure = plot_sheet(verify(load_example("4.7")).main.first, "Example 4.7")
     >>> len(figure.axes)
     6
     """
+    if not isinstance(repetition.of, Run):
+        return _sheet_of_loop(repetition, title)
     figure = Figure(figsize=(11, 8.5), layout="constrained")
     axes = figure.subplots(3, 2, width_ratios=[1.25, 1], height_ratios=[1.25, 1, 1])
     if title:
@@ -61,17 +67,52 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
                 axis.set_yscale("symlog")
         axes[0, 0].set_title(f"diverged after step {run.steps - 1}", color=WANTED, fontsize=10)
     draw_pole_zero(axes[0, 1], repetition)
-    try:
-        match = repetition.match
-    except CompensatorError as error:
-        axes[1, 1].set_title(
-            f"no intercalated match: {label_words(shortened(str(error), 60))}", fontsize=10
-        )
-    else:
-        draw_magnitude(axes[1, 1], match)
-        draw_phase(axes[2, 1], match)
+    _draw_match(axes[1, 1], axes[2, 1], repetition)
     for axis in axes.ravel():
         axis.grid(alpha=0.25)
+    return figure
+
+
+def _sheet_of_loop(loop: LoopAnalysis, title: str) -> Figure:
+    """The right half of the sheet: no run is known."""
+    figure = Figure(figsize=(6, 8.5), layout="constrained")
+    axes = figure.subplots(3, 1, height_ratios=[1.25, 1, 1])
+    if title:
+        draw_title(figure, title)
+    draw_pole_zero(axes[0], loop)
+    _draw_match(axes[1], axes[2], loop)
+    for axis in axes:
+        axis.grid(alpha=0.25)
+    return figure
+
+
+def _draw_match(above: Axes, below: Axes, analysis: LoopAnalysis) -> None:
+    match, obstacle = attempted(lambda: analysis.match)
+    if match is None:
+        words = label_words(shortened(obstacle, 60))
+        above.set_title(f"no intercalated match: {words}", fontsize=10)
+        return
+    draw_magnitude(above, match)
+    draw_phase(below, match)
+
+
+def plot_comparison(comparison: ExactComparison, *, width: float = 5.0) -> Figure:
+    """Where the poles are beside where the exact prediction has them.
+
+    Examples
+    --------
+    >>> from rcac_numeric.dissertation import load_example
+    >>> comparison = load_example("4.7").main_run.execute().first.comparison
+    >>> [line.get_label() for line in comparison.plot().axes[0].lines[1:]]
+    ['asked for', 'zeros from w to z', 'poles reached']
+    """
+    inches = checked_width(width)
+    figure = Figure(figsize=(inches, 1.08 * inches), layout="constrained")
+    axis = figure.subplots()
+    zeros = largest_counts(comparison.zeros.values())
+    draw_poles(axis, comparison.poles, comparison.asked_poles, zeros)
+    axis.set_title("")
+    figure.legend(fontsize=8, loc="outside lower center", ncols=3, frameon=False)
     return figure
 
 

@@ -93,10 +93,15 @@ def _stability(health: LoopHealth) -> Text:
     radius = health.spectral_radius
     if health.is_stable is None:
         return Text(f"Whether the loop is stable is not known: {health.obstacle}.", "warning")
-    if not health.is_stable:
+    assert radius is not None, "the loop is known"
+    return stability_line(health.is_stable, radius, "good" if health.is_healthy else "warning")
+
+
+def stability_line(is_stable: bool, radius: float, level: Level = "good") -> Text:
+    """Whether a loop is stable, the first line of its report."""
+    if not is_stable:
         return Text(f"The closed loop is UNSTABLE, spectral radius {radius:.9g}.", "bad")
-    words = f"The closed loop is stable, spectral radius {radius:.9g}."
-    return Text(words, "good" if health.is_healthy else "warning")
+    return Text(f"The closed loop is stable, spectral radius {radius:.9g}.", level)
 
 
 def _signal(signal: SignalHealth) -> dict[str, Any]:

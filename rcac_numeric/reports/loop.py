@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
+import compensator_theory as exact
 from rcac_numeric.analysis.exact_comparison import ExactComparison
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.analysis.match import IntercalatedMatch
 from rcac_numeric.analysis.residual_split import ResidualSplit
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.controllers.structure import Structure
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
+from rcac_numeric.engine.runs import Run
+from rcac_numeric.health.diagnosis import loop_health
+from rcac_numeric.reports.health import health_lines, stability_line
 from rcac_numeric.reports.sheets.sheet import (
     Block,
     Fact,
     Section,
+    Sheet,
     Table,
     Text,
     cells,
@@ -145,6 +150,83 @@ def comparison_section(c: ExactComparison) -> Section:
     return Section(blocks=tuple(blocks), record=record)
 
 
+def comparison_sheet(c: ExactComparison) -> Sheet:
+    """A compensator beside the exact prediction: is the loop stable, what is missed, the numbers.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Compensator, compare_exactly, fir_target, standard_plant
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
+    >>> lines = compare_exactly(plant, compensator, fir_target(plant)).report().splitlines()
+    >>> lines[1].strip()
+    'The closed loop is stable, spectral radius 0.'
+    """
+    radius = float(np.abs(c.poles).max(initial=0.0))
+    is_stable = bool(exact.decide_stability(c.reached, time="discrete").is_stable)
+    health = (stability_line(is_stable, radius), *missed_poles(c))
+    return Sheet(
+        "The loop beside the exact prediction", health=health, sections=(comparison_section(c),)
+    )
+
+
+def analysis_sheet(found: LoopAnalysis) -> Sheet:
+    """A run's last controller, or a plant and a compensator, beside theory.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Compensator, LoopAnalysis, fir_target, standard_plant
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
+    >>> analysis = LoopAnalysis((plant, compensator), fir_target(plant))
+    >>> print(analysis.report().splitlines()[1].strip())
+    The closed loop is stable, spectral radius 0.
+    """
+    if isinstance(found.of, Run):
+        remark = f": {found.of.outcome} after {found.of.steps} steps"
+        missed = () if found.obstacle else missed_poles(_or_none(found), found.structure)
+        health = (*missed, *health_lines(loop_health(found)))
+    else:
+        remark = ""
+        health = (stability_line(found.loop.is_stable, found.loop.spectral_radius),)
+    return Sheet("The loop", remark, health, (loop_section(found),))
+
+
+def _or_none(found: LoopAnalysis) -> ExactComparison | None:
+    return attempted(lambda: found.comparison)[0]
+
+
+def loop_section(found: LoopAnalysis, title: str = "", remark: str = "") -> Section:
+    """The exact prediction, the match with G_f and the split residual, each or why it is not."""
+    parts = []
+    run = found.of if isinstance(found.of, Run) else None
+    if run is not None and run.saturation is not None:
+        words = "What follows is the linear loop, without the saturation."
+        parts.append(Section(blocks=(Text(words, "warning"),)))
+    comparison, obstacle = attempted(lambda: found.comparison)
+    if comparison is not None:
+        parts.append(comparison_section(comparison))
+    else:
+        parts.append(poles_section(found, obstacle))
+    match, reason = attempted(lambda: found.match)
+    parts.append(match_section(match, reason))
+    if run is not None:
+        split, reason = attempted(lambda: found.split)
+        parts += [split_section(split, reason, found.loop.is_stable), _guard(run)]
+        parts.append(fitted_section(run.D_f))
+    return joined(title, *parts, remark=remark)
+
+
+def _guard(run: Run) -> Section:
+    if not run.guard_count:
+        return Section()
+    words = (
+        f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided by "
+        "rounding: the data cannot support this R_theta. Use a larger R_theta."
+    )
+    return Section(blocks=(Text(words, "warning"),))
+
+
 def _polynomial(c: ExactComparison) -> Table:
     rows = []
     for power in range(c.reached.degree(), -1, -1):
@@ -157,15 +239,15 @@ def _polynomial(c: ExactComparison) -> Table:
     return Table(("power of q", "asked for, exact", "reached", "difference"), tuple(rows))
 
 
-def poles_section(found: LoopAnalysis) -> Section:
+def poles_section(found: LoopAnalysis, obstacle: str) -> Section:
     """What float64 can say where the exact comparison does not apply."""
     poles = found.loop.poles()
     blocks: list[Block] = [
-        Text(f"No exact comparison: {found.obstacle}.", "warning"),
+        Text(f"No exact comparison: {obstacle}.", "warning"),
         Fact("closed-loop poles", complex_list(poles)),
-        Fact("controller poles", complex_list(found.run.compensator.poles())),
+        Fact("controller poles", complex_list(found.compensator.poles())),
     ]
-    if found.run.plant.l_z == 1:
+    if found.plant.l_z == 1:
         zeros = {channel: complex_list(values) for channel, values in found.zeros.items()}
         blocks += zeros_facts(zeros)
-    return Section(blocks=tuple(blocks), record={"obstacle": found.obstacle, "poles": poles})
+    return Section(blocks=tuple(blocks), record={"obstacle": obstacle, "poles": poles})

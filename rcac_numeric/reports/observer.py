@@ -23,9 +23,11 @@ def observer_sheet(
     """The answers to the three readings of the question, and the observer-based forms."""
     G, G_c = siso_loop(plant, compensator, feedback)
     decisions: Decisions = {
-        "pair": exact.pair_is_observer_based(G, G_c, feedback=feedback),
-        "transfer_function": exact.transfer_function_is_observer_based(G, G_c, feedback=feedback),
-        "lqg_suboptimal": exact.is_lqg_suboptimal(G, G_c, feedback=feedback),
+        "pair": exact.observers.pair_is_observer_based(G, G_c, feedback=feedback),
+        "transfer_function": exact.observers.transfer_function_is_observer_based(
+            G, G_c, feedback=feedback
+        ),
+        "lqg_suboptimal": exact.observers.is_lqg_suboptimal(G, G_c, feedback=feedback),
     }
     forms, numeric = None, None
     if G_c.order and G_c.is_strictly_proper:
@@ -33,7 +35,7 @@ def observer_sheet(
         signed = exact.TransferFunction(scaled(G_c.numerator, feedback), G_c.denominator)
         controller = exact.realisation(signed)
         decisions["realisation"] = replace(
-            exact.realisation_is_observer_based(system, controller),
+            exact.observers.realisation_is_observer_based(system, controller),
             question="Is its controllable canonical realisation observer-based?",
         )
         forms = exact.observer_forms(system, controller)

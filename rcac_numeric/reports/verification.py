@@ -19,19 +19,14 @@ from rcac_numeric.experiments.judging.claim import (
     Verdict,
     outcome_of,
 )
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis, attempted
 from rcac_numeric.experiments.verdicts import Verification
 from rcac_numeric.health.diagnosis import loop_health
 from rcac_numeric.health.health import LoopHealth
 from rcac_numeric.reports.health import health_lines, health_record
 from rcac_numeric.reports.loop import (
-    comparison_section,
-    fitted_section,
     joined,
-    match_section,
+    loop_section,
     missed_poles,
-    poles_section,
-    split_section,
 )
 from rcac_numeric.reports.sheets.sheet import Block, Fact, Level, Section, Sheet, Table, Text, cells
 
@@ -91,7 +86,9 @@ def _of_runs(verification: Verification) -> tuple[Section, ...]:
         return (estimation_section(verification),)
     if not verification.results:
         return ()
-    return _runs(verification), _controller(verification.main)
+    main = verification.main
+    remark = f" of run {main.specification.name!r}"
+    return _runs(verification), loop_section(main.first, "The controller", remark)
 
 
 def _health_of_exact(verification: Verification) -> tuple[Text, ...]:
@@ -264,35 +261,6 @@ def _run(name: str, result: RunResult) -> Any:
     elif not result.as_expected:
         outcome.append(Text("though expected to diverge", "bad"))
     return cells(name, arithmetic, distance, guard, outcome)
-
-
-def _controller(main: RunResult) -> Section:
-    found = main.first
-    parts = []
-    if found.run.saturation is not None:
-        words = "What follows is the linear loop, without the saturation."
-        parts.append(Section(blocks=(Text(words, "warning"),)))
-    if not found.obstacle:
-        parts.append(comparison_section(found.comparison))
-    else:
-        parts.append(poles_section(found))
-    match, reason = attempted(lambda: found.match)
-    parts.append(match_section(match, reason))
-    split, reason = attempted(lambda: found.split)
-    parts.append(split_section(split, reason, found.loop.is_stable))
-    parts += [_guard(found), fitted_section(found.run.D_f)]
-    return joined("The controller", *parts, remark=f" of run {main.specification.name!r}")
-
-
-def _guard(found: LoopAnalysis) -> Section:
-    run = found.run
-    if not run.guard_count:
-        return Section()
-    words = (
-        f"{run.guard_count} updates, the first at step {run.guard_first_step}, were decided by "
-        "rounding: the data cannot support this R_theta. Use a larger R_theta."
-    )
-    return Section(blocks=(Text(words, "warning"),))
 
 
 # What a report says of the studies of an estimation example.

@@ -20,6 +20,7 @@ from rcac_numeric.arrays.values import Value
 from rcac_numeric.checks.logs import ControllerLog
 from rcac_numeric.controllers.fixed import FixedController
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.batches import SimulationCase, simulate_many
 from rcac_numeric.engine.compatibility import AnyController
 from rcac_numeric.engine.runs import Run
@@ -39,10 +40,15 @@ from rcac_numeric.synthesis.plants import (
     read_plant,
     variations,
 )
-from rcac_numeric.synthesis.reference import MOST, Reference, reference_loop
+from rcac_numeric.synthesis.reduced import (
+    reduced_reference,
+    require_reducible,
+    with_feedforward,
+)
+from rcac_numeric.synthesis.reference import MOST, Ladder, Reference
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.simc import simc
-from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, Trials
+from rcac_numeric.synthesis.trials import FIXED, FULL, PID, RCAC, Trial, Trials
 
 WORTH = 0.95  # of the fixed controller's rms: what RCAC must be below, with 95 % confidence
 PEAK = 1.5  # of the fixed controller's peak: what RCAC may cost at its start
@@ -172,7 +178,7 @@ class Design(Value):
     questions : tuple of Question
     reasons : tuple of Reason
     alternatives : mapping from names to FixedController or str
-        A PID by SIMC, or why there is none.
+        A PID by SIMC, or why there is none; LQG, where the controller is reduced.
     evidence : tuple of Trial
         Every controller on every plant, on held-out draws.
     reference : Reference
@@ -266,6 +272,8 @@ def design(
     sample_time: float | None = None,
     dead_time: float = 0.0,
     uncertainty: Uncertainty | None = None,
+    structure: Structure | None = None,
+    feedforward: bool = False,
     seeds: int = 6,
     steps: int = 2000,
 ) -> Design:
@@ -300,13 +308,19 @@ def design(
     uncertainty : Uncertainty, optional
         How far the true plant may be from this one: by default a gain of 0.8 to 1.25, one step,
         time constants of 1/1.2 to 1.2, three times the noise.
+    structure : Structure, optional
+        One of y alone, such as ``pid("PI")``, ``fir(20)`` or ``fir_integrator(20)``: the
+        reference is reduced to it, RCAC adapts its coefficients, and LQG stands beside them.
+    feedforward : bool
+        Whether the controller reads the command r too, in a part of its own (figure 2.15).
     seeds, steps : int
         Number and length of the held-out runs on each plant.
 
     Returns
     -------
     Design
-        For the error e = r - y_0 - v: ``u = controller.step(y=e, z=e)``.
+        For the error e = r - y_0 - v: ``u = controller.step(y=e, z=e)``, and ``r=r`` with
+        feedforward.
 
     Raises
     ------
@@ -330,7 +344,12 @@ def design(
     integer(seeds, "seeds", at_least=1)
     integer(steps, "steps", at_least=100, at_most=LONGEST)
     saturation = _limits(u_limits)
-    around = _Surroundings(disturbance, noise, command, saturation, uncertainty)
+    if structure is not None:
+        require_reducible(structure)
+    instance_of(feedforward, "feedforward", bool)
+    around = _Surroundings(
+        disturbance, noise, command, saturation, uncertainty, structure, feedforward
+    )
     if isinstance(plant, ControllerLog):
         basis = _basis_of_log(plant, sample_time, dead_time, around)
     else:
@@ -338,9 +357,11 @@ def design(
     model, logged, expected, cases = basis.model, basis.logged, basis.expected, basis.cases
     reference = basis.reference
     settings = settings_of(model, reference, expected)
-    fixed = FixedController(reference.compensator)
+    fixed = reference.fixed
     controllers: dict[str, AnyController] = {RCAC: settings, FIXED: fixed}
     alternatives: dict[str, FixedController | str] = {}
+    if reference.full is not None:
+        alternatives[FULL] = controllers[FULL] = FixedController(reference.full)
     try:
         alternatives[PID] = controllers[PID] = simc(model)
     except NoSolutionError as error:
@@ -370,6 +391,8 @@ class _Surroundings:
     command: Any
     saturation: Saturation | None
     uncertainty: Uncertainty | None
+    structure: Structure | None
+    feedforward: bool
 
 
 @dataclass(frozen=True)
@@ -395,7 +418,13 @@ def _basis_of(
     )
     uncertain = around.uncertainty or usual
     cases = variations(model, uncertain)
-    reference = reference_loop(model, expected, u_range, cases)
+    ladder = Ladder(model, expected, u_range, cases)
+    own = around.structure
+    if own is not None and model.m > 1:
+        raise InputError(f"structure = {own.name} is for one input and output; leave it out.")
+    reference = ladder.best() if own is None else reduced_reference(ladder, own)
+    if around.feedforward:
+        reference = with_feedforward(model, reference, expected)
     return _Basis(model, uncertain, expected, assumed, cases, reference, logged)
 
 
@@ -602,21 +631,36 @@ def reasons_of(
     knobs: Knobs,
 ) -> tuple[Reason, ...]:  # fmt: skip
     """Each setting, and why it is what it is."""
-    n_c = reference.compensator.n_c
-    models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids[:1]]
+    n_c, structure = reference.compensator.n_c, settings.structure
+    models = [f"an oscillator at {omega:.3g} rad/step" for omega, _ in expected.sinusoids]
     taken = model.servo().n + 2 * model.m * len(models)
     models += ["an integrator"] if reference.lqg.plant.n > taken else []
     parts = " and ".join(models)
     robust = "" if reference.peak <= MOST else "; no robust rung of the ladder has Ms <= 2"
-    order = "the order of the fixed controller: more costs robustness"
+    weights = f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}"
+    modelled = f"; with {parts} for the disturbance" if parts else ""
+    fixed = f"LQG of order {n_c}", f"{weights}: the least cost on the ladder{robust}{modelled}"
+    order = f"iir(n_c={n_c})", "the order of the fixed controller: more costs robustness"
     if knobs.spare:
-        order = f"the order of the fixed controller and {knobs.spare} more"
+        order = f"iir(n_c={structure.n_c})", f"{order[1][:33]} and {knobs.spare} more"
+    if reference.commands:
+        order = (
+            f"feedforward(n_c={structure.n_c})",
+            (
+                "past u, e and r under one denominator; the part of r minimises the error that a "
+                "step leaves, and leaves the loop as it is"
+            ),
+        )
+    if reference.full is not None:
+        fixed = (
+            f"{structure.name} of {structure.l_theta} coefficients",
+            (f"nearest to LQG with {weights} where it matters to the error{robust}"),
+        )
+        order = structure.name, "as it was asked for"
     forgets = "" if knobs.forgetting == 1 else f"; lambda = {knobs.forgetting:.6g}"
     return (
-        Reason("fixed", f"LQG of order {n_c}, Ms = {reference.peak:.3g}",
-               f"R_2 = {reference.R_2:g}, V_2 x {reference.V_2:g}: the least cost on the ladder"
-               + robust + (f"; with {parts} for the disturbance" if parts else "")),
-        Reason("structure", f"iir(n_c={settings.structure.n_c})", order),
+        Reason("fixed", f"{fixed[0]}, Ms = {reference.peak:.3g}", fixed[1]),
+        Reason("structure", *order),
         Reason("target", f"of order {settings.target.n_f}",
                "(4.18) of the fixed controller's loop: its delay, zeros and poles are reachable"),
         Reason("theta_0", "the fixed controller", "from zero the start is as violent as the prior "

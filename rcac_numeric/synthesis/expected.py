@@ -104,13 +104,18 @@ class Expected(Value):
         """A draw of w, shape (steps, 3 m)."""
         return exogenous(self.signals(seed, noise), steps, seed)
 
-    def prior_w(self, steps: int) -> Array:
-        """What R_theta is made of: coloured and white noise of their size, and what is known."""
+    def prior_w(self, steps: int, reads_command: bool = False) -> Array:
+        """What R_theta is made of: coloured and white noise of their size, and what is known.
+
+        The command is among them where the controller reads it.
+        """
         rng = np.random.default_rng(1)
         w = np.zeros((steps, 3 * self.m)) if self.disturbance is None else self.w(steps, 0)
         for i in range(self.m):
             w[:, self.m + i] += self.size * (_coloured(steps, rng) + rng.standard_normal(steps))
             w[:, 2 * self.m + i] = self.noise * rng.standard_normal(steps)
+        if reads_command:
+            w[:, 0] += self.largest_command * (_coloured(steps, rng) + rng.standard_normal(steps))
         return w
 
     def _drawn(self, seed: int, i: int) -> Signal:

@@ -13,7 +13,9 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError, PrecisionError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.values import equal
+from rcac_numeric.controllers.kinds import feedforward, fir, fir_integrator, iir, pid
 from rcac_numeric.controllers.settings import ControllerSettings
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.experiments.experiment import JUDGING
@@ -23,7 +25,7 @@ from rcac_numeric.experiments.files.plants import ServoOfG, StandardOfG, read_pl
 from rcac_numeric.experiments.files.signals import SIGNALS
 from rcac_numeric.experiments.format.places import Place
 from rcac_numeric.experiments.format.tables import Table
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.signals.recordings import Recorded
@@ -66,12 +68,7 @@ def experiment_file(
     PrecisionError
         Where what was read back is not what was written.
     """
-    n_c, target, bounds, R_z = (
-        settings.structure.n_c,
-        settings.target,
-        settings.bounds,
-        settings.R_z,
-    )
+    target, bounds, R_z = settings.target, settings.bounds, settings.R_z
     assert bounds is not None and isinstance(R_z, SignalWeight) and isinstance(settings.update, UD)
     m = expected.m
     written = [_signal(one, steps) for one in expected.signals(JUDGING)]
@@ -106,8 +103,8 @@ def experiment_file(
         f"denominator = {_numbers(target.denominator if m > 1 else target.denominator.ravel())}",
         "",
         "[controller]",
-        f'structure = "iir"  # {reasons["structure"]}',
-        f"n_c = {n_c}",
+        f"# {reasons['structure']}",
+        *_structure_lines(settings.structure),
         f"# {reasons['R_theta']}",
         f"R_theta = {_numbers(settings.update.R_theta)}",
         f"lambda = {settings.update.lambda_!r}",
@@ -130,6 +127,36 @@ def experiment_file(
     text = "\n".join([*lines, *(rcac + frozen if adapts else frozen + rcac)])
     _require_same(text, plant, settings, exogenous(expected.signals(JUDGING), steps, JUDGING))
     return text
+
+
+def _structure_lines(structure: Structure) -> list[str]:
+    """A structure by its kind and what that asks for; a table of one's own by its taps."""
+    n_c, m, l_y, l_r = structure.n_c, structure.l_u, structure.l_y, structure.l_r
+    terms, found = structure.name, []
+    if set(terms) <= set("PID"):
+        limit = min((one.limit for one in structure.derived), default=np.inf)
+        lines = [f"terms = {json.dumps(terms)}"]
+        lines += [f"integral_limit = {limit!r}"] if np.isfinite(limit) else []
+        found.append(("pid", lines, pid(terms, m, l_y, integral_limit=limit)))
+    else:
+        order = [f"n_c = {n_c}"]
+        found += [("iir", order, iir(n_c, m, l_y)), ("fir", order, fir(n_c, m, l_y))]
+        later = [*order, "k_c = 1"]
+        found.append(("fir + integrator", later, fir_integrator(n_c, None, m, l_y, 1)))
+        if l_r:
+            found.append(("feedforward", order, feedforward(n_c, m, l_y, l_r)))
+    for kind, lines, one in found:
+        if one == structure:
+            return [f'structure = "{kind}"', *lines]
+    taps = [[tap.signal, tap.component, tap.delay] for tap in structure.taps]
+    derived = []
+    for signal in structure.derived:
+        own = f"now = {list(signal.now)}, before = {list(signal.before)}, pole = {signal.pole!r}"
+        derived.append(own + (f", limit = {signal.limit!r}" if np.isfinite(signal.limit) else ""))
+    return [
+        'structure = "taps"', f"n_c = {n_c}", f"taps = {json.dumps(taps)}",
+        f"derived = [{', '.join(f'{{ {one} }}' for one in derived)}]",
+    ]  # fmt: skip
 
 
 def _require_same(text: str, plant: Plant, settings: ControllerSettings, w: Array) -> None:

@@ -11,7 +11,7 @@ from scipy.signal import tf2ss
 from scipy.stats import ttest_1samp
 
 from compensator_theory.errors import InputError
-from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.closed_loop import frozen_loop
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.arrays.values import Value
@@ -99,7 +99,7 @@ class LoggedPlant(Value):
     def held(self, compensator: Compensator) -> int:
         """On how many parts the loop with a controller is stable with Ms < 4."""
         peaks = [
-            sensitivity_peak(ClosedLoop(part.servo(), compensator))
+            sensitivity_peak(frozen_loop(part.servo(), compensator, 0))
             for part in self.parts
             if part is not None
         ]

@@ -15,12 +15,12 @@ from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, integer, items, number, reads, with_checks
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import plant_of
 from rcac_numeric.plants.functions import FunctionPlant
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
-from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.zero_order_hold import zero_order_hold
 
 MOST_SIGNALS = 4  # inputs and outputs
 ALIKE = 100.0  # the gain of an output, or of an input, over that of another

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from compensator_theory.errors import CompensatorError, NoSolutionError
-from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.closed_loop import ClosedLoop, frozen_loop
 from rcac_numeric.analysis.gramians import stein_solution
-from rcac_numeric.arrays.array_types import Array
+from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
+from rcac_numeric.controllers.fixed import FixedController
+from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.h2.conversion import converted
 from rcac_numeric.h2.costs import loop_matrices
 from rcac_numeric.h2.lqg import LQG, controller_matrices, lqg, weights
@@ -51,13 +53,17 @@ class Reference(Value):
     lqg : LQG
         In units in which the disturbance and its effect on y are 1.
     compensator : Compensator
-        In the units of the plant: from e to u.
+        In the units of the plant: from e to u, or from [e; r].
     peak : float
         Ms, the largest abs(S) over frequency; of several signals at u and at y.
     R_2, V_2 : float
         The weight of u, and that of the noise, over what is expected.
     units : (float, float)
         Those of u and y.
+    structure, theta : Structure and array, or None
+        Of a controller that is reduced to a structure.
+    full : Compensator or None
+        The LQG controller that it was reduced from.
     """
 
     lqg: LQG
@@ -66,20 +72,63 @@ class Reference(Value):
     R_2: float
     V_2: float
     units: tuple[float, float]
+    structure: Structure | None = None
+    theta: Array | None = None
+    full: Compensator | None = None
+
+    @property
+    def commands(self) -> int:
+        """How many commands the compensator reads."""
+        return self.compensator.l_y - self.lqg.plant.l_y
+
+    @property
+    def fixed(self) -> FixedController:
+        """The compensator as a controller that runs."""
+        return FixedController(self.compensator, l_r=self.commands)
 
     def loop(self, plant: DesignPlant) -> ClosedLoop:
         """The nominal plant in a loop with it."""
-        return ClosedLoop(plant.servo(), self.compensator)
+        return frozen_loop(plant.servo(), self.compensator, 0)
 
 
-def reference_loop(
-    plant: DesignPlant, expected: Expected, u_range: float = np.inf,
-    others: Sequence[Variation] = (),
-) -> Reference:  # fmt: skip
-    """The LQG controller of least cost on a ladder of weights whose loop is robust.
+@dataclass(frozen=True)
+class Judged:
+    """What a controller is in the loops of a ladder.
 
-    Robust is: Ms <= 2, all poles inside 1 - 1e-4, and stable with every other plant. Where none is,
-    the one that fails with the fewest of them, and of those the one with the smallest peak.
+    Attributes
+    ----------
+    lost : int
+        Plants that it does not stabilise, and one more where the nominal loop is a hair from it.
+    peak : float
+        Ms with the nominal plant; infinite where that loop is unstable.
+    error, control : float
+        E[e_0^2] and E[(u + b)^2] under what is expected, in units of the ladder.
+    most : float
+        What the latter may be.
+    """
+
+    lost: int
+    peak: float
+    error: float = np.inf
+    control: float = np.inf
+    most: float = np.inf
+
+    @property
+    def wide(self) -> float:
+        """How far u leaves the actuator: above 1 it does."""
+        return float(self.control / self.most)
+
+    @property
+    def order(self) -> tuple[bool, float, float]:
+        """What is chosen by: robust, u inside the actuator, least error; else most robust."""
+        if self.peak <= MOST and not self.lost:
+            is_wide = self.wide > 1
+            return False, float(is_wide), self.control if is_wide else self.error
+        return True, float(self.lost), self.peak
+
+
+class Ladder:
+    """LQG controllers of a plant for a ladder of weights, and how every controller is judged.
 
     z = [e; sqrt(R_2) (u + b)] with b what of d is not white: then the Riccati equation itself has
     the controller cancel b, whatever R_2 is.
@@ -99,52 +148,109 @@ def reference_loop(
     Raises
     ------
     NoSolutionError
+        Where the plant has a zero where the disturbance has its pole.
+    """
+
+    def __init__(
+        self, plant: DesignPlant, expected: Expected, u_range: float = np.inf,
+        others: Sequence[Variation] = (),
+    ) -> None:  # fmt: skip
+        self.plant, self.units = plant, (expected.size, plant.low_gain * expected.size)
+        self.scaled = _in_units(plant, self.units)
+        self.models = _disturbance_models(expected, self.units)
+        for omega, _ in self.models.values():
+            _require_reach(plant, omega)
+        blocks = [f"{c}_{kind}" for c in _channels_of_d(self.scaled) for kind in self.models]
+        self.noise: dict[str, float] = {"d": (expected.white / self.units[0]) ** 2}
+        self.noise |= dict.fromkeys(blocks, 1.0)
+        self.noise_variance = max(expected.noise / self.units[1], LEAST_NOISE) ** 2
+        left = u_range - expected.lasting
+        self.most_u = max(left, LEAST_LEFT * u_range) / (3 * self.units[0])
+        self.instead = [_in_units(plant, self.units, one) for one in others]
+
+    def judged(self, parts: StateSpace) -> Judged:
+        """A controller (A_c, B_c, C_c, D_c) from e to u, in units of the ladder."""
+        try:
+            peak = _peak(self.scaled, parts)
+            lost = sum(not _radius(other, parts) < 1 for other in self.instead)
+            lost += not _radius(self.scaled, parts) < SLOWEST
+            if not np.isfinite(peak):
+                return Judged(lost, np.inf)
+            noise = {**self.noise, "v": self.noise_variance}
+            e, u = _powers(self.scaled, self.models, parts, noise)
+        except CompensatorError:
+            return Judged(len(self.instead) + 1, np.inf)
+        return Judged(lost, peak, e, u, self.most_u**2)
+
+    def rungs(self) -> Iterator[tuple[float, float, StateSpace]]:
+        """R_2, V_2 and the LQG controller of every rung that has one."""
+        yield from _rungs(self.scaled, self.models, self.noise, self.noise_variance)
+
+    def best(self) -> Reference:
+        """The controller of least cost whose loop is robust, else the most robust one.
+
+        Raises
+        ------
+        NoSolutionError
+            Where no rung of the ladder has a controller.
+        """
+        plant, units, V = self.plant, self.units, self.noise_variance
+        found = [(self.judged(parts), R_2, V_2) for R_2, V_2, parts in self.rungs()]
+        found = [one for one in found if np.isfinite(one[0].peak)]
+        obstacle = ""
+        for judged, R_2, V_2 in sorted(found, key=lambda one: (one[0].order, *one[1:])):
+            try:
+                noise = {**self.noise, "v": V * V_2}
+                best = lqg(_weighted(self.scaled, R_2, self.models), noise=noise)
+                several = plant.m > 1
+                G_c = converted(best.state_space, CLOSE)[0] if several else best.compensator
+            except CompensatorError as error:
+                obstacle = f" The last obstacle: {error}"
+                continue
+            made = Compensator(G_c.past_u, G_c.past_y * units[0] / units[1], plant.sample_time)
+            if plant.m > 1 and not (
+                sensitivity_peak(ClosedLoop(plant.servo(), made)) <= (1 + CLOSER) * judged.peak
+            ):
+                obstacle = " The last obstacle: its difference equation has not its robustness."
+                continue
+            return Reference(best, made, judged.peak, R_2, V_2, units)
+        raise NoSolutionError(
+            "no LQG controller with this disturbance model stabilises the plant in float64; reduce "
+            f"its order or its dead time, or sample more slowly.{obstacle}"
+        )
+
+    def response(self, omega: Array) -> ComplexArray:
+        """From u to e, both scalar, in units of the ladder."""
+        to_e = -self.plant.response(omega)[:, 0, 0] * self.units[0] / self.units[1]
+        return np.asarray(to_e, dtype=np.complex128)
+
+    def disturbance_spectrum(self, omega: Array) -> Array:
+        """Of d, in units of the ladder: white noise, and what drives its models through them."""
+        found = np.full(len(omega), self.noise["d"])
+        z = np.exp(1j * omega)
+        for pole, power in self.models.values():
+            mode = LASTS * np.exp(1j * pole)
+            size = np.abs((z - mode) * (z - np.conj(mode))) if pole else np.abs(z - mode)
+            found += (1 - LASTS**2) * power / size**2
+        return found
+
+
+def reference_loop(
+    plant: DesignPlant, expected: Expected, u_range: float = np.inf,
+    others: Sequence[Variation] = (),
+) -> Reference:  # fmt: skip
+    """The LQG controller of least cost on a ladder of weights whose loop is robust.
+
+    Robust is: Ms <= 2, all poles inside 1 - 1e-4, and stable with every other plant. Where none is,
+    the one that fails with the fewest of them, and of those the one with the smallest peak.
+    Parameters are those of `Ladder`.
+
+    Raises
+    ------
+    NoSolutionError
         Where no rung of the ladder has a controller.
     """
-    units = expected.size, plant.low_gain * expected.size
-    scaled = _in_units(plant, units)
-    models = _disturbance_models(expected, units)
-    for omega, _ in models.values():
-        _require_reach(plant, omega)
-    blocks = [f"{channel}_{kind}" for channel in _channels_of_d(scaled) for kind in models]
-    noise = {"d": (expected.white / units[0]) ** 2} | dict.fromkeys(blocks, 1.0)
-    V = max(expected.noise / units[1], LEAST_NOISE) ** 2
-    left = u_range - expected.lasting
-    most_u = max(left, LEAST_LEFT * u_range) / (3 * units[0])
-    instead = [_in_units(plant, units, one) for one in others]
-    found, obstacle = [], ""
-    for R_2, V_2, parts in _rungs(scaled, models, noise, V):
-        try:
-            peak = _peak(scaled, parts)
-            if not np.isfinite(peak):
-                continue
-            lost = sum(not _radius(other, parts) < 1 for other in instead)
-            lost += not _radius(scaled, parts) < SLOWEST
-            robust = peak <= MOST and not lost
-            e, u = _powers(scaled, models, parts, {**noise, "v": V})
-            wide = u > most_u**2
-            order = (wide, u if wide else e) if robust else (lost, peak)
-            found.append((not robust, *order, R_2, V_2, peak))
-        except CompensatorError as error:
-            obstacle = f" The last obstacle: {error}"
-    for *_, R_2, V_2, peak in sorted(found):
-        try:
-            best = lqg(_weighted(scaled, R_2, models), noise={**noise, "v": V * V_2})
-            G_c = best.compensator if plant.m == 1 else converted(best.state_space, CLOSE)[0]
-        except CompensatorError as error:
-            obstacle = f" The last obstacle: {error}"
-            continue
-        made = Compensator(G_c.past_u, G_c.past_y * units[0] / units[1], plant.sample_time)
-        if plant.m > 1 and not (
-            sensitivity_peak(ClosedLoop(plant.servo(), made)) <= (1 + CLOSER) * peak
-        ):
-            obstacle = " The last obstacle: its difference equation has not its robustness."
-            continue
-        return Reference(best, made, peak, R_2, V_2, units)
-    raise NoSolutionError(
-        "no LQG controller with this disturbance model stabilises the plant in float64; reduce "
-        f"its order or its dead time, or sample more slowly.{obstacle}"
-    )
+    return Ladder(plant, expected, u_range, others).best()
 
 
 def _require_reach(plant: DesignPlant, omega: float) -> None:
@@ -180,8 +286,9 @@ def _disturbance_models(expected: Expected, units: tuple[float, float]) -> Model
     drive = DRIFT**2 / (1 - LASTS**2)
     if stays:
         found["bias"] = 0.0, stays**2 * drive
-    for omega, amplitude in expected.sinusoids[:1]:
-        found["oscillation"] = omega, (amplitude / units[0]) ** 2 * drive
+    for i, (omega, amplitude) in enumerate(expected.sinusoids):
+        name = "oscillation" if not i else f"oscillation{i + 1}"
+        found[name] = omega, (amplitude / units[0]) ** 2 * drive
     return found
 
 
@@ -196,11 +303,13 @@ def _weighted(plant: Plant, R_2: float, models: Models) -> Plant:
         E_0=np.vstack([plant.E_0, np.hstack([none, rho, none])]),
     )
     for channel in _channels_of_d(plant):
-        if "bias" in models:
-            made = with_bias(made, channel, pole=LASTS, mean_square=models["bias"][1])
-        if "oscillation" in models:
-            omega, power = models["oscillation"]
-            made = with_oscillation(made, channel, omega=omega, radius=LASTS, mean_square=power)
+        for name, (omega, power) in models.items():
+            if name == "bias":
+                made = with_bias(made, channel, pole=LASTS, mean_square=power)
+            else:
+                made = with_oscillation(
+                    made, channel, omega=omega, radius=LASTS, mean_square=power, name=name
+                )
     return made
 
 
@@ -236,24 +345,24 @@ def _rungs(
 
 def _peak(plant: Plant, parts: StateSpace) -> float:
     """Ms, the peak of S = (I - G_c G_yu)^-1 at u and at y; infinite where the loop is unstable."""
-    A_c, B_c, C_c, _ = parts
+    A_c, B_c, C_c, D_c = parts
     if not _radius(plant, parts) < 1:
         return np.inf
     A, eye = _closed(plant, parts), np.eye(plant.l_u)
     at_u = np.vstack([plant.B, np.zeros((len(A_c), plant.l_u))])
-    of_u = np.hstack([np.zeros((plant.l_u, plant.n)), C_c])
+    of_u = np.hstack([D_c @ plant.C, C_c])
     peak = hinf_norm((A, at_u, of_u, eye), rtol=1e-4)[0]
     if plant.l_u == 1:
         return peak
-    at_y = np.vstack([np.zeros((plant.n, plant.l_y)), B_c])
+    at_y = np.vstack([plant.B @ D_c, B_c])
     of_y = np.hstack([plant.C, np.zeros((plant.l_y, len(A_c)))])
-    return max(peak, hinf_norm((A, at_y, of_y, eye), rtol=1e-4)[0])
+    return max(peak, hinf_norm((A, at_y, of_y, np.eye(plant.l_y)), rtol=1e-4)[0])
 
 
 def _closed(plant: Plant, parts: StateSpace) -> Array:
-    """A of the loop with a strictly proper controller."""
-    A_c, B_c, C_c, _ = parts
-    return np.block([[plant.A, plant.B @ C_c], [B_c @ plant.C, A_c]])
+    """A of the loop, D_0 = 0."""
+    A_c, B_c, C_c, D_c = parts
+    return np.block([[plant.A + plant.B @ D_c @ plant.C, plant.B @ C_c], [B_c @ plant.C, A_c]])
 
 
 def _radius(plant: Plant, parts: StateSpace) -> float:
@@ -290,8 +399,4 @@ def sensitivity_peak(loop: ClosedLoop) -> float:
     """
     if not loop.is_stable:
         return np.inf
-    A_c, B_c, C_c, D_c = loop.compensator.state_space()
-    plant = loop.plant
-    if D_c.any():
-        raise NoSolutionError("the peak is found for strictly proper controllers.")
-    return _peak(plant, (A_c, B_c, C_c, D_c))
+    return _peak(loop.plant, loop.compensator.state_space())

@@ -14,18 +14,17 @@ from rcac_numeric.analysis.closed_loop import ClosedLoop
 from rcac_numeric.analysis.gramians import stein_solution
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import rounded
-from rcac_numeric.checks.regressor import regressor_of
 from rcac_numeric.controllers.bounds import CoefficientBounds
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.fixed import FixedController
-from rcac_numeric.controllers.kinds import iir
+from rcac_numeric.controllers.kinds import feedforward, iir
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import Structure
+from rcac_numeric.controllers.updates.prior import PriorSamples
 from rcac_numeric.controllers.updates.recursive import UD
 from rcac_numeric.controllers.weights import SignalWeight
 from rcac_numeric.engine.simulation import simulate
 from rcac_numeric.h2.state_space import StateSpace
-from rcac_numeric.health.excitation import filtered_regressor
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.synthesis.expected import Expected
 from rcac_numeric.synthesis.plants import DesignPlant
@@ -34,7 +33,6 @@ from rcac_numeric.targets.model import TargetModel, from_transfer_function
 
 STEPS = 4000  # of the run of the reference loop that R_theta is made of
 KNOWN, UNKNOWN = 1000.0, 300.0  # samples that the prior is worth, with the spectrum known or not
-FLOOR = 1e-4  # of the diagonal of the mean of Phi_f' Phi_f
 WIDTH = 0.2  # of the bounds, over the rms of the reference's coefficients of u or of y
 # Shares of the largest Hankel singular value: with less left out float64 coefficients are too few.
 LEFT_OUT = (1e-5, 3e-5, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
@@ -89,34 +87,48 @@ def settings_of(
     knobs : Knobs, optional
     """
     knobs = Knobs() if knobs is None else knobs
-    G_c = with_spare_order(reference.compensator, knobs.spare)
-    structure, servo = iir(G_c.n_c, plant.m, plant.m), plant.servo()
-    run = simulate(servo, FixedController(G_c), expected.prior_w(STEPS))
-    target = intercalated_target(servo, G_c, run.u)
-    theta_0 = coefficients_of(G_c)
-    information = mean_information(structure, target, run.u, run.y)
+    G_c, servo, l_r = reference.compensator, plant.servo(), reference.commands
+    if reference.structure is not None and reference.theta is not None:
+        structure, theta_0 = reference.structure, reference.theta
+    else:
+        G_c = with_spare_order(G_c, knobs.spare)
+        order, m = G_c.n_c, plant.m
+        structure = feedforward(order, m, m, l_r) if l_r else iir(order, m, m)
+        theta_0 = coefficients_of(G_c, plant.m)
+    w = expected.prior_w(STEPS, reads_command=bool(l_r))
+    run = simulate(servo, FixedController(G_c, l_r=l_r), w)
+    target = intercalated_target(servo, G_c, run.u, structure)
+    prior = PriorSamples(knobs.worth(expected), run.y, run.u, run.w[:, :l_r] if l_r else None)
     size = float(np.sqrt(np.mean(np.sum(run.z**2, axis=1))))
     return ControllerSettings(
         structure=structure, target=target, theta_0=theta_0,
-        update=UD(R_theta=knobs.worth(expected) * information, lambda_=knobs.forgetting),
+        update=UD(R_theta=prior, lambda_=knobs.forgetting),
         R_z=SignalWeight(constant=1.0, nu=knobs.nu / size),
         k_w=0, k_update=max(structure.n_c, target.n_f),
         bounds=_box(theta_0, structure, knobs.width),
     )  # fmt: skip
 
 
-def intercalated_target(servo: Plant, G_c: Compensator, u: Array) -> TargetModel:
+def intercalated_target(
+    servo: Plant, G_c: Compensator, u: Array, structure: Structure | None = None
+) -> TargetModel:
     """(4.18) of a loop, each coefficient rounded once; (4.16) over one denominator for several.
 
-    The latter is close where u has power, and its delay exact.
+    The latter is close where u has power, and its delay exact. What a structure integrates by
+    itself is not in its regressor of u: u~ enters behind it, and G_f has a zero at each pole of a
+    derived signal.
     """
     if servo.l_u > 1:
         return _intercalated_matrix(servo, G_c, u)
+    of_e = Compensator(G_c.past_u, G_c.past_y[:, :, :1], G_c.sample_time)
     exactly = exact.intercalated_transfer_function(
         servo.problem,
-        exact.polynomial(G_c.numerator.tolist(), "q"),
-        exact.polynomial(G_c.denominator.tolist(), "q"),
+        exact.polynomial(of_e.numerator.tolist(), "q"),
+        exact.polynomial(of_e.denominator.tolist(), "q"),
     )
+    own = {one.pole for one in structure.derived} - {0.0} if structure is not None else set()
+    for pole in sorted(own):
+        exactly = exactly * exact.transfer_function(f"(q - {exact.exact_number(pole)})/q")
     rounded = from_transfer_function(exactly)
     # Its poles are asked for once more, as the controller runs it: rounded.
     return TargetModel(rounded.numerator, rounded.denominator)
@@ -227,19 +239,13 @@ def _over_one_denominator(parts: StateSpace, delay: int) -> TargetModel:
     return TargetModel(np.concatenate([late, N]), np.multiply.outer(chi, np.eye(found.shape[0])))
 
 
-def coefficients_of(G_c: Compensator) -> Array:
-    """The theta of a strictly proper compensator: for each tap those of every u."""
-    blocks = [*G_c.past_u, *G_c.past_y[1:]]
+def coefficients_of(G_c: Compensator, l_y: int) -> Array:
+    """The theta of a strictly proper compensator: for each tap those of every u.
+
+    Its taps are past u, past y, and the past commands behind the l_y measurements.
+    """
+    blocks = [*G_c.past_u, *G_c.past_y[1:, :, :l_y], *G_c.past_y[1:, :, l_y:]]
     return np.concatenate([block.T.ravel() for block in blocks])
-
-
-def mean_information(structure: Structure, target: TargetModel, u: Array, y: Array) -> Array:
-    """The mean of Phi_f' Phi_f over a run, with a floor of 1e-4 of its own diagonal."""
-    phi = regressor_of(structure, {"u": u, "y": y, "r": None}, np.asarray)
-    Phi_f = filtered_regressor(phi, target).reshape(-1, structure.l_theta)
-    found = Phi_f.T @ Phi_f / len(phi)
-    found = (found + found.T) / 2
-    return found + FLOOR * np.diag(np.diag(found))
 
 
 def with_spare_order(G_c: Compensator, spare: int) -> Compensator:
@@ -251,9 +257,12 @@ def with_spare_order(G_c: Compensator, spare: int) -> Compensator:
 
 
 def _box(theta_0: Array, structure: Structure, width: float) -> CoefficientBounds:
-    """theta(0) with a margin of the rms of the coefficients of u, and of those of y."""
-    margin = np.concatenate([
-        np.full(block.shape, width * np.sqrt(np.mean(block**2)))
-        for block in np.split(theta_0, [structure.n_c * structure.l_u**2])
-    ])  # fmt: skip
+    """theta(0) with a margin of the rms of the coefficients of its signal: u, y, r, an integral."""
+    groups = [(tap.signal, tap.component * (tap.signal == "derived")) for tap in structure.taps]
+    rows = theta_0.reshape(-1, structure.l_u)
+    margin = np.zeros_like(rows)
+    for group in dict.fromkeys(groups):
+        own = [i for i, one in enumerate(groups) if one == group]
+        margin[own] = width * np.sqrt(np.mean(rows[own] ** 2))
+    margin = margin.ravel()
     return CoefficientBounds(theta_0 - margin, theta_0 + margin, method="metric")

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.sweeps.results.table import read_table
 from rcac_numeric.sweeps.running.progress import Progress
 from rcac_numeric.sweeps.running.sweep import run_study

@@ -20,7 +20,7 @@ from rcac_numeric.synthesis.expected import Expected
 from rcac_numeric.synthesis.plants import DesignPlant, Variation
 from rcac_numeric.synthesis.reference import sensitivity_peak
 
-RCAC, FIXED, PID = "RCAC", "fixed", "SIMC PID"  # the controllers of a design
+RCAC, FIXED, PID, FULL = "RCAC", "fixed", "SIMC PID", "LQG"  # the controllers of a design
 LAST = 0.25  # of a run: where its tail is measured
 
 

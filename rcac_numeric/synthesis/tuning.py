@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -37,7 +38,7 @@ from rcac_numeric.synthesis.plants import DesignPlant, Uncertainty, Variation, c
 from rcac_numeric.synthesis.plants import variations as corners
 from rcac_numeric.synthesis.road import Knobs, settings_of
 from rcac_numeric.synthesis.stored_trials import stored
-from rcac_numeric.synthesis.trials import FIXED, PID, RCAC, Trial, Trials
+from rcac_numeric.synthesis.trials import FIXED, RCAC, Trial, Trials
 
 RULE = "rule"
 # The unit cube's edges: the base-10 logarithms of N_0, nu, width and 1 - lambda; the spare order.
@@ -151,6 +152,7 @@ def tune(
     seed: int = 0,
     store: str | Path | None = None,
     workers: int | None = None,
+    executor: Executor | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Tuned:
     """Try other settings than the rule's, and judge the best on plants that chose nothing.
@@ -181,13 +183,16 @@ def tune(
     workers : int, optional
         Processes that run into the store; as many as there are processors by default, and 0 for
         this process alone.
+    executor : concurrent.futures.Executor, optional
+        In the place of processes of our own, with a store: that of dask,
+        ``Client(...).get_executor(pure=False)``, or of mpi4py. It is not shut down.
     progress : callable, optional
         Called with a `Progress` while runs end, round by round; `ProgressLine()` writes it down.
 
     Raises
     ------
     InputError
-        Where this is no design, a number is out of range, or there are workers and no store.
+        Where this is no design, a number is out of range, or processes are asked for and no store.
     StoreError
         Where the store is one of another design or other arguments, or cannot be used.
 
@@ -205,26 +210,30 @@ def tune(
     integer(seeds, "seeds", at_least=1)
     steps = design.steps if steps is None else integer(steps, "steps", at_least=100)
     knobs = {RULE: Knobs()} | {str(i + 1): one for i, one in enumerate(_points(budget, seed))}
+    if design.reference.structure is not None:  # whose order is as it was asked for
+        knobs = {name: replace(one, spare=0) for name, one in knobs.items()}
     made: dict[str, AnyController] = {FIXED: design.fixed}
     for name, one in knobs.items():
         made[name] = settings_of(design.model, design.reference, design.expected, one)
-    with _runner(store, workers, progress) as runner:
+    with _runner(store, workers, executor, progress) as runner:
         candidates, chosen = _halved(design, made, knobs, steps, runner)
         return _judged(design, made, chosen, candidates, steps, (held_out, seeds, seed), runner)
 
 
 @contextlib.contextmanager
 def _runner(
-    store: str | Path | None, workers: int | None, progress: Callable[[Progress], None] | None
-) -> Iterator[Runner]:
+    store: str | Path | None, workers: int | None, executor: Executor | None,
+    progress: Callable[[Progress], None] | None,
+) -> Iterator[Runner]:  # fmt: skip
     """What runs the trials of a round of this name: in threads, or by processes into a store."""
     if progress is not None and not callable(progress):
         raise InputError(f"progress = {progress!r} cannot be called; give ProgressLine().")
     if store is None:
-        if workers is not None:
+        if workers is not None or executor is not None:
+            what = "executor" if workers is None else f"workers = {workers}"
             raise InputError(
-                f"workers = {workers}, and no store: processes leave their runs in one. Give "
-                "store, a folder, or leave workers out."
+                f"{what}, and no store: processes leave their runs in one. Give store, a folder, "
+                "or leave it out."
             )
 
         def in_threads(name: str, trials: Trials) -> tuple[Trial, ...]:
@@ -245,8 +254,12 @@ def _runner(
             f"store = {folder} cannot be made: {error.strerror}. Give a folder that can."
         ) from None
 
-    count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
-    executor = WorkerPool(count) if count else InProcess()  # once for all rounds
+    if executor is not None and workers is not None:
+        raise InputError("workers are processes of our own, and executor stands in their place.")
+    own = None
+    if executor is None:
+        count = integer(os.cpu_count() or 1 if workers is None else workers, "workers")
+        executor = own = WorkerPool(count) if count else InProcess()  # once for all rounds
 
     def into_store(name: str, trials: Trials) -> tuple[Trial, ...]:
         return stored(trials, folder / f"{name}.sqlite", executor, progress)
@@ -254,10 +267,11 @@ def _runner(
     try:
         yield into_store
     except BaseException:
-        if isinstance(executor, WorkerPool):
-            executor.leave()
+        if isinstance(own, WorkerPool):
+            own.leave()
         raise
-    executor.shutdown()
+    if own is not None:
+        own.shutdown()
 
 
 def _points(budget: int, seed: int) -> list[Knobs]:
@@ -336,9 +350,9 @@ def _judged(
     controllers: dict[str, AnyController] = {
         RCAC: settings, FIXED: design.fixed, RULE: made[RULE]
     }  # fmt: skip
-    beside = design.alternatives.get(PID)
-    if beside is not None and not isinstance(beside, str):
-        controllers[PID] = beside
+    controllers |= {
+        name: one for name, one in design.alternatives.items() if not isinstance(one, str)
+    }
     plants = (Variation(), *drawn(design.model, design.uncertainty, count, seed))
     trials = runner("held-out", Trials(
         controllers, design.model, design.expected, plants, steps, seeds,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import compensator_theory as exact
 from rcac_numeric.arrays.validation import rounded
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel, from_transfer_function
 
@@ -48,7 +48,8 @@ def high_authority_target_model(plant: Plant) -> TargetModel:
 
     Examples
     --------
-    >>> from rcac_numeric import high_authority_target_model, standard_plant
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.targets import high_authority_target_model
     >>> G_f = high_authority_target_model(standard_plant("(q - 2)/(q**2 - 1/4)"))
     >>> G_f.numerator.ravel(), G_f.denominator.ravel()
     (array([ 0.,  1., -2.]), array([ 1.  , -1.  ,  0.25]))

@@ -12,7 +12,7 @@ from compensator_theory.errors import InputError
 from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, rounded
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.targets.model import TargetModel
 
@@ -42,7 +42,8 @@ def markov_parameters(plant: Plant, n_bar: int) -> Array:
 
     Examples
     --------
-    >>> from rcac_numeric import markov_parameters, standard_plant
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.targets import markov_parameters
     >>> markov_parameters(standard_plant("1/(q - 0.1)"), n_bar=3).ravel()
     array([0.  , 1.  , 0.1 , 0.01])
     """
@@ -86,7 +87,8 @@ def markov_target(source: Plant | ArrayLike, n_bar: int | None = None) -> Target
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import markov_target, standard_plant
+    >>> from rcac_numeric import standard_plant
+    >>> from rcac_numeric.targets import markov_target
     >>> plant = standard_plant("(q - 2)/(q*(q - 0.5))")
     >>> zeros = np.roots(markov_target(plant, n_bar=20).numerator[1:, 0, 0])
     >>> float(abs(zeros).max().round(6))

@@ -12,7 +12,7 @@ from sympy import Expr, Poly
 import compensator_theory as exact
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.validation import integer
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 
 # A number as the user gave it: exact but for a float, which means its shortest decimal.
@@ -93,7 +93,8 @@ def modelling_information(plant: Plant) -> ModellingInformation:
 
     Examples
     --------
-    >>> from rcac_numeric import modelling_information, servo_plant
+    >>> from rcac_numeric import servo_plant
+    >>> from rcac_numeric.targets import modelling_information
     >>> plant = servo_plant("(q - 0.9)*(q - 1.1)/((q - 0.99)*(q**2 - 1.9*q + 0.9925))")
     >>> modelling_information(plant)
     ModellingInformation(d_zu=1, H=-1, nmp_zeros=(11/10,))

@@ -17,7 +17,7 @@ from compensator_theory.matrices.linear_algebra import determinant
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import rounded
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.markov import markov_parameters
@@ -85,7 +85,8 @@ def output_subspace_zeros(plant: Plant) -> OutputSubspaceZeros:
 
     Examples
     --------
-    >>> from rcac_numeric import Plant, output_subspace_zeros, transmission_zero_polynomial
+    >>> from rcac_numeric import Plant, transmission_zero_polynomial
+    >>> from rcac_numeric.targets import output_subspace_zeros
     >>> full_state = Plant(A=[[0.5, 0.0], [0.0, 0.9]], B=[[1.0], [2.0]], D_1=[[1.0], [0.0]],
     ...                    C=[[1.0, 0.0], [0.0, 1.0]])
     >>> transmission_zero_polynomial(full_state).degree()
@@ -133,7 +134,8 @@ def output_subspace_target(plant: Plant) -> TargetModel:
 
     Examples
     --------
-    >>> from rcac_numeric import Plant, output_subspace_target
+    >>> from rcac_numeric import Plant
+    >>> from rcac_numeric.targets import output_subspace_target
     >>> plant = Plant(A=[[0.5, 0.0], [0.0, 0.9]], B=[[1.0], [2.0]], D_1=[[1.0], [0.0]],
     ...               C=[[1.0, 0.0], [0.0, 1.0]])
     >>> output_subspace_target(plant).numerator[1].ravel()

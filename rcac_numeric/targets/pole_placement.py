@@ -30,6 +30,13 @@ def fir_target(information: ModellingInformation | Plant) -> TargetModel:
     InputError
         If the signals of a plant are not scalar, or its control does not act on z.
 
+    Notes
+    -----
+    It asks for a loop that is at rest within d_zu + deg N_zu,u steps, as fast as any can be: all
+    poles of the plant are moved to 0. FIR_NUMBERS
+    Where the plant is known, `design` begins at a robust loop and makes its target of that; where
+    it is not, `cold_start` takes slower poles.
+
     Examples
     --------
     >>> from rcac_numeric import ModellingInformation, fir_target

@@ -162,16 +162,18 @@ SAMPLES = {
     results.RegulatorSolution: SYMBOLS.map(
         lambda a: exact.solve_regulator_equations(f"1/(s + {a})", [[0]], [[-1]])
     ),
-    results.ControlledInvariantSubspaces: STATE_SPACES.map(exact.controlled_invariant_subspaces),
+    results.ControlledInvariantSubspaces: STATE_SPACES.map(
+        exact.geometry.controlled_invariant_subspaces
+    ),
     results.DisturbanceDecoupling: st.sampled_from([[[1], [0]], [[0], [1]]]).map(
-        lambda E: exact.decouple_disturbance(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E)
+        lambda E: exact.geometry.decouple_disturbance(([[0, 1], [0, 0]], [[0], [1]], [[1, 0]]), E)
     ),
     results.FixedModes: minimal_plants(2).map(
-        lambda plant: exact.decentralised_fixed_modes(plant, [([0], [0])])
+        lambda plant: exact.geometry.decentralised_fixed_modes(plant, [([0], [0])])
     ),
-    results.Decoupling: strictly_proper_plants(max_order=2).map(exact.decouple),
-    results.Interactor: strictly_proper_plants(max_order=2).map(exact.interactor)
-    | st.just(exact.interactor("a/(s + 1)", "s")),
+    results.Decoupling: strictly_proper_plants(max_order=2).map(exact.geometry.decouple),
+    results.Interactor: strictly_proper_plants(max_order=2).map(exact.geometry.interactor)
+    | st.just(exact.geometry.interactor("a/(s + 1)", "s")),
     results.HInfinityNorm: st.sampled_from(
         ["1/(s + 1)", "(s + 1)/(s**2 + s + 2)", "z/(z - 1/3)"]
     ).map(exact.h_infinity_norm),
@@ -179,26 +181,28 @@ SAMPLES = {
         exact.decide_positive_real
     ),
     results.JordanForm: st.sampled_from(["rational", "real", "complex"]).map(
-        lambda over: exact.jordan_form([[0, 1, 0], [-5, -2, 1], [0, 0, 3]], over=over)
+        lambda over: exact.canonical_forms.jordan_form(
+            [[0, 1, 0], [-5, -2, 1], [0, 0, 3]], over=over
+        )
     ),
     results.FrobeniusForm: st.sampled_from([[[1, 0], [0, 1]], [["a", 1], [0, 0]]]).map(
-        exact.frobenius_form
+        exact.canonical_forms.frobenius_form
     ),
     results.KroneckerForm: matrices(2, 2).map(
-        lambda A: exact.kronecker_form(A, [["a", 0], [0, 0]])
+        lambda A: exact.canonical_forms.kronecker_form(A, [["a", 0], [0, 0]])
     ),
-    results.PopovForm: POLYNOMIAL_MATRICES.map(exact.popov_form),
+    results.PopovForm: POLYNOMIAL_MATRICES.map(exact.canonical_forms.popov_form),
     results.PadeApproximant: nonzero_rationals().map(
-        lambda c: exact.pade_approximant([1, c, "a"], 1, 1)
+        lambda c: exact.interpolation.pade_approximant([1, c, "a"], 1, 1)
     ),
     results.PartialRealisation: nonzero_rationals().map(
-        lambda c: exact.partial_realisation([1, c, "a", 0], "z")
+        lambda c: exact.interpolation.partial_realisation([1, c, "a", 0], "z")
     ),
     results.LaurentExpansion: strictly_proper_plants().map(
-        lambda plant: exact.laurent_expansion(plant, "a", 2)
+        lambda plant: exact.interpolation.laurent_expansion(plant, "a", 2)
     ),
     results.PickInterpolation: nonzero_rationals().map(
-        lambda w: exact.nevanlinna_pick([1, 2], [w, 1], 3)
+        lambda w: exact.interpolation.nevanlinna_pick([1, 2], [w, 1], 3)
     ),
     results.IntervalStability: rationals().map(
         lambda c: exact.decide_interval_stability([1, (c, c + 1), 2])
@@ -212,10 +216,10 @@ SAMPLES = {
     results.MatrixPlacement: spectra(2).map(
         lambda roots: exact.place_matrix_poles([["1/(s - a)"]], [roots], 1, "s", feedback=-1)
     ),
-    results.Subresultants: coprime_pairs().map(lambda pair: exact.subresultants(*pair))
-    | st.just(exact.subresultants("s**2 + a", "s + 1", "s")),
-    results.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.gcd_from_null_space(*pair))
-    | st.just(exact.gcd_from_null_space("s*(s + a)", "s + a", "s")),
+    results.Subresultants: coprime_pairs().map(lambda pair: exact.bezout.subresultants(*pair))
+    | st.just(exact.bezout.subresultants("s**2 + a", "s + 1", "s")),
+    results.NullSpaceGCD: coprime_pairs().map(lambda pair: exact.bezout.gcd_from_null_space(*pair))
+    | st.just(exact.bezout.gcd_from_null_space("s*(s + a)", "s + a", "s")),
     results.StabilisingCompensators: FAMILIES,
     results.DoublyCoprimeFractions: FAMILIES.map(lambda found: found.fractions),
     results.AffineMap: FAMILIES.map(lambda found: found.closed_loop_map()),
@@ -234,8 +238,8 @@ SAMPLES = {
         lambda pair, c: exact.solve_diophantine(*pair, c), coprime_pairs(), POLYS
     )
     | st.just(exact.solve_diophantine("s - a", "s - b", "1", "s")),
-    results.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.minimal_basis)
-    | st.just(exact.minimal_basis([["s - a", "s - b"]], "s")),
+    results.MinimalBasis: POLYNOMIAL_MATRICES.map(exact.canonical_forms.minimal_basis)
+    | st.just(exact.canonical_forms.minimal_basis([["s - a", "s - b"]], "s")),
     results.MatrixDiophantineSolution: POLYNOMIAL_MATRICES.map(
         lambda P: exact.solve_matrix_diophantine(P, [["s", 0], [0, "s + 7"]], P, "s")
     ),
@@ -244,32 +248,32 @@ SAMPLES = {
     results.StrongStabilisability: PARITIES,
     results.UnstableRealZero: PARITIES.map(lambda found: found.zeros[-1]),
     results.SampledPlant: st.sampled_from(["1/(s + 1)", "1/s**2", "2/((s + 1)*(s + 2))"]).map(
-        exact.zero_order_hold
+        exact.sampling.zero_order_hold
     )
-    | st.just(exact.zero_order_hold("b/(s*(s + a))", "h", "s")),
+    | st.just(exact.sampling.zero_order_hold("b/(s*(s + a))", "h", "s")),
     results.Zeros: ZEROS,
     results.ZeroDirection: st.sampled_from(["(s + a)/(s**2 + b)", "(s**2 + 2)/(s + 1)"]).map(
         lambda text: exact.transmission_zeros(text, "s").directions[0]
     ),
-    results.RowForm: POLYNOMIAL_MATRICES.map(exact.hermite_form)
-    | POLYNOMIAL_MATRICES.map(exact.row_reduced_form),
+    results.RowForm: POLYNOMIAL_MATRICES.map(exact.canonical_forms.hermite_form)
+    | POLYNOMIAL_MATRICES.map(exact.canonical_forms.row_reduced_form),
     results.CoprimeFractions: transfer_matrices().map(exact.coprime_fractions)
     | st.just(exact.coprime_fractions("(s + a)/(s**2 + b)", "s")),
-    exact.PolynomialMatrix: POLYNOMIAL_MATRICES,
-    results.SmithForm: POLYNOMIAL_MATRICES.map(exact.smith_form),
-    results.SmithMcMillanForm: transfer_matrices().map(exact.smith_mcmillan_form),
+    exact.results.PolynomialMatrix: POLYNOMIAL_MATRICES,
+    results.SmithForm: POLYNOMIAL_MATRICES.map(exact.canonical_forms.smith_form),
+    results.SmithMcMillanForm: transfer_matrices().map(exact.canonical_forms.smith_mcmillan_form),
     results.KalmanDecomposition: STATE_SPACES.map(exact.kalman_decomposition),
     results.MinimalRealisation: STATE_SPACES.map(exact.minimal_realisation)
     | transfer_matrices().map(exact.minimal_realisation),
     results.PartialFractions: EXPANSIONS,
     results.PartialFraction: EXPANSIONS.map(lambda found: found.terms[0]),
-    exact.Certificate: minimal_plants().map(
+    exact.results.Certificate: minimal_plants().map(
         lambda plant: exact.realisation(plant).transfer_function().certificate
     ),
     exact.Budget: st.builds(exact.Budget, degree=st.integers(1, 10**6)),
     results.BezoutIdentity: st.builds(lambda pair: exact.bezout_identity(*pair), coprime_pairs())
     | st.just(exact.bezout_identity("s + a", "s**2 + b", "s")),
-    exact.Enclosure: st.builds(exact.Enclosure, rationals(), rationals().map(abs)),
+    exact.results.Enclosure: st.builds(exact.results.Enclosure, rationals(), rationals().map(abs)),
     results.ExceptionalCases: EXCEPTIONAL_CASES,
     results.ExceptionalCase: EXCEPTIONAL_CASES.map(lambda found: found.cases[-1]),
     results.LQGController: (discrete_problems() | continuous_problems()).map(exact.lqg_controller),
@@ -290,17 +294,17 @@ SAMPLES = {
     results.LQGPoles: (discrete_problems() | continuous_problems()).map(exact.lqg_poles),
     results.ObserverBasedCompensator: observer_based(),
     results.ObserverDecision: st.builds(
-        lambda pair: exact.realisation_is_observer_based(*pair),
+        lambda pair: exact.observers.realisation_is_observer_based(*pair),
         loops(1) | loops(2) | loops(1, ("unobservable",)) | st.just(CONTINUUM),
     ),
     results.ObserverForm: st.just(first_form(exact.observer_forms("1/(s - 1)", "-6/(s + 4)"))),
     results.ObserverForms: forms(),
     results.PolePlacement: placements() | symbolic_placements(),
     results.PolynomialEnclosure: st.sampled_from(["q**2 - 3*q + 1", "(q - 2)*(q - 1/2)"]).map(
-        lambda text: exact.enclose_split_at_unit_circle(exact.polynomial(text))[0]
+        lambda text: exact.roots.enclose_split_at_unit_circle(exact.polynomial(text))[0]
     ),
     results.PropositionCheck: coprime_pairs().map(
-        lambda pair: exact.check_proposition_3(*pair, n_c=int(pair[0].degree()), m_hat=0)
+        lambda pair: exact.bezout.check_proposition_3(*pair, n_c=int(pair[0].degree()), m_hat=0)
     ),
     exact.Realisation: minimal_plants().map(lambda plant: exact.Realisation(*plant))
     | SYMBOLS.map(lambda a: exact.Realisation([[a]], [[1]], [[a**2 + 1]], variable="q")),
@@ -348,5 +352,7 @@ SAMPLES = {
     exact.TransferFunction: strictly_proper_plants()
     | SYMBOLIC_POLYS.map(lambda p: exact.transfer_function((1, p * p + 1), "s")),
     exact.TransferMatrix: transfer_matrices(),
-    results.YoulaForm: st.just(exact.youla_forms("1/(s - 1)", "-24/(s**2 + 7*s + 18)")[0]),
+    results.YoulaForm: st.just(
+        exact.observers.youla_forms("1/(s - 1)", "-24/(s**2 + 7*s + 18)")[0]
+    ),
 }

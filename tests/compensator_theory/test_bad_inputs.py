@@ -16,16 +16,18 @@ import sympy
 
 import compensator_theory as exact
 from tests.support.bad_inputs import BAD, GOOD, LAST_ARGUMENTS, NOT_DOORS
+from tests.support.public import public_objects
 from tests.support.work import Endless, Long, at_most, at_most_bytes
 
 # An endless list is read as far as the budget of entries goes, a call for each, and no farther.
 CALLS_TO_REFUSE = exact.Budget().entries + 300_000
 CALLS_TO_ANSWER, BYTES = 20_000_000, 50_000_000
 ENOUGH, DRAWN = 50, 3
+PUBLIC = public_objects("compensator_theory")
 
 
 def functions():
-    return {name for name in exact.__all__ if name[0].islower()} - NOT_DOORS
+    return {name for name in PUBLIC if name[0].islower()} - NOT_DOORS
 
 
 def refuses(door, arguments, keywords, memory=nullcontext):
@@ -49,7 +51,7 @@ def test_every_public_function_is_a_door_of_the_table():
 @pytest.mark.cases(70)
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_bad_inputs_are_refused(name, in_full):
-    door, (arguments, keywords) = getattr(exact, name), GOOD[name]
+    door, (arguments, keywords) = PUBLIC[name], GOOD[name]
     door(*arguments, **keywords)
     draw = random.Random(name)
     for place in range(len(arguments)):
@@ -64,7 +66,7 @@ def test_bad_inputs_are_refused(name, in_full):
 
 @pytest.mark.parametrize("name", ["canonical", "kronecker_form", "smith_form"])
 def test_refusals_stay_small(name):
-    door, (arguments, keywords) = getattr(exact, name), GOOD[name]
+    door, (arguments, keywords) = PUBLIC[name], GOOD[name]
     door(*arguments, **keywords)
     for place in range(len(arguments)):
         for value in BAD:
@@ -77,7 +79,7 @@ SETTINGS = [np.zeros((2, 2, 2)), scipy.sparse.eye(2), {1: 2}, [10**5000], 10**30
 
 @pytest.mark.parametrize("name", sorted(GOOD))
 def test_bad_settings_end_in_no_foreign_error(name):
-    door, (arguments, keywords) = getattr(exact, name), GOOD[name]
+    door, (arguments, keywords) = PUBLIC[name], GOOD[name]
     for setting, parameter in list(inspect.signature(door).parameters.items())[len(arguments) :]:
         for value in random.Random(name + setting).sample(SETTINGS, 3):
             if parameter.kind is parameter.VAR_POSITIONAL:
@@ -88,7 +90,7 @@ def test_bad_settings_end_in_no_foreign_error(name):
 
 @pytest.mark.parametrize(("name", "argument"), sorted(LAST_ARGUMENTS))
 def test_last_arguments_are_read_as_strictly(name, argument):
-    door, (arguments, keywords) = getattr(exact, name), GOOD[name]
+    door, (arguments, keywords) = PUBLIC[name], GOOD[name]
     place = list(inspect.signature(door).parameters).index(argument)
     for value in LAST_ARGUMENTS[name, argument]:
         refuses(door, arguments[:place], keywords | {argument: value})
@@ -97,18 +99,18 @@ def test_last_arguments_are_read_as_strictly(name, argument):
 def test_the_step_is_no_variable_and_its_exponentials_are_not_endless():
     for step in ("s", "z"):
         with pytest.raises(exact.InputError, match="the variable of a plant, not a step"):
-            exact.zero_order_hold("1/(s + 1)", step)
+            exact.sampling.zero_order_hold("1/(s + 1)", step)
     with pytest.raises(exact.errors.BudgetError, match="exponential of a pole with this step"):
-        exact.zero_order_hold("1/(s + 1)", 10**50 * sympy.log(2))
+        exact.sampling.zero_order_hold("1/(s + 1)", 10**50 * sympy.log(2))
     with exact.budget(digits=40_000):
-        fine = exact.zero_order_hold("1/(s + 1)", 50_000 * sympy.log(2))
+        fine = exact.sampling.zero_order_hold("1/(s + 1)", 50_000 * sympy.log(2))
     assert fine.realisation.A[0, 0] == sympy.Integer(2) ** -50_000
 
 
 @pytest.mark.parametrize("letters", ["12", b"12", {1: 3, 2: 4}])
 def test_letters_and_keys_are_no_list(letters):
     with pytest.raises(exact.InputError, match="must be a list"):
-        exact.direction_residual([["(q - 2)/q", 0], [0, "1/q"]], 2, letters)
+        exact.loops.direction_residual([["(q - 2)/q", 0], [0, "1/q"]], 2, letters)
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-import compensator_theory as exact
+from tests.support.public import public_objects
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "constructions.md").read_text()
 TABLE, _, REST = PAGE.partition("## Examples")
+PUBLIC = public_objects("compensator_theory")
 EXAMPLES, _, LEFT_OUT = REST.partition("## Left out")
 ROWS = re.findall(r"^\| (\d+) \|(.*)\|$", TABLE, re.M)
 
@@ -29,7 +30,7 @@ def test_a_row_names_what_is_there(number, row):
     assert functions
     for name, path in functions:
         module, _, last = path.rpartition(".")
-        assert last == name and getattr(exact, name).__module__ == module
+        assert last == name and PUBLIC[name].__module__ == module
     (test,) = re.findall(r"`(tests/[\w/]+\.py)`", row)
     text = (ROOT / test).read_text()
     assert any(re.search(rf"\b{name}\b", text) for name, _ in functions), test

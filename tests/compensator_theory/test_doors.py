@@ -16,7 +16,10 @@ from sympy import CRootOf, I, Poly, Rational, Symbol, exp, pi, sqrt
 import compensator_theory as exact
 from compensator_theory import InputError
 from compensator_theory.errors import BudgetError, NotCoprimeError
+from tests.support.public import public_objects
 from tests.support.work import Endless, Long, at_most, at_most_bytes
+
+PUBLIC = public_objects("compensator_theory")
 
 a, s, x, z = sympy.symbols("a s x z")
 POSITIVE = Symbol("a", positive=True)
@@ -72,8 +75,9 @@ def test_what_was_read_is_echoed_and_reads_back(obj):
 # ---- one variable rule
 @pytest.mark.parametrize(
     "function",
-    [exact.resultant, exact.number_of_common_roots, exact.bezout_identity, exact.sylvester_m1,
-     exact.sylvester_m2, partial(exact.spectral_factor, time="discrete")],
+    [exact.resultant, exact.bezout.number_of_common_roots, exact.bezout_identity,
+     exact.bezout.sylvester_m1, exact.bezout.sylvester_m2,
+     partial(exact.spectral_factor, time="discrete")],
 )  # fmt: skip
 @pytest.mark.parametrize("pair", [("s + 1", "a"), ("s + 1", "z + 1"), ("s*(s + 1)", "k")])
 def test_ambiguity_is_refused_by_name(function, pair):
@@ -84,10 +88,10 @@ def test_ambiguity_is_refused_by_name(function, pair):
 def test_the_variable_can_be_named():
     assert exact.resultant("s + 1", "a", variable="s") == a == exact.resultant("s + 1", ["a"])
     assert exact.resultant("s + a", "s + 2*a", variable="a") == -s
-    listed = exact.sylvester_m("s**2 + a*s", ["b"], 1, 1)
-    assert exact.sylvester_m("s**2 + a*s", "b", 1, 1, variable="s") == listed
+    listed = exact.bezout.sylvester_m("s**2 + a*s", ["b"], 1, 1)
+    assert exact.bezout.sylvester_m("s**2 + a*s", "b", 1, 1, variable="s") == listed
     with pytest.raises(InputError, match="not evident"):
-        exact.sylvester_m("s**2 + a*s", "b", 1, 1)
+        exact.bezout.sylvester_m("s**2 + a*s", "b", 1, 1)
     with pytest.raises(InputError, match="not evident"):
         exact.transfer_function(("k", "s + 1"))
     with pytest.raises(InputError, match="one variable"):
@@ -143,11 +147,13 @@ def test_what_does_not_carry_its_time_domain_is_told(function, time):
 
 def test_a_variable_that_says_nothing_about_time():
     with pytest.raises(InputError, match="what x means"):
-        exact.is_lqg_suboptimal("1/(x - 1)", "-3/(x + 2)", feedback=1)
+        exact.observers.is_lqg_suboptimal("1/(x - 1)", "-3/(x + 2)", feedback=1)
     with pytest.raises(InputError, match="what x means"):
         exact.observer_forms("1/(x - 1)", "-6/(x + 4)").fastest_observer()
     for letter, time_ in (("s", "continuous"), ("z", "discrete")):
-        found = exact.is_lqg_suboptimal(f"1/({letter} - 1)", f"-3/({letter} + 2)", feedback=1)
+        found = exact.observers.is_lqg_suboptimal(
+            f"1/({letter} - 1)", f"-3/({letter} + 2)", feedback=1
+        )
         assert f"{time_} time" in found.question
     assert (
         exact.solve_riccati(
@@ -204,10 +210,15 @@ def test_lists_of_roots_and_of_coefficients():
 
 
 @pytest.mark.parametrize(
-    "function", [exact.observer_forms, exact.realisation_is_observer_based, exact.youla_forms]
+    "function",
+    [
+        exact.observer_forms,
+        exact.observers.realisation_is_observer_based,
+        exact.observers.youla_forms,
+    ],
 )
 def test_the_sign_travels_with_the_compensator(function):
-    order = 2 if function is exact.youla_forms else 1
+    order = 2 if function is exact.observers.youla_forms else 1
     plant = "1/(s - 1)"
     placed = exact.place_poles(plant, [-1, -2, -3][: order + 1], feedback=-1)
     for part in (placed.compensator, exact.realisation(placed.compensator)):
@@ -241,11 +252,12 @@ EIGHT = sum(sqrt(p) for p in (2, 3, 5, 7, 11, 13, 17, 19))
      lambda: exact.polynomial("s + " + "sqrt(1 + " * 40 + "2" + ")" * 40),
      lambda: exact.parse_expression(f"sqrt({'7' * 3999})"), lambda: exact.polynomial(s ** (10**9)),
      lambda: exact.polynomial(range(10**9), "s"), lambda: exact.polynomial(iter(range(10**9)), "s"),
-     lambda: exact.sylvester_m1("s + 1", "s", 3000, 3000),
-     lambda: exact.sylvester_m("s", "1", 10**4, 0),
-     lambda: exact.sylvester_m1("s + 1", "s", 10**9),
-     lambda: exact.check_proposition_3("s", "1", 10**7, 0),
-     lambda: exact.target_characteristic_polynomial(exact.standard_problem("1/q"), 10**8, "1/q"),
+     lambda: exact.bezout.sylvester_m1("s + 1", "s", 3000, 3000),
+     lambda: exact.bezout.sylvester_m("s", "1", 10**4, 0),
+     lambda: exact.bezout.sylvester_m1("s + 1", "s", 10**9),
+     lambda: exact.bezout.check_proposition_3("s", "1", 10**7, 0),
+     lambda: exact.loops.target_characteristic_polynomial(
+         exact.standard_problem("1/q"), 10**8, "1/q"),
      lambda: exact.parse_expression("sqrt(0.5-1e300**999)"), lambda: exact.read_roots("1 " * 9000),
      lambda: exact.parse_expression("j**1e300**999"), lambda: exact.parse_expression("(" * 5000),
      lambda: exact.exact_number(sympy.Float(10) ** 100000),
@@ -290,14 +302,14 @@ def test_what_is_long_but_small_simply_works():
         product = exact.polynomial("*".join(f"(s + {i})" for i in range(900)))
         assert product.degree() == 900 and product.eval(1) == sympy.factorial(900)
         assert exact.polynomial(sympy.Mul(*(s + i for i in range(900)))) == product
-        assert exact.count_observer_forms("s + 1", 10**9) == 0
+        assert exact.observers.count_observer_forms("s + 1", 10**9) == 0
 
 
 # ---- raw errors
 def test_any_domain_is_read_at_the_door():
-    assert exact.number_of_real_roots(Poly(2 * s**2 + 3 * s + 1, s)) == 2
-    assert exact.reflection_coefficients(Poly(2 * z**2 + 3 * z + 1, z)) == (Rational(1, 2), 1)
-    for function in (exact.certified_roots, exact.number_of_real_roots, exact.monic):
+    assert exact.roots.number_of_real_roots(Poly(2 * s**2 + 3 * s + 1, s)) == 2
+    assert exact.roots.reflection_coefficients(Poly(2 * z**2 + 3 * z + 1, z)) == (Rational(1, 2), 1)
+    for function in (exact.certified_roots, exact.roots.number_of_real_roots, exact.monic):
         with pytest.raises(InputError):
             function(Poly(s * a + 1, s, a))
         with pytest.raises(InputError):
@@ -382,7 +394,7 @@ def test_conversions_carry_their_certificate(text, form):
 
 def test_loops_carry_their_certificate():
     plant = exact.servo_problem("1/(q**2 - 2*q)")
-    closed = exact.closed_loop_transfer_matrix(plant, "-2*q", "q**2 + a")
+    closed = exact.loops.closed_loop_transfer_matrix(plant, "-2*q", "q**2 + a")
     assert closed.certificate.holds and closed[0, 0].certificate.holds
     assert exact.intercalated_transfer_function(plant, "1", "q").certificate.holds
     design = exact.lqg_controller(exact.standard_problem("(q - 2)/(q**2 - 1/4)"))
@@ -394,7 +406,7 @@ def test_loops_carry_their_certificate():
     [
         (exact.polynomial, np.array(3)),
         (exact.certified_roots, "s+" * 30_000 + "1"),
-        (exact.number_of_real_roots, 10**100_000 * s),
+        (exact.roots.number_of_real_roots, 10**100_000 * s),
         (lambda v: exact.solve_riccati(v, [[1]], [[1]], time="discrete"), "9" * 50_000),
     ],
 )
@@ -411,16 +423,17 @@ MATRICES = ([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
 @pytest.mark.parametrize(
     "answer",
     [exact.mcmillan_degree, exact.h_infinity_norm, exact.coprime_fractions,
-     exact.smith_mcmillan_form, exact.transfer_matrix, exact.transfer_function,
+     exact.canonical_forms.smith_mcmillan_form, exact.transfer_matrix, exact.transfer_function,
      partial(exact.place_poles, target="-1, -2, -3, -4", feedback=-1),
      partial(exact.stabilising_gains, feedback=-1), exact.partial_fractions,
      partial(exact.markov_parameters, count=4), exact.decide_strong_stabilisability,
      partial(exact.decide_simultaneous_stabilisability, second="1/s", feedback=-1),
      partial(exact.stable_compensator, feedback=-1),
      *(partial(loop, compensator="-9/(s**2 + 7*s + 1)", feedback=1) for loop in (
-         exact.sensitivity_function, exact.feedback_connection, exact.pair_is_observer_based,
-         exact.transfer_function_is_observer_based, exact.is_lqg_suboptimal)),
-     partial(exact.compensator_from_sensitivity, sensitivity="s*(s + 1)/(s*(s + 1) + 3)",
+         exact.sensitivity_function, exact.feedback_connection,
+         exact.observers.pair_is_observer_based,
+         exact.observers.transfer_function_is_observer_based, exact.observers.is_lqg_suboptimal)),
+     partial(exact.loops.compensator_from_sensitivity, sensitivity="s*(s + 1)/(s*(s + 1) + 3)",
              feedback=-1)],
 )  # fmt: skip
 def test_matrices_are_their_transfer_function(answer):
@@ -435,8 +448,8 @@ def test_matrices_are_their_transfer_function(answer):
 @pytest.mark.parametrize(
     "answer",
     [partial(exact.observer_forms, compensator="-9/(q**2 + 7*q + 1)"),
-     partial(exact.realisation_is_observer_based, compensator="-9/(q**2 + 7*q + 1)"),
-     partial(exact.youla_forms, compensator="-9/((q**2 + 7*q + 1)*(q + 2))"),
+     partial(exact.observers.realisation_is_observer_based, compensator="-9/(q**2 + 7*q + 1)"),
+     partial(exact.observers.youla_forms, compensator="-9/((q**2 + 7*q + 1)*(q + 2))"),
      partial(exact.observer_based_compensator, regulator_poles=[0, 0], observer_poles=[0, 0]),
      partial(exact.solve_regulator_equations, S=[[1]], Q=[[-1]])],
 )  # fmt: skip
@@ -444,10 +457,10 @@ def test_matrices_have_the_variable_that_is_written(answer):
     assert answer(MATRICES, variable="q") == answer(exact.realisation(MATRICES, "q"))
 
 
-@pytest.mark.parametrize("name", sorted(set(exact.__all__) - {"target_characteristic_polynomial"}))
+@pytest.mark.parametrize("name", sorted(PUBLIC.keys() - {"target_characteristic_polynomial"}))
 def test_whatever_reads_a_text_lets_its_variable_be_named(name):
     """(That one's plant, a StandardProblem, says it.)"""
-    function = getattr(exact, name)
+    function = PUBLIC[name]
     if inspect.isfunction(function):
         given = inspect.signature(function).parameters
         kinds = ("TransferFunctionLike", "TransferMatrixLike", "RealisationLike", "LoopPart",

@@ -117,7 +117,7 @@ def test_no_result_prints_with_a_limit(cls, monkeypatch):
 def test_long_results_are_printed_under_the_least_limit(least_limit):
     G = exact.TransferFunction(sympy.Poly(1, S), sympy.Poly(S + LONG, S))
     placed = exact.place_poles(G, [-1], feedback=-1)
-    for result in (G, placed, exact.Enclosure(sympy.Integer(LONG), sympy.Integer(0))):
+    for result in (G, placed, exact.results.Enclosure(sympy.Integer(LONG), sympy.Integer(0))):
         for written in (str(result), repr(result), result._repr_latex_()):
             assert "0" * 5000 in written
     assert "0" * 5000 in exact.canonical(G)

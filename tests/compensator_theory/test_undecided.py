@@ -30,7 +30,7 @@ def test_structure_of_rational_systems_is_always_decided(pair, kinds, data):
     a, b, _ = pair
     G = exact.transfer_function((b, a))
     assert (G.is_coprime, G.is_proper, G.is_strictly_proper) == (False, True, True)
-    assert exact.number_of_common_roots(a, b) is not None
+    assert exact.bezout.number_of_common_roots(a, b) is not None
     system = exact.Realisation(*data.draw(compensators(2, tuple(kinds))))
     answers = (system.is_controllable, system.is_observable, system.is_minimal)
     assert None not in answers
@@ -44,7 +44,7 @@ def test_a_symbolic_question_is_undecided_where_a_value_decides():
     undecided = set()
     for p, q in itertools.product(TEXTS, TEXTS):
         pair = (exact.polynomial(f"s - ({root})", "s") for root in (p, q))
-        count = exact.number_of_common_roots(*pair)
+        count = exact.bezout.number_of_common_roots(*pair)
         if count is None:
             undecided.add((p, q))
         else:
@@ -56,18 +56,24 @@ def test_a_symbolic_question_is_undecided_where_a_value_decides():
 @given(noncoprime_pairs(), st.sampled_from(["a", "a**2 + 1"]))
 def test_a_common_factor_with_a_symbol_counts_for_all_values(pair, root):
     a, b, _ = pair
-    numbers = exact.number_of_common_roots(a, b)
+    numbers = exact.bezout.number_of_common_roots(a, b)
     factor = exact.polynomial(f"s - ({root})", "s")
     pair = (exact.polynomial(p.as_expr().subs(p.gen, "s") * factor.as_expr(), "s") for p in (a, b))
-    assert exact.number_of_common_roots(*pair) == numbers + 1
-    coprime = exact.number_of_common_roots(factor * factor, factor * exact.polynomial("s - 1"))
+    assert exact.bezout.number_of_common_roots(*pair) == numbers + 1
+    coprime = exact.bezout.number_of_common_roots(
+        factor * factor, factor * exact.polynomial("s - 1")
+    )
     assert coprime is None or (root != "a" and coprime == 1)  # a = 1 makes it 2
 
 
 def test_a_common_factor_that_does_not_vanish_elsewhere():
-    assert exact.number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s") == 1
-    assert exact.number_of_common_roots("(s + a)**2*(s + 2)", "(s + a)**2", variable="s") == 2
-    assert exact.number_of_common_roots("a*(s + b)", "a*(s + b)", variable="s") is None
+    assert (
+        exact.bezout.number_of_common_roots("(s + a)*(s + 2)", "(s + a)*(s + 3)", variable="s") == 1
+    )
+    assert (
+        exact.bezout.number_of_common_roots("(s + a)**2*(s + 2)", "(s + a)**2", variable="s") == 2
+    )
+    assert exact.bezout.number_of_common_roots("a*(s + b)", "a*(s + b)", variable="s") is None
 
 
 def truths(*conditions):

@@ -101,14 +101,14 @@ def test_observer_questions_are_undecided_where_symbols_decide():
     s = sympy.Symbol("s")
     for x, w, y in itertools.product((0, 1, a), (0, 3, k), (1, -1, -9, k, b)):
         plant, controller = (1, s + x), (y, s + w)
-        pair = exact.pair_is_observer_based(plant, controller, feedback=1)
+        pair = exact.observers.pair_is_observer_based(plant, controller, feedback=1)
         discriminants = at_values(sympy.sympify((x - w) ** 2 + 4 * y))
         assert agrees(pair.answer, {bool(d >= 0) for d in discriminants})
         assert pair.reason and (pair.number_of_forms is None) == bool(
             pair.answer is not False and sympy.sympify(x + w + y).free_symbols
         )
         counts["pair"][pair.answer] += 1
-        cost = exact.is_lqg_suboptimal(plant, controller, feedback=1)
+        cost = exact.observers.is_lqg_suboptimal(plant, controller, feedback=1)
         at = at_values(sympy.expand((s + x) * (s + w) - y))
         truth = {suboptimal(p) for p in at}
         assert truth == {cost.answer} or (cost.answer is None and len(truth) > 1)
@@ -130,7 +130,7 @@ def test_what_was_asked_on_the_boundary_is_undecided_and_says_so():
     """Of 25 rational loops 1/(s + x) with y/(s + w), those with roots on the axis, none beyond."""
     undecided = 0
     for x, w in itertools.product(range(-2, 3), repeat=2):
-        found = exact.is_lqg_suboptimal(f"1/(s + {x})", f"{x * w}/(s + {w})", feedback=1)
+        found = exact.observers.is_lqg_suboptimal(f"1/(s + {x})", f"{x * w}/(s + {w})", feedback=1)
         if x * w == 0:  # the compensator is 0: the poles are those of the plant
             assert found.answer is (None if x == 0 else x < 0)
         else:  # s (s + x + w)
@@ -174,7 +174,7 @@ def test_how_often_the_number_of_forms_is_unknown():
         plants.items(), itertools.product((1, 2, 5), repeat=3)
     ):
         compensator = exact.Realisation([[0, 1], [-c, -d]], column, [[-e, 1]])
-        found = exact.realisation_is_observer_based(plant, compensator)
+        found = exact.observers.realisation_is_observer_based(plant, compensator)
         known, floats = found.number_of_forms, number_in_floats(plant, compensator)
         assert found.answer is not None and found.reason
         assert floats is None or known in (None, floats)
@@ -201,7 +201,7 @@ def test_rational_forms_with_a_youla_parameter_are_counted():
             (p, q), below = vectors[0, [i, j]], vectors[1:, [i, j]]
             T = np.column_stack([below[:, 0], below @ [q, -p]])
             number += bool(abs(p) > 1e-8 and abs(np.linalg.det(T)) > 1e-8)
-        found = exact.realisation_is_observer_based(plant, compensator)
+        found = exact.observers.realisation_is_observer_based(plant, compensator)
         assert found.number_of_forms == number and found.answer is (number > 0)
         numbers[number] += 1
     assert numbers == {1: 8, 2: 16, 3: 8, 4: 2}

@@ -227,7 +227,7 @@ def of_other_kinds() -> Iterator[Tampering]:
             ("the title changed", replaced(CHAPTER_7, 'title = "Lemma 1"', 'title = "The lemma"')),
             ("a difference withdrawn", replaced(CHAPTER_7, "None of the three is needed", "All are needed")),
             ("one hypothesis less", replaced(CHAPTER_7, '"deg N_c < deg D for both compensators"', "")),
-            ("the software that relies on it changed", replaced(CHAPTER_7, "compensator_theory.sylvester_m\"", "compensator_theory.place_poles\"")),
+            ("the software that relies on it changed", replaced(CHAPTER_7, "compensator_theory.bezout.sylvester_m\"", "compensator_theory.place_poles\"")),
             ("a chapter moved", replaced(CHAPTER_2, "(2.28)-(2.31)", "(2.28)-(2.30)")),
             ("<= for <", replaced(CHAPTER_7, "deg a <= deg b, deg p < deg q", "deg a <= deg b, deg p <= deg q")),
         ],

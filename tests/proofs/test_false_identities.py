@@ -8,7 +8,7 @@ import pytest
 from hypothesis import Phase, find, settings
 from hypothesis import strategies as st
 
-from compensator_theory import sylvester_m, sylvester_m1, sylvester_m2
+from compensator_theory.bezout import sylvester_m, sylvester_m1, sylvester_m2
 from proofs.counterexamples import placement, theorem_1
 from proofs.ledger.checks import for_all, run_counterexample, run_property, run_symbolic
 from proofs.ledger.entries import Counterexample, Property, Symbolic

@@ -11,9 +11,9 @@ from scipy.signal import lfilter
 
 import rcac_numeric as rcac
 from rcac_numeric import gallery, identification, results, sweeps
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.experiments.files.builder import build
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.signals.signal import Scaled, Sum
 from rcac_numeric.synthesis.logs import plant_from_log
 from tests.support.estimation_samples import ESTIMATION_SAMPLES
@@ -275,17 +275,17 @@ SAMPLES = {
     rcac.DataDriven: lambda seed: rcac.DataDriven(seed=seed),
     rcac.TargetModel: lambda seed: exact_target(seed) if seed % 2 else target(seed),
     rcac.ModellingInformation: lambda seed: rcac.ModellingInformation(1, fraction(seed), [1.5]),
-    rcac.DirectionInformation: lambda seed: rcac.DirectionInformation(
+    rcac.targets.DirectionInformation: lambda seed: rcac.targets.DirectionInformation(
         random(seed, 2, 2), [(1.5, random(seed, 2))]
     ),
-    results.DirectionCheck: lambda seed: rcac.check_directions(
+    results.DirectionCheck: lambda seed: rcac.targets.check_directions(
         rcac.TargetModel(random(seed, 2, 2, 2)),
-        rcac.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
+        rcac.targets.DirectionInformation(random(seed, 2, 2), [(1.5, random(seed, 2))]),
     ),
-    results.DirectionsFromData: lambda seed: rcac.directions_from_data(
+    results.DirectionsFromData: lambda seed: rcac.identification.directions_from_data(
         random(seed, 40, 1), np.vstack([np.zeros((1, 1)), random(seed, 40, 1)[:-1]]), order=1
     ),
-    results.OutputSubspaceZeros: lambda seed: rcac.output_subspace_zeros(two_outputs(seed)),
+    results.OutputSubspaceZeros: lambda seed: rcac.targets.output_subspace_zeros(two_outputs(seed)),
     results.EigensystemRealisation: lambda seed: identification.eigensystem_realisation(
         [0, *(float(fraction(seed)) ** i for i in range(5))]
     ),
@@ -356,7 +356,9 @@ SAMPLES = {
     ),
     # analysis
     rcac.ClosedLoop: loop,
-    rcac.IntercalatedMatch: lambda seed: rcac.intercalated_match(loop(seed), target(seed), 9),
+    rcac.results.IntercalatedMatch: lambda seed: rcac.intercalated_match(
+        loop(seed), target(seed), 9
+    ),
     results.ExactComparison: comparison,
     results.NumericObserverForms: observer_forms,
     results.PlacementConditioning: lambda seed: rcac.placement_conditioning(

@@ -2,7 +2,8 @@
 
 import sympy
 
-from compensator_theory import Enclosure, PolynomialMatrix, TransferFunction, TransferMatrix
+from compensator_theory import TransferFunction, TransferMatrix
+from compensator_theory.results import Enclosure, PolynomialMatrix
 
 
 def as_matrix(answer):

@@ -17,7 +17,7 @@ import flint
 import compensator_theory as exact
 import rcac_numeric as rcac
 from compensator_theory.roots.certified import decided_balls
-from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
+from rcac_numeric.plants.zero_order_hold import zero_order_hold
 from rcac_numeric.signals.text_tables import read_table
 
 LONG = 10**5000 + 7
@@ -74,7 +74,9 @@ TASKS = [
     lambda: reference(12),
     lambda: shown(exact.place_poles("1/((s+1)*(s+2)*(s+3))", [-1, -2, -3, -4, -5], feedback=-1)),
     lambda: shown(exact.place_poles(f"1/(s + {10**900})", [-1], feedback=-1)),
-    lambda: shown(exact.Enclosure(exact.exact_number(2) ** 9000 * LONG, exact.exact_number(0))),
+    lambda: shown(
+        exact.results.Enclosure(exact.exact_number(2) ** 9000 * LONG, exact.exact_number(0))
+    ),
     lambda: tuple(map(repr, exact.certified_roots(CUBIC))),
     lambda: [ball.real.mid() for ball, _, _ in decided_balls(CUBIC, lambda b: True, 700)],
     lambda: riccati(20),

@@ -3,11 +3,17 @@
 // A vector holds the same entry of several runs, so nothing is ever summed across a vector and
 // nothing is padded: short regressors run at full width. The recursion is that of
 // ud_rank_one.inl.hpp; four columns share one pass over the rows, which reads and writes the gain
-// once for all of them.
+// once for all of them and takes the dots of a later block.
 #pragma once
+
+#include <utility>
 
 #include "simd/layout.hpp"
 #include "simd/vectors.hpp"
+
+#if defined(__clang__)  // a loop whose length is not known is not unrolled
+#pragma clang diagnostic ignored "-Wpass-failed"
+#endif
 
 namespace rcac::RCAC_INSTRUCTION_SET {
 
@@ -23,73 +29,82 @@ inline bool lane_lost(const double* row, const double* U, std::size_t n, std::si
     return magnitude(f) <= error && d * error * error > alpha;
 }
 
-// f of the C columns from column j on, a multiple of 4; here and below every pointer but U points
-// at the lanes of one vector, and u is the first entry of the columns' block.
-template <std::size_t C>
-RCAC_INLINE void lane_dots(std::size_t j, const double* u, const double* row, Vec* result) {
-    const double *phi = row, *end = row + j * lanes;
-    Vec f[C], odd[C];
-    for (std::size_t c = 0; c < C; ++c) {
-        f[c] = load(end + c * lanes);
-        odd[c] = zero();
-    }
-    for (; phi != end; phi += 2 * lanes, u += 2 * C * lanes)
-        for (std::size_t c = 0; c < C; ++c) {
-            f[c] = f[c] + load(u + c * lanes) * load(phi);
-            odd[c] = odd[c] + load(u + (C + c) * lanes) * load(phi + lanes);
-        }
-    for (std::size_t c = 0; c < C; ++c) {
-        for (std::size_t k = 0; k < c; ++k)
-            f[c] = f[c] + load(u + (c * (c - 1) / 2 + k) * lanes) * load(phi + k * lanes);
-        result[c] = f[c] + odd[c];
-    }
-}
+// The columns of a block from column j on, a multiple of 4. Here and below every pointer but U points
+// at the lanes of one vector, and u is the first entry of the block's columns.
 
-RCAC_INLINE void lane_dots(std::size_t j, std::size_t n, const double* u, const double* row,
+// f = U' row of C columns over the rows before `end`.
+template <std::size_t C>
+RCAC_INLINE void lane_dots(std::size_t begin, std::size_t end, const double* u, const double* row,
                            Vec* f) {
-    if (n - j >= 4) return lane_dots<4>(j, u, row, f);
-    switch (n - j) {
-        case 3: return lane_dots<3>(j, u, row, f);
-        case 2: return lane_dots<2>(j, u, row, f);
-        case 1: return lane_dots<1>(j, u, row, f);
+    for (std::size_t i = begin; i < end; ++i) {
+        const Vec phi = load(row + i * lanes);
+        RCAC_UNROLL for (std::size_t c = 0; c < C; ++c)
+            f[c] = f[c] + load(u + (i * C + c) * lanes) * phi;
+    }
+}
+
+// The same over the triangle of the block and the unit diagonal.
+template <std::size_t C>
+RCAC_INLINE void lane_dots_of_triangle(std::size_t j, const double* u, const double* row, Vec* f) {
+    u += C * j * lanes, row += j * lanes;
+    RCAC_UNROLL for (std::size_t c = 0; c < C; ++c) {
+        RCAC_UNROLL for (std::size_t k = 0; k < c; ++k)
+            f[c] = f[c] + load(u + (c * (c - 1) / 2 + k) * lanes) * load(row + k * lanes);
+        f[c] = f[c] + load(row + c * lanes);
     }
 }
 
 template <std::size_t C>
+RCAC_INLINE void lane_whole_dots(std::size_t j, const double* u, const double* row, Vec* f) {
+    RCAC_UNROLL for (std::size_t c = 0; c < C; ++c) f[c] = zero();
+    lane_dots<C>(0, j, u, row, f);
+    lane_dots_of_triangle<C>(j, u, row, f);
+}
+
+// The C columns from j on with their v and factors, and on the way f of the N columns from j + 8 on:
+// every g waits for the one before it and every entry is stored, and the dots fill the gaps.
+template <std::size_t C, std::size_t N>
 RCAC_INLINE void lane_advance(std::size_t j, double* RCAC_RESTRICT u, double* RCAC_RESTRICT gain,
-                              const Vec* v, const Vec* factor) {
-    const double* end = gain + j * lanes;
-    for (; gain != end; gain += lanes, u += C * lanes) {
-        Vec g = load(gain);
-        for (std::size_t c = 0; c < C; ++c) {
-            const Vec old = load(u + c * lanes);
-            store(u + c * lanes, old - factor[c] * g);
+                              const Vec* v, const Vec* factor, const double* RCAC_RESTRICT next,
+                              const double* RCAC_RESTRICT row, Vec* f) {
+    RCAC_UNROLL for (std::size_t c = 0; c < lane_block; ++c) f[c] = zero();
+    for (std::size_t i = 0; i < j; ++i) {
+        Vec g = load(gain + i * lanes);
+        RCAC_UNROLL for (std::size_t c = 0; c < C; ++c) {
+            double* place = u + (i * C + c) * lanes;
+            const Vec old = load(place);
+            store(place, old - factor[c] * g);
             g = g + v[c] * old;
         }
-        store(gain, g);
+        store(gain + i * lanes, g);
+        if constexpr (N > 0) lane_dots<N>(i, i + 1, next, row, f);
     }
-    for (std::size_t k = 0; k < C; ++k) {  // the triangle of the block
+    u += C * j * lanes;
+    RCAC_UNROLL for (std::size_t k = 0; k < C; ++k) {
         Vec g = v[k];
-        for (std::size_t c = k + 1; c < C; ++c) {
+        RCAC_UNROLL for (std::size_t c = k + 1; c < C; ++c) {
             double* place = u + (c * (c - 1) / 2 + k) * lanes;
             const Vec old = load(place);
             store(place, old - factor[c] * g);
             g = g + v[c] * old;
         }
-        store(gain + k * lanes, g);
+        store(gain + (j + k) * lanes, g);
+    }
+    if constexpr (N > 0) {
+        lane_dots<N>(j, j + 2 * lane_block, next, row, f);
+        lane_dots_of_triangle<N>(j + 2 * lane_block, next, row, f);
     }
 }
 
-// Scalars of the C columns from j on, dots of the next block, then these columns: the dots, which
-// need neither, run while the scalars wait for their divisions. One division to a column costs an
-// ulp; two would be what short columns wait for. Returns alpha; f is replaced by the next.
+// D, v and the factors of the C columns from j on. One division to a column costs an ulp; two would
+// be what short columns wait for. Returns alpha.
 template <std::size_t C, bool guarded>
-RCAC_INLINE Vec lane_block_step(const UdLaneFactors& factors, std::size_t j, std::size_t h,
-                                double* u, const double* row, double* gain, Vec alpha, Vec* f,
-                                const double* noise, unsigned& lost) {
-    Vec v[C], factor[C], inverse = all(1.0) / alpha;
+RCAC_INLINE Vec lane_scalars(const UdLaneFactors& factors, std::size_t j, std::size_t h,
+                             const double* row, Vec alpha, const Vec* f, const double* noise,
+                             Vec* v, Vec* factor, unsigned& lost) {
+    Vec inverse = all(1.0) / alpha;
     double* D = factors.D + j * lanes + h;
-    for (std::size_t c = 0; c < C; ++c) {
+    RCAC_UNROLL for (std::size_t c = 0; c < C; ++c) {
         const Vec d = load(D + c * lanes);
         v[c] = d * f[c];
         const Vec grown = alpha + v[c] * f[c];
@@ -104,9 +119,6 @@ RCAC_INLINE Vec lane_block_step(const UdLaneFactors& factors, std::size_t j, std
         store(D + c * lanes, where_zero(f[c], d, d * (alpha * inverse)));
         alpha = grown;
     }
-    if (j + C < factors.n)
-        lane_dots(j + C, factors.n, u + (C * j + C * (C - 1) / 2) * lanes, row, f);
-    lane_advance<C>(j, u, gain, v, factor);
     return alpha;
 }
 
@@ -114,37 +126,91 @@ template <std::size_t C>
 struct Columns {
     static constexpr std::size_t count = C;
 };
+// Calls what with the number of columns, at most 4. Not by pointers to functions: without
+// optimisation those cannot be inlined.
+template <class What>
+RCAC_INLINE void with_columns(std::size_t columns, const What& what) {
+    switch (columns) {
+        case 0: return what(Columns<0>{});
+        case 1: return what(Columns<1>{});
+        case 2: return what(Columns<2>{});
+        case 3: return what(Columns<3>{});
+        default: return what(Columns<4>{});
+    }
+}
 
-template <bool guarded>
+// In turn the scalars of a block, and its columns beside the dots of the block after the next: those
+// of the next are there, so that its scalars need not wait for these columns.
+// N is the number of coefficients, or 0 where the compiler does not know it.
+template <std::size_t N, bool guarded>
 inline unsigned lanes_loop(const UdLaneFactors& factors, const double* row, const double* r,
                            double* gain, const double* noise, double* alpha) {
-    constexpr std::size_t halves = lanes / width;
-    const std::size_t n = factors.n, whole = n / lane_block * lane_block;
+    constexpr std::size_t halves = lanes / width, block = lane_block;
+    const std::size_t n = N > 0 ? N : factors.n;
+    const auto left = [&](std::size_t j) { return j < n ? n - j : 0; };
+    const auto entries = [&](std::size_t j) {  // of the block from column j on
+        const std::size_t c = left(j) < block ? left(j) : block;
+        return c * j + c * (c - (c > 0)) / 2;
+    };
     unsigned lost = 0;
-    Vec grown[halves], f[halves][lane_block];
+    Vec grown[halves], f[halves][block], f_next[halves][block];
     double* u = factors.U;
-    for (std::size_t k = 0; k < halves; ++k) {
-        grown[k] = load(r + k * width);
-        lane_dots(0, n, u + k * width, row + k * width, f[k]);
-    }
-    for (std::size_t j = 0; j < whole; u += (lane_block * j + 6) * lanes, j += lane_block)
-        for (std::size_t k = 0, h = 0; k < halves; ++k, h += width)
-            grown[k] = lane_block_step<lane_block, guarded>(
-                factors, j, h, u + h, row + h, gain + h, grown[k], f[k], noise + h, lost);
     for (std::size_t k = 0, h = 0; k < halves; ++k, h += width) {
-        // Not by pointers to functions: without optimisation those cannot be inlined.
-        const auto last = [&](auto columns) {
-            grown[k] = lane_block_step<decltype(columns)::count, guarded>(
-                factors, whole, h, u + h, row + h, gain + h, grown[k], f[k], noise + h, lost);
-        };
-        switch (n - whole) {
-            case 3: last(Columns<3>{}); break;
-            case 2: last(Columns<2>{}); break;
-            case 1: last(Columns<1>{}); break;
-        }
-        store(alpha + h, grown[k]);
+        grown[k] = load(r + h);
+        with_columns(n, [&](auto c) { lane_whole_dots<c.count>(0, u + h, row + h, f[k]); });
+        const double* next = u + entries(0) * lanes + h;
+        with_columns(left(block), [&](auto c) {
+            lane_whole_dots<c.count>(block, next, row + h, f_next[k]);
+        });
     }
+    RCAC_UNROLL for (std::size_t j = 0; j < n; u += entries(j) * lanes, j += block)
+        for (std::size_t k = 0, h = 0; k < halves; ++k, h += width) {
+            Vec v[block], factor[block], f_last[block];
+            if (left(j) < block) {
+                with_columns(left(j), [&](auto c) {
+                    grown[k] = lane_scalars<c.count, guarded>(
+                        factors, j, h, row + h, grown[k], f[k], noise + h, v, factor, lost);
+                    lane_advance<c.count, 0>(j, u + h, gain + h, v, factor, u, row, f_last);
+                });
+                continue;
+            }
+            grown[k] = lane_scalars<block, guarded>(factors, j, h, row + h, grown[k], f[k],
+                                                    noise + h, v, factor, lost);
+            const double* next = u + (entries(j) + entries(j + block)) * lanes + h;
+            with_columns(left(j + 2 * block), [&](auto c) {
+                lane_advance<block, c.count>(j, u + h, gain + h, v, factor, next, row + h, f_last);
+            });
+            RCAC_UNROLL for (std::size_t c = 0; c < block; ++c) {
+                f[k][c] = f_next[k][c];
+                f_next[k][c] = f_last[c];
+            }
+        }
+    for (std::size_t k = 0; k < halves; ++k) store(alpha + k * width, grown[k]);
     return lost;
+}
+
+// Up to here the size is known where this is compiled, which saves a seventh of the time at n = 20.
+// Vectors of 2 gain nothing, and those of 4 beside AVX-512 are nobody's choice: see dispatch.cpp.
+#if RCAC_WIDTH == 8 || (RCAC_WIDTH == 4 && !defined(__AVX512F__))
+constexpr std::size_t most_lane_columns = 24;
+#else
+constexpr std::size_t most_lane_columns = 0;
+#endif
+
+template <std::size_t... N>
+inline unsigned lanes_columns_of(std::index_sequence<N...>, const UdLaneFactors& factors,
+                                 const double* row, const double* r, double* gain,
+                                 const double* noise, double* alpha) {
+    static constexpr decltype(&lanes_loop<0, false>) sizes[] = {&lanes_loop<N, false>...};
+    const std::size_t known = factors.n < sizeof...(N) ? factors.n : 0;
+    return sizes[known](factors, row, r, gain, noise, alpha);
+}
+
+inline unsigned lanes_columns(const UdLaneFactors& factors, const double* row, const double* r,
+                              double* gain, const double* noise, bool guarded, double* alpha) {
+    if (guarded) return lanes_loop<0, true>(factors, row, r, gain, noise, alpha);
+    return lanes_columns_of(std::make_index_sequence<most_lane_columns + 1>{}, factors, row, r,
+                            gain, noise, alpha);
 }
 
 // With theta the innovations are taken on the way, and theta moves at the end.
@@ -155,21 +221,24 @@ inline unsigned lanes_update(const UdLaneFactors& factors, const double* row, co
     const std::size_t n = factors.n;
     bool guarded = false;
     for (std::size_t h = 0; h < lanes; h += width) {
-        Vec size = zero(), spread = zero(), sum = zero();
+        Vec size = zero(), spread = zero(), sum = zero(), odd = zero();
         for (std::size_t j = 0; j < n; ++j) {
             const Vec phi = load(row + j * lanes + h);
             size = larger(larger(phi, -phi), size);
             spread = larger(load(factors.D + j * lanes + h), spread);
-            if (with_theta) sum = sum + phi * load(theta + j * lanes + h);
+            if (!with_theta) continue;
+            if (j % 2)
+                odd = odd + phi * load(theta + j * lanes + h);
+            else
+                sum = sum + phi * load(theta + j * lanes + h);
         }
-        if (with_theta) store(innovation + h, load(rhs + h) + sum);
+        if (with_theta) store(innovation + h, load(rhs + h) + (sum + odd));
         size = size * all(1024.0 * lanes_epsilon);
         store(noise + h, size * size);
         // A lane's guard can only speak where spread * noise exceeds r.
         if (largest_of(spread * (size * size) - load(r + h)) > 0.0) guarded = true;
     }
-    const unsigned lost = guarded ? lanes_loop<true>(factors, row, r, gain, noise, alpha)
-                                  : lanes_loop<false>(factors, row, r, gain, noise, alpha);
+    const unsigned lost = lanes_columns(factors, row, r, gain, noise, guarded, alpha);
     if (with_theta)
         for (std::size_t h = 0; h < lanes; h += width) {
             const Vec step = load(innovation + h) / load(alpha + h);

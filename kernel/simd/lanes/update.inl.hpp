@@ -38,8 +38,7 @@ RCAC_INLINE unsigned lane_measurement(LaneArrays& a, const double* values, const
     for (std::size_t i = 0; i < lanes / width; ++i)
         if (largest_of(larger(excess.part[i], zero())) > 0.0) guarded = true;  // NaN is another's
     const unsigned lost =
-        guarded ? lanes_loop<true>(a.factors, a.row, variance, a.gain, noise, alpha_out)
-                : lanes_loop<false>(a.factors, a.row, variance, a.gain, noise, alpha_out);
+        lanes_columns(a.factors, a.row, variance, a.gain, noise, guarded, alpha_out);
     const Lanes alpha = lanes_of(alpha_out), step = (rhs + odd) / alpha;
     const bool forgets = last && a.forgets;
     const Lanes inverse = lanes_of(a.inverse_lambda);

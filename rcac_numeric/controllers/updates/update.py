@@ -13,6 +13,7 @@ from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import reads, real_array
 from rcac_numeric.arrays.values import Value
+from rcac_numeric.controllers.updates.prior import PriorSamples
 from rcac_numeric.targets.model import TargetModel
 
 
@@ -45,14 +46,19 @@ class Update(Value):
 
 
 def weight(value: ArrayLike, name: str, *, definite: bool = False) -> float | Array:
-    """A weight as a number or a symmetric matrix, checked before its size is known."""
+    """A weight as a number or a symmetric matrix, checked before its size is known.
+
+    R_theta may be a `PriorSamples` until `ControllerSettings` puts the matrix in its place.
+    """
+    if isinstance(value, PriorSamples) and definite:
+        return cast(float, value)
     array = real_array(value, name)
     size = len(array) if array.ndim else 1
     checked = constant_weight(array, name, size, definite=definite)
     return checked if array.ndim else float(array)
 
 
-def weight_like(value: ArrayLike) -> float | Array:
+def weight_like(value: ArrayLike | PriorSamples) -> float | Array:
     """What a field takes that `weight` reads; for type checkers."""
     return cast(float, value)
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from compensator_theory.errors import InputError
 from compensator_theory.polynomials.ball_precision import ball_precision
-from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, real_array, signal_array
 from rcac_numeric.controllers.compensator import Compensator
@@ -24,7 +23,7 @@ from rcac_numeric.engine.reference.ball_updates import BallData, ball_update
 from rcac_numeric.engine.reference.balls import balls, held, latest, normalized
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.plants.any_plant import AnyPlant
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import as_plant
 from rcac_numeric.plants.linear import MATRICES, Plant
 from rcac_numeric.plants.saturation import Saturation
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
@@ -264,8 +263,7 @@ def simulate_reference(
     >>> reference.digits > 100
     True
     """
-    if is_foreign(plant):
-        plant = linear_plant(plant)
+    plant = as_plant(plant)
     require_supported(plant, settings)
     require_fit(plant, settings)
     w = signal_array(w, "w", plant.l_w)

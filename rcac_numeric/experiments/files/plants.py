@@ -23,7 +23,7 @@ from rcac_numeric.experiments.format.tables import (
     require_table,
 )
 from rcac_numeric.experiments.format.values import Exact, Integer, ListOf
-from rcac_numeric.plants.foreign.reading import plant_of
+from rcac_numeric.plants.foreign import plant_of
 from rcac_numeric.plants.gallery.aircraft import aircraft_plant, aircraft_transition
 from rcac_numeric.plants.gallery.boost_converter import BoostConverter
 from rcac_numeric.plants.gallery.cart_pendulum import CartPendulum

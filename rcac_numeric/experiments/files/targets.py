@@ -25,10 +25,6 @@ from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
 from rcac_numeric.targets.data_driven import INPUTS, LITERAL, DataDriven
-from rcac_numeric.targets.directions.zero_directions import (
-    DirectionInformation,
-    zero_direction_target,
-)
 from rcac_numeric.targets.filters import target_model
 from rcac_numeric.targets.high_authority import high_authority_target_model
 from rcac_numeric.targets.markov import markov_target
@@ -36,6 +32,10 @@ from rcac_numeric.targets.model import TargetModel
 from rcac_numeric.targets.modelling import ModellingInformation, modelling_information
 from rcac_numeric.targets.output_subspaces import output_subspace_target
 from rcac_numeric.targets.pole_placement import fir_target, pole_placement_target
+from rcac_numeric.targets.zero_directions import (
+    DirectionInformation,
+    zero_direction_target,
+)
 
 # Filters whose poles must be found exactly, and plants whose zeros must be, in about a second.
 LARGEST_ORDER, LARGEST_N_BAR, LARGEST_PLANT, LARGEST_DIRECTED, LARGEST_TAPS = 200, 600, 80, 20, 20

@@ -16,6 +16,7 @@ from rcac_numeric.controllers.updates.forgetting import (
     VariableRateForgetting,
     forgetting_factor,
 )
+from rcac_numeric.controllers.updates.prior import PriorSamples
 from rcac_numeric.controllers.updates.recursive import UD, Covariance
 from rcac_numeric.controllers.updates.resets import CovarianceReset
 from rcac_numeric.controllers.updates.update import weight
@@ -34,10 +35,15 @@ class Recursive(Shorthand):
     kind: ClassVar[type[UD] | type[Covariance]]
 
     R_theta: Annotated[
-        float | Array,
+        float | Array | None,
         Numbers(check=partial(weight, definite=True)),
         "Weight of theta - theta(0); P(0) is its inverse.",
-    ]
+    ] = None
+    prior: Annotated[
+        PriorSamples | None,
+        Table(PriorSamples),
+        "In the place of R_theta, of the same worth in any units: `{ samples = 100, y = 0.5 }`.",
+    ] = None
     lambda_: Annotated[float, FACTOR, "Forgetting factor, in (0, 1]."] = 1.0
     lambda_changes: Annotated[
         dict[int, float] | None,
@@ -70,8 +76,10 @@ class Recursive(Shorthand):
 
     def made(self) -> UD | Covariance:
         """The update."""
+        if (self.R_theta is None) == (self.prior is None):
+            raise InputError("give R_theta or prior, one of the two.")
         return self.kind(
-            self.R_theta,
+            self.R_theta if self.prior is None else self.prior,  # type: ignore[arg-type]
             lambda_=self._forgetting(),
             process_noise=self.process_noise,
             reset=self.reset,

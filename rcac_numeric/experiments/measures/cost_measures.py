@@ -8,9 +8,9 @@ import numpy as np
 
 from compensator_theory.errors import UnitCircleError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.validation import number
 from rcac_numeric.controllers.compensator import Compensator
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.h2 import costs as h2_costs
 from rcac_numeric.h2.lqg import LQG, lqg
 from rcac_numeric.h2.noise import NoiseIntensities, noise_inputs

@@ -9,9 +9,9 @@ import numpy as np
 
 from compensator_theory.errors import InputError
 from rcac_numeric.analysis.closed_loop import frozen_loop
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.validation import integer, one_of
 from rcac_numeric.experiments.measures import cost_measures, plant_measures
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.margins.boundaries import (
     StabilityBoundary,
     delay_boundary,

@@ -7,10 +7,10 @@ import re
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.validation import integer, number
-from rcac_numeric.engine.learning.target_learner import acting_input
 from rcac_numeric.engine.runs import Run
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
+from rcac_numeric.engine.target_learner import acting_input
 from rcac_numeric.identification.windows import IdentifiedWindow, identify_windows
 from rcac_numeric.plants.frozen import plant_at
 from rcac_numeric.plants.gallery.zeros import plant_zeros

@@ -8,10 +8,10 @@ from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number, one_of
 from rcac_numeric.plants.gallery.continuous import ContinuousPlant
-from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.problems import servo_plant
 from rcac_numeric.plants.schedules import PlantChange, PlantSchedule
+from rcac_numeric.plants.zero_order_hold import zero_order_hold
 
 CONDITIONS = ("nominal", "off-nominal")
 MEASUREMENTS = ("roll angle", "state", "dummy commands")
@@ -140,7 +140,7 @@ def aircraft_plant(
 
     Examples
     --------
-    >>> from rcac_numeric import output_subspace_zeros
+    >>> from rcac_numeric.targets import output_subspace_zeros
     >>> from rcac_numeric.gallery import aircraft_plant
     >>> plant = aircraft_plant("off-nominal", "dummy commands")
     >>> plant

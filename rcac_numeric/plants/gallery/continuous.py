@@ -14,10 +14,10 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.showing import picture_of
 from rcac_numeric.arrays.validation import matrix
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
 from rcac_numeric.plants.gallery.zeros import plant_zeros
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.problems import servo_plant
+from rcac_numeric.plants.zero_order_hold import zero_order_hold
 
 
 @dataclass(frozen=True, eq=False, init=False)

@@ -45,7 +45,7 @@ def plot_stability_region(
     Examples
     --------
     >>> from compensator_theory import stability_region
-    >>> from rcac_numeric import plot_stability_region
+    >>> from rcac_numeric.plots import plot_stability_region
     >>> region = stability_region("s*(s + 1)**3 + k_p*s + k_i", "k_p", "k_i")
     >>> figure = plot_stability_region(region, (-2, 9), (0, 3))
     >>> len(figure.axes[0].collections), figure.axes[0].get_xlabel()

@@ -49,7 +49,8 @@ def plot_request(
 
     Examples
     --------
-    >>> from rcac_numeric import FigureRequest, plot_request, verify
+    >>> from rcac_numeric import FigureRequest, verify
+    >>> from rcac_numeric.plots import plot_request
     >>> from rcac_numeric.dissertation import load_example
     >>> found = verify(load_example("2.1"))
     >>> figure = plot_request(found, FigureRequest("responses", "What R_theta does."))

@@ -74,7 +74,7 @@ def plot_runs(
 
     Examples
     --------
-    >>> from rcac_numeric import plot_runs
+    >>> from rcac_numeric.plots import plot_runs
     >>> from rcac_numeric.dissertation import load_example
     >>> specs = load_example("2.1").runs
     >>> figure = plot_runs({name: spec.execute().first.run for name, spec in specs.items()})

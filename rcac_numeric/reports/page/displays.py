@@ -29,6 +29,10 @@ PICTURES = {
     "compensator_theory.frequency.root_locus:RootLocus": (
         "rcac_numeric.plots.root_locus:plot_root_locus"
     ),
+    "rcac_numeric.analysis.exact_comparison:ExactComparison": (
+        "rcac_numeric.plots.run:plot_comparison"
+    ),
+    "rcac_numeric.analysis.loop_analysis:LoopAnalysis": "rcac_numeric.plots.run:plot_sheet",
     "rcac_numeric.analysis.match:IntercalatedMatch": "rcac_numeric.plots.run:plot_match",
     "rcac_numeric.analysis.observer_forms:NumericObserverForms": (
         "rcac_numeric.plots.observer_forms:plot_observer_forms"
@@ -37,9 +41,6 @@ PICTURES = {
     "rcac_numeric.engine.runs:Run": "rcac_numeric.plots.figures.runs:plot_run",
     "rcac_numeric.estimation.estimates:ModeEstimates": (
         "rcac_numeric.plots.figures.modes:plot_modes"
-    ),
-    "rcac_numeric.experiments.measures.loop_analysis:LoopAnalysis": (
-        "rcac_numeric.plots.run:plot_sheet"
     ),
     "rcac_numeric.experiments.verdicts:Verification": (
         "rcac_numeric.plots.figures.requested:plot_verification"
@@ -60,6 +61,10 @@ PICTURES = {
 
 # From a type to the function that writes its report.
 SHEETS = {
+    "rcac_numeric.analysis.exact_comparison:ExactComparison": (
+        "rcac_numeric.reports.loop:comparison_sheet"
+    ),
+    "rcac_numeric.analysis.loop_analysis:LoopAnalysis": "rcac_numeric.reports.loop:analysis_sheet",
     "rcac_numeric.checks.check:ControllerCheck": "rcac_numeric.reports.check:check_sheet",
     "rcac_numeric.engine.runs:Run": "rcac_numeric.reports.run:run_sheet",
     "rcac_numeric.experiments.verdicts:Verification": (

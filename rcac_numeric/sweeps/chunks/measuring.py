@@ -10,8 +10,8 @@ from types import FrameType
 from typing import Any
 
 from compensator_theory.errors import CompensatorError
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.measures.cost_measures import h2_cost, high_authority_cost
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.sweeps.chunks.chunk import TimeLimitReached
 from rcac_numeric.sweeps.study.canonical import canonical_json
 from rcac_numeric.sweeps.study.cells import Cell

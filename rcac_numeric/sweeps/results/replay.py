@@ -12,12 +12,12 @@ import numpy as np
 
 from compensator_theory import figures
 from compensator_theory.errors import FunctionFailedError, InputError
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.showing import report_of
 from rcac_numeric.arrays.validation import integer
 from rcac_numeric.arrays.values import Value, fingerprint
 from rcac_numeric.arrays.wording import printable, shortened
 from rcac_numeric.engine.compiled.instruction_sets import VARIABLE, instruction_set
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.sweeps.chunks.chunk import error_text
 from rcac_numeric.sweeps.chunks.measuring import MeasureFailed, measured
 from rcac_numeric.sweeps.chunks.worker import run_in_full

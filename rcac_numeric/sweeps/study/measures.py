@@ -11,10 +11,10 @@ from typing import Any, Never
 import numpy as np
 
 from compensator_theory.errors import InputError
+from rcac_numeric.analysis.loop_analysis import LoopAnalysis
 from rcac_numeric.arrays.pairing import pairing
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.experiments.format.places import did_you_mean
-from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis
 from rcac_numeric.experiments.measures.measures import MEASURES
 from rcac_numeric.margins.boundaries import StabilityBoundary
 from rcac_numeric.margins.classical import Margins, stability_margins

@@ -5,18 +5,16 @@ import sympy
 from hypothesis import given
 from sympy import Poly
 
-from compensator_theory import (
-    InputError,
+from compensator_theory import InputError, polynomial, resultant
+from compensator_theory.bezout import (
     bezout_matrix,
     cauchy_index,
     gcd_from_null_space,
-    number_of_real_roots,
-    polynomial,
-    resultant,
     subresultants,
 )
 from compensator_theory.errors import BudgetError
 from compensator_theory.matrices.linear_algebra import determinant, rank
+from compensator_theory.roots import number_of_real_roots
 from compensator_theory.strategies import polynomials, rationals
 
 s, x, y, a, b = sympy.symbols("s x y a b")

@@ -10,11 +10,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from sympy.polys.subresultants_qq_zz import sylvester as sympy_sylvester
 
-from compensator_theory import (
-    InputError,
+from compensator_theory import InputError, polynomial, resultant
+from compensator_theory.bezout import (
     number_of_common_roots,
-    polynomial,
-    resultant,
     sylvester_m,
     sylvester_m1,
     sylvester_m2,

@@ -6,14 +6,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Matrix, Poly
 
-from compensator_theory import (
-    CompensatorError,
-    budget,
+from compensator_theory import CompensatorError, budget, polynomial, polynomial_matrix
+from compensator_theory.canonical_forms import (
     frobenius_form,
     hermite_form,
     kronecker_form,
-    polynomial,
-    polynomial_matrix,
     popov_form,
     smith_form,
 )

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sympy import Matrix, Poly, eye
 
-from compensator_theory import CompensatorError, exceptional_cases, jordan_form
+from compensator_theory import CompensatorError, exceptional_cases
+from compensator_theory.canonical_forms import jordan_form
 from compensator_theory.matrices.nonsingularity import is_proven_nonsingular
 from compensator_theory.strategies.plants import unimodular_matrices
 

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Matrix
 
-from compensator_theory import budget, kronecker_form, minimal_basis, smith_form
+from compensator_theory import budget
+from compensator_theory.canonical_forms import kronecker_form, minimal_basis, smith_form
 from compensator_theory.errors import BudgetError
 from compensator_theory.matrices.residues import primes, whole
 from tests.support.structure_cases import fewer

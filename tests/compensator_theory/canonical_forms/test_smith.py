@@ -17,9 +17,8 @@ from compensator_theory import (
     minimal_realisation,
     polynomial,
     polynomial_matrix,
-    smith_form,
-    smith_mcmillan_form,
 )
+from compensator_theory.canonical_forms import smith_form, smith_mcmillan_form
 from compensator_theory.canonical_forms.smith import by_euclid
 from compensator_theory.errors import BudgetError
 from compensator_theory.polynomial_matrices.equivalence import elimination_of
@@ -182,8 +181,8 @@ def test_matrices_compute():
         (lambda: smith_form([["s**100000"]]), BudgetError),
         (lambda: smith_mcmillan_form([["1/0"]]), InputError),
         (lambda: smith_mcmillan_form(None), InputError),
-        (lambda: exact.PolynomialMatrix(()), InputError),
-        (lambda: exact.PolynomialMatrix(((polynomial("s"), polynomial("z")),)), InputError),
+        (lambda: exact.results.PolynomialMatrix(()), InputError),
+        (lambda: exact.results.PolynomialMatrix(((polynomial("s"), polynomial("z")),)), InputError),
         (lambda: polynomial_matrix([["s"]]) @ polynomial_matrix([["s"], [1]]), InputError),
         (lambda: polynomial_matrix([["s"]]) + polynomial_matrix([["s"], [1]]), InputError),
         (lambda: polynomial_matrix([["s"]]) @ polynomial_matrix([["z"]]), InputError),

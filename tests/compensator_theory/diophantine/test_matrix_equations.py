@@ -9,11 +9,11 @@ from sympy import Matrix, Poly
 from compensator_theory import (
     InputError,
     coprime_fractions,
-    minimal_basis,
     polynomial,
     polynomial_matrix,
     solve_matrix_diophantine,
 )
+from compensator_theory.canonical_forms import minimal_basis
 from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.linear_algebra import rank
 from tests.support.structure_cases import (

@@ -129,7 +129,7 @@ CASES = {
     "matrix Diophantine": (
         exact.solve_matrix_diophantine, matrix_diophantine, matrix_diophantines_agree
     ),
-    "Smith": (exact.smith_form, smith, smiths_agree),
+    "Smith": (exact.canonical_forms.smith_form, smith, smiths_agree),
     "Kalman": (exact.kalman_decomposition, kalman, lambda x, y, _: x.dimensions == y.dimensions),
     "Sylvester": (exact.solve_sylvester, sylvester, solutions_agree),
     "Stein": (
@@ -223,23 +223,35 @@ def test_a_solution_where_the_resultant_vanishes_and_what_was_free():
 
 
 def test_algebraic_values():
-    found = exceptional_cases(exact.smith_form, [["s**2", "a**4 - 5*a**2 + 6"], [0, "s"]], "s")
+    found = exceptional_cases(
+        exact.canonical_forms.smith_form, [["s**2", "a**4 - 5*a**2 + 6"], [0, "s"]], "s"
+    )
     values = [value for case in found.cases[1:] for _, value in case.values]
     assert {sympy.expand(v**2) for v in values} == {2, 3} and len(values) == 4
     assert all(len(case.answer.elementary_divisors) == 2 for case in found.cases[1:])
-    cubic = exceptional_cases(exact.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s")
+    cubic = exceptional_cases(
+        exact.canonical_forms.smith_form, [["s**2", "a**3 - a - 1"], [0, "s"]], "s"
+    )
     assert [case.values[0][1] for case in cubic.cases[1:]] == [sympy.CRootOf(s**3 - s - 1, 0)]
-    assert exceptional_cases(exact.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s").is_complete
+    assert exceptional_cases(
+        exact.canonical_forms.smith_form, [["s", "a**2 + 1"], [0, "s"]], "s"
+    ).is_complete
 
 
 def test_what_is_left_open_says_why():
-    circle = exceptional_cases(exact.smith_form, [["s", "a**2 + b**2 - 1"], [0, "s"]], "s")
+    circle = exceptional_cases(
+        exact.canonical_forms.smith_form, [["s", "a**2 + b**2 - 1"], [0, "s"]], "s"
+    )
     assert circle.cases[1].status == "open" and "linear in no symbol" in circle.cases[1].reason
     assert circle.at({"a": "3/5", "b": "4/5"}) == circle.cases[1] and not circle.is_complete
     with exact.budget(field_degree=2):
-        found = exceptional_cases(exact.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s")
+        found = exceptional_cases(
+            exact.canonical_forms.smith_form, [["s", "a**3 - a - 1"], [0, "s"]], "s"
+        )
         assert "field_degree" in found.cases[1].reason
-    few = exceptional_cases(exact.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2)
+    few = exceptional_cases(
+        exact.canonical_forms.smith_form, [["s", "a*b"], [0, "s"]], "s", cases=2
+    )
     assert [case.status for case in few.cases] == ["answered", "answered", "open"]
     found = exceptional_cases(exact.place_poles, "1/(a*s + b)", [-2], feedback=-1)
     assert "drops out" in found.cases[1].reason
@@ -277,7 +289,9 @@ def test_systems_and_matrices_are_substituted():
 
 def test_a_function_of_several_constructions():
     def both(plant, matrix):
-        return exact.place_poles(plant, [-1], feedback=-1), exact.smith_form(matrix, "s")
+        return exact.place_poles(plant, [-1], feedback=-1), exact.canonical_forms.smith_form(
+            matrix, "s"
+        )
 
     found = exceptional_cases(both, "k/(s + a)", [["s", "a*k"], [0, "s"]])
     assert conditions(found) == [
@@ -290,7 +304,7 @@ def test_a_function_of_several_constructions():
 def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
     def hidden(plant):
         placed = exact.place_poles(plant, [-1], feedback=-1)
-        return placed, exact.smith_form([["s", entry], [0, "s"]], "s")
+        return placed, exact.canonical_forms.smith_form([["s", entry], [0, "s"]], "s")
 
     with pytest.raises(exact.errors.FunctionFailedError, match="besides its arguments"):
         exceptional_cases(hidden, "k/(s + a)")
@@ -301,11 +315,16 @@ def test_symbols_that_are_not_in_the_arguments_are_refused(entry):
     [
         (lambda: exceptional_cases("place_poles", "1/s"), "cannot be called"),
         (lambda: exceptional_cases(exact.polynomial, "s + a"), "no exceptional set"),
-        (lambda: exceptional_cases(exact.smith_form, [["s"]], cases=0), "positive integer"),
-        (lambda: exceptional_cases(exact.smith_form, [["1/s"]]), "polynomial"),
-        (lambda: exceptional_cases(exact.smith_form, [["s"]]).at(1), "mapping"),
         (
-            lambda: exceptional_cases(exact.smith_form, [["s", "a"], [0, "s"]], "s").at({"b": 1}),
+            lambda: exceptional_cases(exact.canonical_forms.smith_form, [["s"]], cases=0),
+            "positive integer",
+        ),
+        (lambda: exceptional_cases(exact.canonical_forms.smith_form, [["1/s"]]), "polynomial"),
+        (lambda: exceptional_cases(exact.canonical_forms.smith_form, [["s"]]).at(1), "mapping"),
+        (
+            lambda: exceptional_cases(
+                exact.canonical_forms.smith_form, [["s", "a"], [0, "s"]], "s"
+            ).at({"b": 1}),
             "value for a",
         ),
     ],
@@ -343,10 +362,14 @@ PLAIN = [
     (exact.mcmillan_degree, ("a*s**2 + (s + b)/(s + c)", "s"), {}),
     (exact.uncontrollable_polynomial, ([["a", 1], [0, "b"]], [["c"], [1]], "s"), {}),
     (exact.is_controllable, ([["a", 1], ["b", 0]], [["c", 1], [1, "a"]]), {}),
-    (exact.number_of_common_roots, ("(s - a)*(s - 1)", "(s - b)*(s - c)"), {"variable": "s"}),
-    (exact.number_of_common_roots, ("s**2 + a*s + b", "c*s + 1"), {"variable": "s"}),
+    (
+        exact.bezout.number_of_common_roots,
+        ("(s - a)*(s - 1)", "(s - b)*(s - c)"),
+        {"variable": "s"},
+    ),
+    (exact.bezout.number_of_common_roots, ("s**2 + a*s + b", "c*s + 1"), {"variable": "s"}),
     (exact.regulator_gain, ([["a", 1], ["b", 0]], [["c"], [1]], [-1, -2]), {}),
-    (exact.gcd_from_null_space, ("(s - a)*(s - 1)", "(s - b)*(s - c)", "s"), {}),
+    (exact.bezout.gcd_from_null_space, ("(s - a)*(s - 1)", "(s - b)*(s - c)", "s"), {}),
     (exact.bezout_identity, ("(s - a)*(s - 1)", "(s - b)*(s - c)", "s"), {}),
     (exact.resultant, ("s**2 + a*s + b", "s + c"), {"variable": "s"}),
 ]

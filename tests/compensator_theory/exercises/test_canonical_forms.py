@@ -3,8 +3,8 @@
 import pytest
 import sympy
 
-from compensator_theory import (
-    exceptional_cases,
+from compensator_theory import exceptional_cases
+from compensator_theory.canonical_forms import (
     frobenius_form,
     hermite_form,
     jordan_form,

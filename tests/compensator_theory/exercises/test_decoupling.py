@@ -3,14 +3,14 @@
 import pytest
 import sympy
 
-from compensator_theory import (
+from compensator_theory.errors import CompensatorError
+from compensator_theory.geometry import (
     controlled_invariant_subspaces,
     decentralised_fixed_modes,
     decouple,
     decouple_disturbance,
     interactor,
 )
-from compensator_theory.errors import CompensatorError
 from tests.support.exercises import equal
 
 s = sympy.Symbol("s")

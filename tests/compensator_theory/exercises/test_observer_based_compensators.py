@@ -5,17 +5,19 @@ import sympy
 
 from compensator_theory import (
     closed_loop_polynomial,
-    count_observer_forms,
     high_authority_target,
     intercalated_transfer_function,
-    is_lqg_suboptimal,
     observer_based_compensator,
     observer_forms,
-    pair_is_observer_based,
     realisation,
-    realisation_is_observer_based,
     standard_problem,
-    target_characteristic_polynomial,
+)
+from compensator_theory.loops import target_characteristic_polynomial
+from compensator_theory.observers import (
+    count_observer_forms,
+    is_lqg_suboptimal,
+    pair_is_observer_based,
+    realisation_is_observer_based,
     transfer_function_is_observer_based,
     youla_forms,
 )

@@ -8,7 +8,6 @@ from compensator_theory import (
     feedback_connection,
     place_matrix_poles,
     place_poles,
-    place_poles_at_least_order,
     reachable_eigenvectors,
     regulator_gain,
     state_feedback_family,
@@ -88,7 +87,7 @@ def test_deadbeat_control():
 
 def test_least_order():
     """How little dynamics puts poles of 1/s^3 among -1, -2, -3, -4, -5?"""
-    found = place_poles_at_least_order("1/s**3", [-1, -2, -3, -4, -5], feedback=-1)
+    found = place_poles("1/s**3", [-1, -2, -3, -4, -5], "least", feedback=-1)
     # s^3 (s + d) + n_1 s + n_0 has no term s^2, as (s + 1) ... (s + 4) has: order 2 at least
     assert equal(found.compensator, "(225*s**2 + 274*s + 120)/(s**2 + 15*s + 85)")
 

@@ -5,18 +5,20 @@ import sympy
 
 from compensator_theory import (
     bezout_identity,
+    resultant,
+    solve_diophantine,
+    solve_matrix_diophantine,
+)
+from compensator_theory.bezout import (
     bezout_matrix,
     cauchy_index,
     gcd_from_null_space,
     number_of_common_roots,
-    number_of_real_roots,
-    resultant,
-    solve_diophantine,
-    solve_matrix_diophantine,
     subresultants,
     sylvester_m1,
 )
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.roots import number_of_real_roots
 from tests.support.exercises import equal
 
 

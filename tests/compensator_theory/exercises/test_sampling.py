@@ -3,9 +3,9 @@
 import sympy
 from sympy import Rational, exp, log, pi
 
-from compensator_theory import (
+from compensator_theory import is_controllable
+from compensator_theory.sampling import (
     first_order_hold,
-    is_controllable,
     matched,
     sampling_zero_polynomial,
     tustin,

@@ -4,7 +4,6 @@ import pytest
 import sympy
 
 from compensator_theory import (
-    compensator_from_sensitivity,
     coprime_fractions,
     decide_simultaneous_stabilisability,
     decide_stability,
@@ -15,6 +14,7 @@ from compensator_theory import (
     stable_compensator,
 )
 from compensator_theory.errors import CompensatorError
+from compensator_theory.loops import compensator_from_sensitivity
 from tests.support.exercises import equal
 
 s = sympy.Symbol("s")

@@ -7,13 +7,12 @@ from compensator_theory import (
     count_roots,
     decide_interval_stability,
     decide_stability,
-    hurwitz_determinants,
-    reflection_coefficients,
     stabilising_gains,
     stability_conditions,
     stability_intervals,
     stability_region,
 )
+from compensator_theory.roots import hurwitz_determinants, reflection_coefficients
 from tests.support.exercises import equal
 
 

@@ -5,16 +5,18 @@ import sympy
 
 from compensator_theory import (
     feedback_connection,
-    laurent_expansion,
     markov_parameters,
     mcmillan_degree,
     minimal_realisation,
-    pade_approximant,
     partial_fractions,
-    partial_realisation,
     realisation,
     transfer_function,
     transfer_matrix,
+)
+from compensator_theory.interpolation import (
+    laurent_expansion,
+    pade_approximant,
+    partial_realisation,
 )
 from tests.support.exercises import equal
 

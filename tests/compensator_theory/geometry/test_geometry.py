@@ -11,18 +11,20 @@ from sympy import Matrix, Poly, Rational
 from compensator_theory import (
     CompensatorError,
     InputError,
+    invariant_zeros,
+    kalman_decomposition,
+    polynomial,
+    polynomial_from_roots,
+)
+from compensator_theory.canonical_forms import smith_mcmillan_form
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.geometry import (
     controlled_invariant_subspaces,
     decentralised_fixed_modes,
     decouple,
     decouple_disturbance,
     interactor,
-    invariant_zeros,
-    kalman_decomposition,
-    polynomial,
-    polynomial_from_roots,
-    smith_mcmillan_form,
 )
-from compensator_theory.errors import NoSolutionError
 from compensator_theory.matrices.linear_algebra import rank
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices

@@ -11,14 +11,16 @@ from compensator_theory import (
     CompensatorError,
     budget,
     hankel_matrix,
-    laurent_expansion,
     markov_parameters,
-    nevanlinna_pick,
-    pade_approximant,
-    partial_realisation,
     transfer_function,
 )
 from compensator_theory.errors import BudgetError, NoSolutionError
+from compensator_theory.interpolation import (
+    laurent_expansion,
+    nevanlinna_pick,
+    pade_approximant,
+    partial_realisation,
+)
 from compensator_theory.strategies import coprime_pairs, rationals, strictly_proper_plants
 from tests.support.structure_cases import fewer, transfer_matrices
 

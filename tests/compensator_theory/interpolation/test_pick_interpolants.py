@@ -7,16 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import QQ_I, I, Rational
 
-from compensator_theory import (
-    CompensatorError,
-    InputError,
-    h_infinity_norm,
-    nevanlinna_pick,
-    transfer_function,
-)
+from compensator_theory import CompensatorError, InputError, h_infinity_norm, transfer_function
 from compensator_theory.errors import NoSolutionError
-from compensator_theory.interpolation import nevanlinna_pick as module
-from compensator_theory.interpolation.nevanlinna_pick import solve_pick
+from compensator_theory.interpolation import nevanlinna_pick
+from compensator_theory.interpolation import pick_interpolation as module
+from compensator_theory.interpolation.pick_interpolation import solve_pick
 from tests.support.bad_inputs import BAD
 from tests.support.structure_cases import fewer
 

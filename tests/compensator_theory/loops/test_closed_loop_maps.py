@@ -11,14 +11,13 @@ from compensator_theory import (
     InputError,
     StandardProblem,
     closed_loop_polynomial,
-    closed_loop_transfer_matrix,
-    closed_loop_zero_polynomial,
     compensator_polynomials,
     servo_problem,
     standard_problem,
     transfer_function,
 )
 from compensator_theory.errors import ImproperError
+from compensator_theory.loops import closed_loop_transfer_matrix, closed_loop_zero_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
 from compensator_theory.strategies import (
     matrices,

@@ -11,16 +11,12 @@ from sympy import Poly
 from compensator_theory import (
     InputError,
     closed_loop_polynomial,
-    closed_loop_transfer_matrix,
     compensator_polynomials,
-    control_perturbation_transfer_function,
     intercalated_transfer_function,
     intercalated_transfer_matrix,
     place_poles,
     polynomial,
-    split_at_unit_circle,
     standard_problem,
-    target_characteristic_polynomial,
 )
 from compensator_theory.errors import (
     ImproperError,
@@ -28,6 +24,12 @@ from compensator_theory.errors import (
     NotReachableTargetError,
     UnitCircleError,
 )
+from compensator_theory.loops import (
+    closed_loop_transfer_matrix,
+    control_perturbation_transfer_function,
+    target_characteristic_polynomial,
+)
+from compensator_theory.roots import split_at_unit_circle
 from compensator_theory.strategies import (
     matrices,
     polynomials,

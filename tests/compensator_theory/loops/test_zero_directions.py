@@ -6,13 +6,9 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    direction_residual,
-    transfer_matrix,
-    transmission_zeros,
-    zero_direction_target,
-)
+from compensator_theory import transfer_matrix, transmission_zeros, zero_direction_target
 from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.loops import direction_residual
 
 SMALL = st.integers(-3, 3).map(sympy.Integer)
 OUTSIDE = st.fractions(min_value=1, max_value=3, max_denominator=5).filter(lambda z: z > 1)

@@ -14,16 +14,12 @@ from compensator_theory import (
     certified_roots,
     closed_loop_polynomial,
     decide_stability,
-    enclose_split_at_unit_circle,
     high_authority_target,
     lqg_controller,
     lqg_poles,
-    monic_reciprocal_polynomial,
     regulator_spectrum,
     solve_riccati,
-    split_at_unit_circle,
     standard_problem,
-    target_characteristic_polynomial,
 )
 from compensator_theory.errors import (
     NoSolutionError,
@@ -31,7 +27,13 @@ from compensator_theory.errors import (
     NotObservableError,
     UnitCircleError,
 )
+from compensator_theory.loops import target_characteristic_polynomial
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial
+from compensator_theory.roots import (
+    enclose_split_at_unit_circle,
+    monic_reciprocal_polynomial,
+    split_at_unit_circle,
+)
 from compensator_theory.strategies import matrices, standard_problems
 
 q, z = sympy.symbols("q z")

@@ -14,17 +14,19 @@ from compensator_theory import (
     Realisation,
     TransferFunction,
     closed_loop_matrix,
-    count_observer_forms,
     observer_based_compensator,
     observer_forms,
     place_poles,
     polynomial,
     polynomial_from_roots,
     realisation,
+)
+from compensator_theory.errors import NoSolutionError
+from compensator_theory.observers import (
+    count_observer_forms,
     realisation_is_observer_based,
     youla_forms,
 )
-from compensator_theory.errors import NoSolutionError
 from compensator_theory.observers.counting import count_partitions
 from compensator_theory.roots.counts import number_of_real_roots
 from compensator_theory.strategies import polynomials, rationals, spectra, strictly_proper_plants

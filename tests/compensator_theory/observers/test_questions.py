@@ -12,21 +12,23 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     InputError,
-    count_observer_forms,
-    is_lqg_suboptimal,
     observer_based_compensator,
     observer_forms,
-    pair_is_observer_based,
     place_poles,
     polynomial,
     polynomial_from_roots,
     realisation,
-    realisation_is_observer_based,
     transfer_function,
-    transfer_function_is_observer_based,
 )
 from compensator_theory.errors import ImproperError, NotCoprimeError
 from compensator_theory.loops.siso import closed_loop_of_pair
+from compensator_theory.observers import (
+    count_observer_forms,
+    is_lqg_suboptimal,
+    pair_is_observer_based,
+    realisation_is_observer_based,
+    transfer_function_is_observer_based,
+)
 from compensator_theory.observers.counting import count_partitions
 from compensator_theory.roots.counts import has_real_root, number_of_real_roots
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants

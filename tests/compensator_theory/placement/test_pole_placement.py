@@ -11,13 +11,13 @@ from compensator_theory import (
     StandardProblem,
     TransferFunction,
     closed_loop_polynomial,
-    number_of_common_roots,
     place_poles,
     polynomial,
     polynomial_from_roots,
     standard_problem,
     transfer_function,
 )
+from compensator_theory.bezout import number_of_common_roots
 from compensator_theory.errors import ImproperError, NoSolutionError, NotCoprimeError
 from compensator_theory.strategies import polynomials, rationals, spectra, strictly_proper_plants
 

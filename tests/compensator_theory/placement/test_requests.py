@@ -7,19 +7,20 @@ from hypothesis import strategies as st
 
 from compensator_theory import (
     InputError,
-    check_proposition_3,
-    check_proposition_4,
-    compensator_from_sensitivity,
-    number_of_common_roots,
     place_poles,
-    place_poles_at_least_order,
     polynomial,
     polynomial_from_roots,
     sensitivity_function,
     transfer_function,
 )
+from compensator_theory.bezout import (
+    check_proposition_3,
+    check_proposition_4,
+    number_of_common_roots,
+)
 from compensator_theory.bezout.sylvester import sylvester_m
 from compensator_theory.errors import ImproperError, NoSolutionError
+from compensator_theory.loops import compensator_from_sensitivity
 from compensator_theory.matrices.linear_algebra import determinant
 from compensator_theory.placement.rounding_effects import rounded_polynomial, rounding_effect
 from compensator_theory.strategies import polynomials, spectra, strictly_proper_plants
@@ -87,7 +88,7 @@ def test_reasons_are_relations_that_reachable_targets_satisfy(plant, feedback, d
 def test_least_order(plant, feedback, data):
     n = plant.order
     poles = data.draw(spectra(2 * n))
-    found = place_poles_at_least_order(plant, list(poles), feedback=feedback)
+    found = place_poles(plant, list(poles), "least", feedback=feedback)
     order = found.denominator.degree()
     assert found.residual.is_zero
     assert found.target == polynomial_from_roots(poles[: n + order], "s")
@@ -102,10 +103,10 @@ def test_least_order(plant, feedback, data):
 
 def test_a_static_gain_is_found_where_one_does():
     plant = transfer_function("1/(s*(s + 3))")
-    found = place_poles_at_least_order(plant, [-1, -2, -5, -6], feedback=-1)
+    found = place_poles(plant, [-1, -2, -5, -6], "least", feedback=-1)
     assert found.denominator.degree() == 0 and found.numerator.as_expr() == 2
-    strict = place_poles_at_least_order(
-        plant, [-1, -2, -5, -6], feedback=-1, properness="strictly proper"
+    strict = place_poles(
+        plant, [-1, -2, -5, -6], "least", feedback=-1, properness="strictly proper"
     )
     assert strict.denominator.degree() == 2
 
@@ -178,11 +179,11 @@ def test_bad_input():
             place_poles(plant, four, feedback=-1, numerator_degree=degree)
     for poles in ([-1], "s**2", 3, ["-1+j", -2, -3]):
         with pytest.raises(InputError):
-            place_poles_at_least_order(plant, poles, feedback=-1)
+            place_poles(plant, poles, "least", feedback=-1)
     with pytest.raises(NoSolutionError, match="n_c from 0 to 0"):
-        place_poles_at_least_order(plant, [-5, -6], feedback=-1)
+        place_poles(plant, [-5, -6], "least", feedback=-1)
     with pytest.raises(ImproperError):
-        place_poles_at_least_order("s**3/(s + 1)", four, feedback=-1)
+        place_poles("s**3/(s + 1)", four, "least", feedback=-1)
     for function in (sensitivity_function, compensator_from_sensitivity):
         for feedback in (0, 2, True, None):
             with pytest.raises(InputError, match="feedback"):

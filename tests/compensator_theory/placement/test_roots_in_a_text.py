@@ -7,7 +7,7 @@ import compensator_theory as exact
 A, B, C = [[0, 1], [0, 0]], [[0], [1]], [[1, 0]]
 DOORS = {
     "place_poles": lambda poles: exact.place_poles("1/s**2", poles, feedback=-1),
-    "least order": lambda poles: exact.place_poles_at_least_order("1/s**2", poles, feedback=-1),
+    "least order": lambda poles: exact.place_poles("1/s**2", poles, "least", feedback=-1),
     "gain family": lambda poles: exact.state_feedback_family(A, B, poles).gain(),
     "regulator": lambda poles: exact.regulator_gain(A, B, poles),
     "observer": lambda poles: exact.observer_gain(A, C, poles),

@@ -26,7 +26,7 @@ def outside():
 def answers(poly):
     found = [repr(exact.certified_roots(poly)), repr(exact.count_roots(poly, time="continuous"))]
     for ask in (
-        exact.enclose_split_at_unit_circle,
+        exact.roots.enclose_split_at_unit_circle,
         lambda p: exact.spectral_factor(p, time="discrete"),
         lambda p: exact.spectral_factor(p, p + 1, time="continuous"),
     ):

@@ -25,15 +25,14 @@ from compensator_theory import (
     place_poles,
     polynomial,
     polynomial_from_roots,
-    reciprocal_polynomial,
     regulator_gain,
-    split_at_unit_circle,
     standard_problem,
-    sylvester_m,
-    target_characteristic_polynomial,
 )
+from compensator_theory.bezout import sylvester_m
+from compensator_theory.loops import target_characteristic_polynomial
 from compensator_theory.polynomials.expressions import read_text
 from compensator_theory.polynomials.numbers import PLAIN
+from compensator_theory.roots import reciprocal_polynomial, split_at_unit_circle
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))

@@ -4,9 +4,10 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import matched, polynomial
+from compensator_theory import polynomial
 from compensator_theory.polynomials.multivariate import common_divisor_by_flint
 from compensator_theory.polynomials.poly import common_divisor, monic
+from compensator_theory.sampling import matched
 
 s, a, b = sympy.symbols("s a b")
 ROOTS = [a, b, a + b, a * b, 1 / a, b / (a + 1), sympy.Integer(2), -a]

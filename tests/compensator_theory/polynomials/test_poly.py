@@ -8,16 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Poly
 
-from compensator_theory import (
-    InputError,
-    certified_roots,
-    monic,
-    polynomial,
-    polynomial_from_roots,
-    split_at_unit_circle,
-)
+from compensator_theory import InputError, certified_roots, monic, polynomial, polynomial_from_roots
 from compensator_theory.errors import NoSolutionError, UnitCircleError
 from compensator_theory.polynomials.formatting import format_polynomial
+from compensator_theory.roots import split_at_unit_circle
 from compensator_theory.strategies import polynomials, spectra
 
 a, b, q, s = sympy.symbols("a b q s")

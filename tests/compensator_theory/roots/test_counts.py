@@ -7,16 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from compensator_theory import (
-    certified_roots,
-    count_roots,
-    locate_roots,
-    number_of_real_roots,
-    polynomial,
-)
+from compensator_theory import certified_roots, count_roots, locate_roots, polynomial
 from compensator_theory.matrices.flint_polynomials import from_flint_polynomial
 from compensator_theory.results import RootCount
-from compensator_theory.roots import counts
+from compensator_theory.roots import counts, number_of_real_roots
 from compensator_theory.roots.descartes import distinct_real_roots
 
 S = polynomial("s").gen

@@ -7,17 +7,19 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from compensator_theory import (
-    Enclosure,
     InputError,
     certified_roots,
     decide_stability,
-    enclose_split_at_unit_circle,
-    monic_reciprocal_polynomial,
     polynomial,
     spectral_factor,
-    split_at_unit_circle,
 )
 from compensator_theory.errors import NoSolutionError, UnitCircleError
+from compensator_theory.results import Enclosure
+from compensator_theory.roots import (
+    enclose_split_at_unit_circle,
+    monic_reciprocal_polynomial,
+    split_at_unit_circle,
+)
 from compensator_theory.roots.spectral_factors import factor_spectrum
 from compensator_theory.strategies import polynomials, rationals
 

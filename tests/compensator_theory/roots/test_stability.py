@@ -14,17 +14,19 @@ from compensator_theory import (
     certified_roots,
     count_roots,
     decide_stability,
-    hurwitz_determinants,
     locate_roots,
-    monic_reciprocal_polynomial,
-    number_of_real_roots,
     polynomial,
     polynomial_from_roots,
+)
+from compensator_theory.results import RootCount
+from compensator_theory.roots import (
+    hurwitz_determinants,
+    monic_reciprocal_polynomial,
+    number_of_real_roots,
     reciprocal_polynomial,
     reflection_coefficients,
     split_at_unit_circle,
 )
-from compensator_theory.results import RootCount
 from compensator_theory.roots.schur_cohn import has_root_outside
 from compensator_theory.strategies import polynomials, spectra
 

@@ -10,10 +10,10 @@ from compensator_theory import (
     Realisation,
     certified_roots,
     mcmillan_degree,
-    number_of_common_roots,
     place_poles,
 )
 from compensator_theory import strategies as ours
+from compensator_theory.bezout import number_of_common_roots
 from compensator_theory.errors import NotCoprimeError
 from compensator_theory.loops.closed_loop_matrix import closed_loop_matrix
 

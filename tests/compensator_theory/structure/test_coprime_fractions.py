@@ -11,11 +11,10 @@ from compensator_theory import (
     InputError,
     TransferMatrix,
     coprime_fractions,
-    hermite_form,
     polynomial,
     polynomial_matrix,
-    row_reduced_form,
 )
+from compensator_theory.canonical_forms import hermite_form, row_reduced_form
 from compensator_theory.errors import BudgetError
 from compensator_theory.strategies import coprime_pairs
 from tests.support.structure_cases import (

@@ -11,16 +11,15 @@ from hypothesis import strategies as st
 from sympy import Matrix, Rational, Symbol, log
 
 import compensator_theory as exact
-from compensator_theory import (
-    Realisation,
+from compensator_theory import Realisation, polynomial
+from compensator_theory.errors import InputError, NoSolutionError
+from compensator_theory.sampling import (
     first_order_hold,
     matched,
-    polynomial,
     sampling_zero_polynomial,
     tustin,
     zero_order_hold,
 )
-from compensator_theory.errors import InputError, NoSolutionError
 from compensator_theory.strategies import matrices
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer

@@ -16,9 +16,9 @@ from compensator_theory import (
     minimal_realisation,
     output_decoupling_zeros,
     polynomial,
-    smith_mcmillan_form,
     transmission_zeros,
 )
+from compensator_theory.canonical_forms import smith_mcmillan_form
 from compensator_theory.errors import ImproperError
 from tests.support.structure_cases import G_OF_THE_NOTES, fewer, realisations, transfer_matrices
 

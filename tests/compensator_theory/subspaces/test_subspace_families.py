@@ -9,13 +9,14 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from sympy import Matrix, Poly, Rational
 
-from compensator_theory import InputError, Realisation, observer_forms, youla_forms
+from compensator_theory import InputError, Realisation, observer_forms
 from compensator_theory.errors import BudgetError
 from compensator_theory.matrices.invariant_subspaces import (
     joined,
     primary_components,
 )
 from compensator_theory.matrices.linear_algebra import characteristic_polynomial, rank, solve_affine
+from compensator_theory.observers import youla_forms
 from compensator_theory.strategies.plants import unimodular_matrices
 from compensator_theory.subspaces.cyclic_families import sample_subspaces
 from compensator_theory.subspaces.open_cells import families, grassmannian_cell

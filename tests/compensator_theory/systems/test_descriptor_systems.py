@@ -14,12 +14,12 @@ from compensator_theory import (
     exceptional_cases,
     h_infinity_norm,
     invariant_zeros,
-    kronecker_form,
     place_poles,
     realisation,
     transfer_function,
     transfer_matrix,
 )
+from compensator_theory.canonical_forms import kronecker_form
 from compensator_theory.errors import BudgetError, CompensatorError, ImproperError
 from compensator_theory.strategies.plants import unimodular_matrices
 from tests.support.structure_cases import fewer

@@ -32,22 +32,22 @@ def test_the_answer_depends_on_the_time():
         (exact.count_roots, {"time": "continuous"}),
         (exact.locate_roots, {"time": "discrete"}),
         (exact.decide_stability, {"time": "discrete"}),
-        (exact.number_of_real_roots, {}),
+        (exact.roots.number_of_real_roots, {}),
         (exact.certified_roots, {}),
-        (exact.hurwitz_determinants, {}),
+        (exact.roots.hurwitz_determinants, {}),
         (exact.stability_conditions, {}),
-        (exact.reflection_coefficients, {}),
-        (exact.split_at_unit_circle, {}),
-        (exact.enclose_split_at_unit_circle, {}),
-        (exact.reciprocal_polynomial, {}),
-        (exact.monic_reciprocal_polynomial, {}),
+        (exact.roots.reflection_coefficients, {}),
+        (exact.roots.split_at_unit_circle, {}),
+        (exact.roots.enclose_split_at_unit_circle, {}),
+        (exact.roots.reciprocal_polynomial, {}),
+        (exact.roots.monic_reciprocal_polynomial, {}),
     ],
 )
 def test_the_advice_about_variables_works(function, options):
     """A list of coefficients and variable='q' is the polynomial in q."""
     text = "4*q**2 - q + 2"
     assert function([4, -1, 2], variable="q", **options) == function(text, **options)
-    if not options and function is not exact.reflection_coefficients:
+    if not options and function is not exact.roots.reflection_coefficients:
         with pytest.raises(InputError, match="say variable='s'"):
             function([4, -1, 2])
     else:
@@ -57,7 +57,7 @@ def test_the_advice_about_variables_works(function, options):
 def test_variables_of_loops():
     found = exact.place_poles("1/(s + a)", [-1, -2], feedback=-1, variable="s")
     assert found.plant.variable.name == "s"
-    least = exact.place_poles_at_least_order("a/(s + 1)", [-2], feedback=-1, variable="s")
+    least = exact.place_poles("a/(s + 1)", [-2], "least", feedback=-1, variable="s")
     assert least.compensator.order == 0
     with pytest.raises(InputError, match="not in z"):
         exact.stabilising_gains(exact.transfer_function("1/s"), feedback=-1, variable="z")

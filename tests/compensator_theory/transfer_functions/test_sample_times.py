@@ -57,8 +57,8 @@ def test_the_sample_time_is_kept_and_goes_out(name):
 
 
 def test_sampling_says_the_period_of_what_it_makes():
-    assert c.zero_order_hold("1/s", "1/10").realisation.to_control().dt == 0.1
-    assert c.zero_order_hold("1/s").realisation.sample_time is None
+    assert c.sampling.zero_order_hold("1/s", "1/10").realisation.to_control().dt == 0.1
+    assert c.sampling.zero_order_hold("1/s").realisation.sample_time is None
 
 
 def test_what_has_no_sample_time_is_discrete_or_continuous_as_its_variable_says():

@@ -14,9 +14,9 @@ from compensator_theory import (
     observer_forms,
     polynomial_from_roots,
     realisation,
-    realisation_is_observer_based,
 )
 from compensator_theory.errors import NoSolutionError
+from compensator_theory.observers import realisation_is_observer_based
 from compensator_theory.strategies import spectra, strictly_proper_plants
 from rcac_numeric import numeric_observer_forms
 

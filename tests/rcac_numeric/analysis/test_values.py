@@ -21,7 +21,6 @@ from rcac_numeric import (
     lqg,
     multivariable_disk_margin,
     numeric_observer_forms,
-    output_subspace_zeros,
     placement_conditioning,
     pole_placement_target,
     solve_dare,
@@ -35,6 +34,7 @@ from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.h2.loop_costs import loop_costs
 from rcac_numeric.h2.noise import noise_inputs
 from rcac_numeric.identification import eigensystem_realisation, identify_markov_parameters
+from rcac_numeric.targets import output_subspace_zeros
 
 PLANT = standard_plant("1/(q - 2)")
 COMPENSATOR = Compensator(past_u=[[[-1.0]]], past_y=[[[0.0]], [[-2.5]]])

@@ -242,7 +242,7 @@ def test_an_unstable_loop_and_several_inputs():
         ({"plant": Plant(A=[[0.5]], B=[[1.0]], D_1=[[1, 1]], C=[[1]]), "w": np.ones(30)},
          "w has 1 components; the plant has l_w = 2"),
         ({"target": "1/q"}, "not a TargetModel"),
-        ({"plant": "1/q"}, "not a Plant"),
+        ({"plant": 5}, "not a Plant"),
     ],
 )  # fmt: skip
 def test_refusals(arguments, words):

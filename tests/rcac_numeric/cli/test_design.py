@@ -60,7 +60,11 @@ def test_at_a_terminal_it_is_asked(monkeypatch):
         ((*LAG, "--assume", "--noise", "some"), "--noise some: write a number"),
         ((*LAG, "--assume", "--u-limits", "2"), "LOW,HIGH"),
         (("nowhere.toml", "--assume"), "nowhere.toml"),
-        (("[[1/(s + 1), 1/s]]", "--assume"), "cannot read"),
+        (("[[1/(s + 1), 1/s]]", "--assume"), "2 inputs and 1 outputs"),
+        (("1/(s + 1), 1/s; 1", "--assume"), "rows of one and the same"),
+        ((*LAG, "--assume", "--structure", "PX"), '--structure PX: write "PI"'),
+        ((*LAG, "--assume", "--uncertain-gain", "2"), "--uncertain-gain 2: write LOW,HIGH"),
+        ((*LAG, "--assume", "--feedforward"), "reads the command"),
     ],
 )
 def test_bad_input_has_status_2(arguments, words):

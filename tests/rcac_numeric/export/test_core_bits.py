@@ -297,6 +297,7 @@ def without_pragmas(text):
 
 
 FAST = ("-ffast-math", "-funsafe-math-optimizations")
+PX4 = ("-fno-signed-zeros", "-fno-trapping-math", "-freciprocal-math", "-fno-math-errno")
 
 
 @pytest.mark.cases(1)
@@ -308,6 +309,7 @@ def test_fast_math_does_not_reach_the_core(real):
     signals = []
     cores = [Core(tables, real, ["-std=c99", "-O2"])]
     cores += [Core(tables, real, ["-std=c99", "-O2", flag]) for flag in FAST]
+    cores.append(Core(tables, real, ["-std=gnu11", "-O3", *PX4]))
     cores += [Core(tables, real, ["-std=c99", level]) for level in ("-O0", "-Os")]
     cores += [Core(tables, real, ["-std=c++17", "-O2"], "g++")]
     for k in range(200):

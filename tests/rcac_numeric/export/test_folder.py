@@ -33,6 +33,7 @@ from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.cli.main import main
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.export import building, folder
+from rcac_numeric.export.recording import recorded
 from rcac_numeric.export.tables import core_tables
 from tests.support import core_builds
 from tests.support.signals import noise
@@ -128,6 +129,16 @@ def test_a_run_with_its_saturation(tmp_path):
     assert "0.1" in vector and "held within its bounds" in (tmp_path / "README.md").read_text()
 
 
+def test_the_vector_of_a_run_is_a_closed_loop():
+    """What the plant answered to other last digits would drive an unstable controller away."""
+    run = replace(load_example("4.7").main_run, steps=200, seeds=1, repetitions=1)
+    run = run.execute().first.run
+    poles = np.abs(run.compensator.poles())
+    found = recorded(run.settings, core_tables(run.settings), run=run)
+    assert poles.max() > 1.05 and found.steps == run.steps
+    assert np.abs(found.u - run.u[: found.steps]).max() < 1e-6 * np.abs(run.u).max()
+
+
 @compiles
 def test_two_controllers_in_one_program(tmp_path):
     other = replace(SETTINGS, structure=fir(3), theta_0=None)
@@ -171,16 +182,20 @@ def test_the_folder_is_a_cmake_package(tmp_path):
     cmake("--install", tmp_path / "build")
     user = tmp_path / "user"
     user.mkdir()
-    (user / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.13...3.31)\nproject(user LANGUAGES C)\n"
-        "find_package(rcac REQUIRED)\nadd_executable(user main.c)\n"
-        "target_link_libraries(user rcac::rcac)\n"
+    (user / "main.cpp").write_text(
+        "#include <rcac.h>\nint main() { rcac_state s; rcac_init(&s); return 0; }\n"
     )
-    (user / "main.c").write_text(
-        "#include <rcac.h>\nint main(void) { rcac_state s; rcac_init(&s); return 0; }\n"
-    )
-    cmake("-S", user, "-B", user / "build", f"-DCMAKE_PREFIX_PATH={tmp_path}/at")
-    cmake("--build", user / "build")
+    for name, found in (
+        ("installed", "find_package(rcac 1.0 REQUIRED)"),
+        ("beside", f"add_subdirectory({tmp_path}/core rcac)"),
+    ):
+        (user / "CMakeLists.txt").write_text(
+            f"cmake_minimum_required(VERSION 3.13...3.31)\nproject(user LANGUAGES CXX)\n{found}\n"
+            "add_executable(user main.cpp)\ntarget_link_libraries(user rcac::rcac)\n"
+        )
+        cmake("-S", user, "-B", user / name, f"-DCMAKE_PREFIX_PATH={tmp_path}/at")
+        cmake("--build", user / name)
+        assert not list((user / name).rglob("rcac_replay*"))  # another project's tests stay its own
 
 
 # ---- what the core does not know
@@ -213,6 +228,7 @@ def test_other_arguments_that_do_not_fit(tmp_path):
         ({"prefix": "Roll-2"}, "Roll-2"),
         ({"live_order": -1}, "live_order"),
         ({"run": 3}, "run"),
+        ({"layout": "px4", "prefix": "roll_rate_2"}, "16 at most"),
     ):
         with pytest.raises(InputError, match=words):
             export_controller(SETTINGS, tmp_path, **arguments)
@@ -298,5 +314,86 @@ def test_the_sketch_is_c_plus_plus(tmp_path):
         "g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-x", "c++",
         "-include", tmp_path / "Arduino.h", f"-I{tmp_path / 'src'}",
         tmp_path / "examples" / "roll" / "roll.ino",
+    ]  # fmt: skip
+    subprocess.run(command, check=True)
+
+
+# What the skeleton uses of PX4, in one header that stands for all.
+PX4 = """
+#pragma once
+#include <stdint.h>
+#define __EXPORT
+#define PX4_ERR(...) say(__VA_ARGS__)
+#define PX4_INFO(...) say(__VA_ARGS__)
+#define ORB_ID(name) &orb_##name
+#define WITHOUT_ITS_BRACKETS(...) __VA_ARGS__
+#define DEFINE_PARAMETERS(a, b) \\
+    WITHOUT_ITS_BRACKETS a; WITHOUT_ITS_BRACKETS b; void updateParams() {}
+void say(const char *, ...) __attribute__((format(printf, 1, 2)));
+void px4_usleep(unsigned);
+uint64_t hrt_absolute_time();
+struct orb_metadata;
+extern const orb_metadata orb_vehicle_angular_velocity, orb_parameter_update;
+extern const orb_metadata orb_vehicle_torque_setpoint;
+struct vehicle_angular_velocity_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
+struct vehicle_torque_setpoint_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
+struct parameter_update_s { uint64_t timestamp; };
+namespace px4 {
+enum class params { ROLL_SW, ROLL_LAMBDA };
+namespace wq_configurations { static const int rate_ctrl = 0; }
+struct WorkItem {
+    WorkItem(const char *, int);
+    virtual ~WorkItem();
+    void ScheduleNow();
+    virtual void Run() = 0;
+};
+struct atomic_bool {
+    atomic_bool(bool);
+    bool load() const;
+    void store(bool);
+};
+}
+struct ModuleParams { explicit ModuleParams(ModuleParams *); virtual ~ModuleParams(); };
+namespace uORB {
+struct Subscription {
+    Subscription(const orb_metadata *);
+    bool updated();
+    bool copy(void *);
+    bool update(void *);
+};
+struct SubscriptionCallbackWorkItem : Subscription {
+    SubscriptionCallbackWorkItem(px4::WorkItem *, const orb_metadata *);
+    bool registerCallback();
+    void unregisterCallback();
+};
+template <class T> struct Publication {
+    Publication(const orb_metadata *);
+    bool publish(const T &);
+};
+}
+template <px4::params> struct ParamInt { int32_t get() const; };
+template <px4::params> struct ParamFloat { float get() const; };
+"""
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="there is no C compiler on this machine")
+def test_the_module_of_px4_is_c_plus_plus(tmp_path):
+    """Against declarations of what it uses, and with the warnings that PX4 makes errors."""
+    export_controller(SETTINGS, tmp_path, layout="px4", prefix="roll", real="float32")
+    px4 = tmp_path / "px4"
+    module = (px4 / "roll_module.cpp").read_text()
+    for header in re.findall(r"#include <(\S+/\S+)>", module):
+        (tmp_path / "stubs" / header).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "stubs" / header).write_text(f'#include "{tmp_path}/px4.h"\n')
+    (tmp_path / "px4.h").write_text(PX4)
+    parameters = re.findall(r"PARAM_DEFINE_\w+\((\w+)", (px4 / "roll_params.c").read_text())
+    assert parameters == re.findall(r"px4::params::(\w+)", module) == ["ROLL_SW", "ROLL_LAMBDA"]
+    names = re.findall(r"\S+\.c(?:pp)?\b", (px4 / "CMakeLists.txt").read_text())
+    assert names == ["roll_module.cpp", "roll.c"]  # beside each other, as the README copies them
+    command = [
+        "g++", "-std=gnu++14", "-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wdouble-promotion",
+        "-Wfloat-equal", "-Wno-unused-parameter", "-fno-exceptions", "-fno-rtti", "-fsyntax-only",
+        '-DMODULE_NAME="roll"', f"-I{tmp_path / 'stubs'}", f"-I{tmp_path / 'src'}",
+        px4 / "roll_module.cpp",
     ]  # fmt: skip
     subprocess.run(command, check=True)

@@ -266,4 +266,4 @@ def test_a_cost_of_nothing_is_not_negative():
 
 def test_what_is_no_plant_is_refused():
     with pytest.raises(InputError, match="not a Plant"):
-        h2_cost("1/q", Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]]))
+        h2_cost(5, Compensator(past_u=[[[0.0]]], past_y=[[[0.0]], [[0.0]]]))

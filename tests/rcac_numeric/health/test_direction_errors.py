@@ -7,19 +7,10 @@ import pytest
 from click.testing import CliRunner
 
 from benchmarks.yardsticks.directed_plants import plant_of_fractions
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
-    Plant,
-    TargetModel,
-    iir,
-    loop_health,
-    markov_target,
-    simulate,
-    zero_direction_target,
-)
+from rcac_numeric import UD, ControllerSettings, Plant, TargetModel, iir, loop_health, simulate
 from rcac_numeric.cli.main import main
 from rcac_numeric.health.rules import direction_errors
+from rcac_numeric.targets import markov_target, zero_direction_target
 
 H = np.array([[1.0, 0.5], [-0.3, 1.2]])
 V = np.array([[1.0, 0.4], [0.7, 1.0]])

@@ -32,6 +32,7 @@ from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.health.excitation import excitation_of
 from rcac_numeric.health.rules import small_margins
 from rcac_numeric.health.target_errors import target_errors
+from rcac_numeric.health.trials import next_disturbance
 from rcac_numeric.reports.check import check_sheet
 from rcac_numeric.reports.health import health_lines
 from rcac_numeric.reports.page.cases import case_of
@@ -225,3 +226,13 @@ def test_margins_that_textbooks_accept_are_not_small():
 def test_what_has_no_health_is_refused():
     with pytest.raises(InputError, match="give a Run"):
         loop_health(3)
+
+
+@pytest.mark.parametrize("size", [0.02, 0.1, 0.25, 0.3])
+def test_the_next_disturbance_of_a_constant_has_its_size_not_that_of_its_rounding(size):
+    plant = standard_plant("(q + 2)/(q**2 - 2*q + 1.04)")
+    settings = ControllerSettings(
+        structure=iir(n_c=3), target=fir_target(plant), update=UD(R_theta=1e-8), k_w=60
+    )
+    tried = next_disturbance(simulate(plant, settings, exogenous([Step(size)], 160)))
+    assert tried.frozen > 0.05 * size

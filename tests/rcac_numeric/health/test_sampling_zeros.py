@@ -14,12 +14,12 @@ from rcac_numeric import (
     fir_target,
     iir,
     loop_health,
-    modelling_information,
     servo_plant,
     simulate,
     standard_plant,
 )
 from rcac_numeric.health.rules import sampling_zero_mends
+from rcac_numeric.targets import modelling_information
 
 G = control.c2d(control.tf([2], [0.5, 1.2, 1]), 0.1)
 SAMPLED = servo_plant(G)

@@ -5,8 +5,9 @@ import pytest
 import scipy.signal
 
 from compensator_theory import InputError
-from rcac_numeric import fir_target, modelling_information, standard_plant, target_from_data
+from rcac_numeric import fir_target, standard_plant, target_from_data
 from rcac_numeric.gallery import aircraft_plant
+from rcac_numeric.targets import modelling_information
 from tests.rcac_numeric.identification.records import COMPLEX, REAL, noisy, simulated
 
 

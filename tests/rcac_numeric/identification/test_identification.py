@@ -8,15 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import (
-    fir_target,
-    markov_parameters,
-    markov_target,
-    modelling_information,
+from rcac_numeric import fir_target, standard_plant
+from rcac_numeric.identification import (
+    eigensystem_realisation,
+    identify_markov_parameters,
     modelling_information_from_markov,
-    standard_plant,
 )
-from rcac_numeric.identification import eigensystem_realisation, identify_markov_parameters
+from rcac_numeric.targets import markov_parameters, markov_target, modelling_information
 from tests.support.aircraft import OFF_NOMINAL, aircraft
 from tests.support.strategies import plants, seeds
 

@@ -6,7 +6,7 @@ from matplotlib.path import Path
 
 from compensator_theory import stability_region
 from compensator_theory.errors import InputError
-from rcac_numeric import plot_stability_region
+from rcac_numeric.plots import plot_stability_region
 
 REGION = stability_region("s**3 + (a + 1)*s**2 + b*s + a**2 + 1/4", "a", "b")
 

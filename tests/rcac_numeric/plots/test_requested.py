@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import FigureRequest, plot_request, verify
+from rcac_numeric import FigureRequest, verify
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.dissertation.examples import example_ids
 from rcac_numeric.experiments.figure_requests import KINDS
+from rcac_numeric.plots import plot_request
 from rcac_numeric.plots.figures.histories import MANY, thinned
 from rcac_numeric.plots.figures.requested import DRAWINGS, OF_STUDIES
 

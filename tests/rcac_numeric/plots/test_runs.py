@@ -13,7 +13,6 @@ from rcac_numeric import (
     lqg,
     numeric_observer_forms,
     plant_of,
-    plot_runs,
     servo_plant,
     simulate,
     stability_margins,
@@ -21,6 +20,7 @@ from rcac_numeric import (
     verify,
 )
 from rcac_numeric.dissertation import load_example
+from rcac_numeric.plots import plot_runs
 from rcac_numeric.plots.coefficients import coefficient_names
 from tests.rcac_numeric import samples
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from rcac_numeric import FigureRequest, lqg, plot_request, verify
+from rcac_numeric import FigureRequest, lqg, verify
 from rcac_numeric.arrays.values import replaced as replace
 from rcac_numeric.dissertation import load_example
 from rcac_numeric.experiments.files.builder import build
+from rcac_numeric.plots import plot_request
 
 SEEDS = 4
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import plot_runs
 from rcac_numeric.dissertation import load_example
+from rcac_numeric.plots import plot_runs
 
 
 @pytest.fixture(scope="module")

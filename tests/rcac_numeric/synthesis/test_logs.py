@@ -21,7 +21,7 @@ from rcac_numeric import (
 from rcac_numeric.arrays.values import equal
 from rcac_numeric.synthesis.logs import PARTS, plant_from_log
 from rcac_numeric.synthesis.plants import read_plant
-from rcac_numeric.synthesis.reference import reference_loop, sensitivity_peak
+from rcac_numeric.synthesis.reference import Ladder, sensitivity_peak
 
 TRUE = "-(0.1*q + 0.05)/((q - 0.9)*(q - 0.6))"
 QUICK = {"seeds": 1, "steps": 300}
@@ -110,12 +110,14 @@ def test_a_pole_near_1_that_no_pole_at_1_stands_for_is_asked_about(found):
 
 
 def test_where_the_best_model_has_no_controller_one_of_lower_order_is_taken(monkeypatch):
-    def of_order_1(model, *arguments):
-        if len(model.A) > least:
-            raise NoSolutionError("no such controller")
-        return reference_loop(model, *arguments)
+    best = Ladder.best
 
-    monkeypatch.setattr("rcac_numeric.synthesis.design.reference_loop", of_order_1)
+    def of_order_1(ladder):
+        if len(ladder.plant.A) > least:
+            raise NoSolutionError("no such controller")
+        return best(ladder)
+
+    monkeypatch.setattr(Ladder, "best", of_order_1)
     least = 1
     lower = design(log_of(), **QUICK)
     assert lower.logged.model.order == 1 and lower.logged.model.delay >= 2

@@ -6,12 +6,8 @@ import pytest
 import compensator_theory
 from compensator_theory import InputError
 from compensator_theory.errors import NoSolutionError, UnitCircleError
-from rcac_numeric import (
-    high_authority_target_model,
-    modelling_information,
-    servo_plant,
-    standard_plant,
-)
+from rcac_numeric import servo_plant, standard_plant
+from rcac_numeric.targets import high_authority_target_model, modelling_information
 from tests.support.dissertation_plants import PLANT_4_1
 
 OMEGA = np.linspace(0.1, 3.0, 9)

@@ -7,14 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from compensator_theory import InputError
-from rcac_numeric import (
-    Plant,
-    markov_parameters,
-    markov_target,
-    modelling_information,
-    servo_plant,
-    standard_plant,
-)
+from rcac_numeric import Plant, servo_plant, standard_plant
+from rcac_numeric.targets import markov_parameters, markov_target, modelling_information
 from tests.support.strategies import plants
 
 OMEGA = np.linspace(0.1, 3.0, 7)

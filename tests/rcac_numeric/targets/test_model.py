@@ -9,12 +9,12 @@ from rcac_numeric import (
     ModellingInformation,
     TargetModel,
     fir_target,
-    modelling_information,
     pole_placement_target,
     servo_plant,
     standard_plant,
     target_model,
 )
+from rcac_numeric.targets import modelling_information
 
 OMEGA = np.linspace(0.1, 3.0, 7)
 Q = np.exp(1j * OMEGA)

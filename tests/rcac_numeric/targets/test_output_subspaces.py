@@ -8,12 +8,8 @@ from hypothesis import strategies as st
 
 from compensator_theory import InputError
 from compensator_theory.errors import NoSolutionError
-from rcac_numeric import (
-    Plant,
-    output_subspace_target,
-    output_subspace_zeros,
-    transmission_zero_polynomial,
-)
+from rcac_numeric import Plant, transmission_zero_polynomial
+from rcac_numeric.targets import output_subspace_target, output_subspace_zeros
 from tests.support.aircraft import NOMINAL, OFF_NOMINAL, aircraft
 from tests.support.strategies import seeds
 

@@ -1,8 +1,14 @@
 // A skeleton: the roll rate of vehicle_angular_velocity is y and z, and u goes to
-// vehicle_torque_setpoint. Put in the topics of your loop at the two marks.
-#include <px4_platform_common/module.h>
+// vehicle_torque_setpoint. Put in the topics of your loop at the two marks. It starts and stops
+// itself, since the ModuleBase of PX4 1.17 is another one than that before.
+#include <string.h>
+
+#include <drivers/drv_hrt.h>
+#include <px4_platform_common/atomic.h>
+#include <px4_platform_common/log.h>
 #include <px4_platform_common/module_params.h>
 #include <px4_platform_common/px4_work_queue/WorkItem.hpp>
+#include <px4_platform_common/time.h>
 #include <uORB/Publication.hpp>
 #include <uORB/Subscription.hpp>
 #include <uORB/SubscriptionCallback.hpp>
@@ -12,7 +18,7 @@
 
 #include "rcac.h"
 
-class Rcac : public ModuleBase<Rcac>, public ModuleParams, public px4::WorkItem
+class Rcac : public ModuleParams, public px4::WorkItem
 {
 public:
 	Rcac() : ModuleParams(nullptr), WorkItem(MODULE_NAME, px4::wq_configurations::rate_ctrl)
@@ -21,58 +27,36 @@ public:
 		take_parameters();
 	}
 
-	bool init()
+	bool start()
 	{
 		if ((rcac_self_check() & ~16) != 0) {
-			PX4_ERR("the compiler does not round as C says");
+			PX4_ERR("the compiler does not round as C says: -ffp-contract=off, and no fast math");
 			return false;
 		}
 
 		return _rates.registerCallback();
 	}
 
-	static int task_spawn(int, char *[])
+	void stop()
 	{
-		Rcac *instance = new Rcac();
+		_should_stop.store(true);
+		ScheduleNow();
 
-		if (instance == nullptr) { return PX4_ERROR; }
-
-		_object.store(instance);
-		_task_id = task_id_is_work_queue;
-
-		if (instance->init()) { return PX4_OK; }
-
-		delete instance;
-		_object.store(nullptr);
-		_task_id = -1;
-		return PX4_ERROR;
+		while (!_has_stopped.load()) { px4_usleep(1000); }
 	}
 
-	static int custom_command(int, char *[]) { return print_usage("unknown command"); }
-
-	static int print_usage(const char *reason = nullptr)
-	{
-		if (reason != nullptr) { PX4_WARN("%s", reason); }
-
-		PRINT_MODULE_USAGE_NAME("rcac", "controller");
-		PRINT_MODULE_USAGE_COMMAND("start");
-		PRINT_MODULE_USAGE_DEFAULT_COMMANDS();
-		return 0;
-	}
-
-	int print_status() override
+	void print_status() const
 	{
 		PX4_INFO("status %d, step %lld, updates decided by rounding %lld", rcac_status(&_controller),
 			 (long long)_controller.step, (long long)rcac_guard_count(&_controller));
-		return 0;
 	}
 
 private:
 	void Run() override
 	{
-		if (should_exit()) {
+		if (_should_stop.load()) {
 			_rates.unregisterCallback();
-			exit_and_cleanup();
+			_has_stopped.store(true); // nothing of this object is touched after it
 			return;
 		}
 
@@ -90,9 +74,13 @@ private:
 		rcac_real y[RCAC_L_Y + 1] {}, z[RCAC_L_Z] {}, r[RCAC_L_R + 1] {}, u[RCAC_L_U] {};
 		y[0] = z[0] = static_cast<rcac_real>(rates.xyz[0]);   // your measurements, rad/s here
 
-		if ((rcac_step(&_controller, y, z, r, u) & RCAC_DIVERGED) != 0) {
+		const int status = rcac_step(&_controller, y, z, r, u);
+
+		if ((status & RCAC_DIVERGED) != 0 && (_said & RCAC_DIVERGED) == 0) {
 			PX4_ERR("diverged: Phi theta is 0 from here on");
 		}
+
+		_said = status;
 
 		vehicle_torque_setpoint_s torque{};
 		torque.timestamp = hrt_absolute_time();
@@ -101,13 +89,27 @@ private:
 		_torque.publish(torque);
 	}
 
+	// Where they were changed, so that what the export has planned stays.
 	void take_parameters()
 	{
-		rcac_freeze(&_controller, _switch.get() ? 0 : 1);
-		rcac_set_lambda(&_controller, static_cast<rcac_real>(_lambda.get()));
+		const int32_t adapts = _switch.get();
+		const float lambda = _lambda.get();
+
+		if (adapts != _adapts) { rcac_freeze(&_controller, adapts == 0); }
+
+		if (lambda < _used_lambda || lambda > _used_lambda) {
+			rcac_set_lambda(&_controller, static_cast<rcac_real>(lambda));
+		}
+
+		_adapts = adapts;
+		_used_lambda = lambda;
 	}
 
 	rcac_state _controller;
+	int _said{0};
+	int32_t _adapts{1};
+	float _used_lambda{@LAMBDA@};
+	px4::atomic_bool _should_stop{false}, _has_stopped{false};
 	uORB::SubscriptionCallbackWorkItem _rates{this, ORB_ID(vehicle_angular_velocity)};
 	uORB::Subscription _parameter_update{ORB_ID(parameter_update)};
 	uORB::Publication<vehicle_torque_setpoint_s> _torque{ORB_ID(vehicle_torque_setpoint)};
@@ -117,4 +119,42 @@ private:
 	)
 };
 
-extern "C" __EXPORT int rcac_main(int argc, char *argv[]) { return Rcac::main(argc, argv); }
+static Rcac *module = nullptr;
+
+extern "C" __EXPORT int rcac_main(int argc, char *argv[])
+{
+	const char *command = argc > 1 ? argv[1] : "";
+
+	if (strcmp(command, "start") == 0) {
+		if (module != nullptr) { return 0; }
+
+		module = new Rcac();
+
+		if (module != nullptr && module->start()) { return 0; }
+
+		delete module;
+		module = nullptr;
+		return 1;
+	}
+
+	if (strcmp(command, "stop") == 0 || strcmp(command, "status") == 0) {
+		if (module == nullptr) {
+			PX4_INFO("not running");
+			return 0;
+		}
+
+		if (strcmp(command, "status") == 0) {
+			module->print_status();
+
+		} else {
+			module->stop();
+			delete module;
+			module = nullptr;
+		}
+
+		return 0;
+	}
+
+	PX4_INFO("usage: rcac {start|stop|status}");
+	return 1;
+}

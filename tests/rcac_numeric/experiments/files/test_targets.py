@@ -4,15 +4,8 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import (
-    Plant,
-    high_authority_target_model,
-    load_experiment,
-    markov_target,
-    output_subspace_target,
-    servo_plant,
-    standard_plant,
-)
+from rcac_numeric import Plant, load_experiment, servo_plant, standard_plant
+from rcac_numeric.targets import high_authority_target_model, markov_target, output_subspace_target
 
 G = "(q - 1.2)/((q - 0.5)*(q - 0.2))"
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric.engine.learning.target_learner import acting_input
+from rcac_numeric.engine.target_learner import acting_input
 from rcac_numeric.experiments.files.builder import build
 from rcac_numeric.experiments.measures.measures import MEASURES
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from compensator_theory import InputError
-from rcac_numeric import PlantChange, PlantSchedule, output_subspace_zeros, standard_plant
+from rcac_numeric import PlantChange, PlantSchedule, standard_plant
 from rcac_numeric.gallery import (
     aircraft,
     aircraft_matrices,
@@ -14,6 +14,7 @@ from rcac_numeric.gallery import (
     zero_path,
 )
 from rcac_numeric.plants.frozen import plant_at
+from rcac_numeric.targets import output_subspace_zeros
 from tests.support.aircraft import NOMINAL, OFF_NOMINAL
 
 CONDITIONS = ("nominal", "off-nominal")

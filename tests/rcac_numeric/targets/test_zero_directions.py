@@ -5,18 +5,12 @@ import pytest
 
 from benchmarks.yardsticks.directed_plants import cost_ratio, plant_of_fractions, random_plant
 from compensator_theory.errors import InputError, NoSolutionError
-from rcac_numeric import (
-    UD,
-    ControllerSettings,
+from rcac_numeric import UD, ControllerSettings, Plant, TargetModel, iir, simulate, standard_plant
+from rcac_numeric.targets import (
     DirectionInformation,
-    Plant,
-    TargetModel,
     check_directions,
     direction_information,
-    iir,
     output_subspace_target,
-    simulate,
-    standard_plant,
     zero_direction_target,
 )
 from rcac_numeric.targets.pole_placement import fir_target

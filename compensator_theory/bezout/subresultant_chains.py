@@ -82,7 +82,7 @@ def subresultants(
 
     Examples
     --------
-    >>> from compensator_theory import subresultants
+    >>> from compensator_theory.bezout import subresultants
     >>> found = subresultants("(s - 1)*(s - 2)*(s - 3)*(s + 1)", "(s - 1)*(s - 2)*(s + 4)")
     >>> found.principal_coefficients, found.gcd()
     ((0, 0, 21, 1), Poly(21*s**2 - 63*s + 42, s, domain='QQ'))

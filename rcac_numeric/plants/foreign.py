@@ -14,10 +14,10 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, number, one_of, rounded
 from rcac_numeric.plants.any_plant import AnyPlant
 from rcac_numeric.plants.functions import FunctionPlant
-from rcac_numeric.plants.gallery.zero_order_hold import zero_order_hold
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.problems import sample_time_of, standard_plant
 from rcac_numeric.plants.schedules import PlantSchedule
+from rcac_numeric.plants.zero_order_hold import zero_order_hold
 
 METHODS = ("zoh", "bilinear")
 CHECKED = np.exp(1j * np.array([0.1, 0.7, 1.9, 2.9]))  # where plant and source are compared
@@ -95,17 +95,32 @@ def plant_of(
     return _verified(_matched(A, B, C, D, period), system, found, "")
 
 
+def as_plant(system: Any) -> Any:
+    """A plant as it is; a text or a system, ours or foreign, read by `plant_of`.
+
+    What is neither is handed back, for the caller to refuse by its own name.
+
+    Examples
+    --------
+    >>> from rcac_numeric.plants.foreign import as_plant
+    >>> as_plant("(q - 0.5)/(q*(q - 0.9))")
+    Plant(n=2, l_u=1, l_w=1, l_y=1, l_z=1)
+    """
+    ours = str, exact.TransferFunction, exact.TransferMatrix, exact.Realisation
+    return plant_of(system) if isinstance(system, ours) or is_foreign(system) else system
+
+
 def linear_plant(system: Any, name: str = "plant") -> Plant:
     """A linear plant, ours or one that `plant_of` reads.
 
     Examples
     --------
     >>> import control
-    >>> from rcac_numeric.plants.foreign.reading import linear_plant
+    >>> from rcac_numeric.plants.foreign import linear_plant
     >>> linear_plant(control.tf([1], [1, -0.5], 0.01)).sample_time
     0.01
     """
-    read = plant_of(system) if is_foreign(system) else system
+    read = as_plant(system)
     if isinstance(read, FunctionPlant):
         raise InputError(
             f"{name} is nonlinear, and a linear one is needed: linearise it where the loop is to "
@@ -139,8 +154,9 @@ def _sampled(
     system: Any, found: exact.Realisation, sample_time: float | None, method: str
 ) -> Plant:
     if sample_time is None:
+        kind = "text" if isinstance(system, str) else type(system).__name__
         raise InputError(
-            f"this {type(system).__name__} is in continuous time, and RCAC runs in discrete time; "
+            f"this {kind} is in continuous time, and RCAC runs in discrete time; "
             'say how it is sampled: plant_of(system, sample_time=0.01, method="zoh").'
         )
     A, B, C, D = (_float(found, name) for name in "ABCD")
@@ -215,7 +231,7 @@ def is_nonlinear(system: Any) -> bool:
     Examples
     --------
     >>> import control
-    >>> from rcac_numeric.plants.foreign.reading import is_nonlinear
+    >>> from rcac_numeric.plants.foreign import is_nonlinear
     >>> is_nonlinear(control.ss([[0.5]], [[1]], [[1]], [[0]], 1))
     False
     """

@@ -13,7 +13,7 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.identification.regressors import as_signal, lagged
-from rcac_numeric.targets.directions.zero_directions import DirectionInformation
+from rcac_numeric.targets.zero_directions import DirectionInformation
 
 # Beyond it a zero of an overfitted numerator is one at infinity.
 FARTHEST = 10.0
@@ -75,7 +75,7 @@ def directions_from_data(
     Examples
     --------
     >>> import numpy as np
-    >>> from rcac_numeric import directions_from_data
+    >>> from rcac_numeric.identification import directions_from_data
     >>> u = np.random.default_rng(0).standard_normal((500, 2))
     >>> z = np.zeros((500, 2))
     >>> X = np.array([[1.5, 0.0], [0.0, 0.2]])

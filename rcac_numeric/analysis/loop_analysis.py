@@ -12,18 +12,20 @@ import numpy as np
 from compensator_theory import figures
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.analysis.closed_loop import ClosedLoop
-from rcac_numeric.analysis.exact_comparison import ExactComparison, compare_exactly
+from rcac_numeric.analysis.exact_comparison import ExactComparison, comparison_of
 from rcac_numeric.analysis.match import IntercalatedMatch, intercalated_match
 from rcac_numeric.analysis.residual_split import ResidualSplit, split_residual
 from rcac_numeric.arrays.array_types import Array, ComplexArray
-from rcac_numeric.arrays.showing import picture_of
-from rcac_numeric.arrays.validation import integer
+from rcac_numeric.arrays.showing import notebook_of, picture_of, report_of
+from rcac_numeric.arrays.validation import instance_of, integer
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.settings import ControllerSettings
 from rcac_numeric.controllers.structure import Structure
 from rcac_numeric.engine.compatibility import controllers_of
 from rcac_numeric.engine.runs import Run
+from rcac_numeric.plants.any_plant import AnyPlant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.frozen import measuring_command, plant_at
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.schedules import PlantSchedule
@@ -48,8 +50,9 @@ class LoopAnalysis(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import Compensator, fir_target, standard_plant, target_model
-    >>> from rcac_numeric.experiments.measures.loop_analysis import LoopAnalysis, attempted
+    >>> from rcac_numeric import (
+    ...     Compensator, LoopAnalysis, fir_target, standard_plant, target_model)
+    >>> from rcac_numeric.analysis.loop_analysis import attempted
     >>> from rcac_numeric.dissertation import load_example
     >>> run = load_example("4.7").main_run.execute().first.run
     >>> other = target_model("1/q")
@@ -61,7 +64,7 @@ class LoopAnalysis(Value):
     >>> analysis.comparison.worst_distance, analysis.match.worst < 1e-12
     (0.0, True)
     >>> attempted(lambda: LoopAnalysis((plant, compensator)).match)
-    (None, 'the target model is not known')
+    (None, 'the target model is not known; give it as target=')
     """
 
     of: Run | tuple[Plant, Compensator]
@@ -114,7 +117,7 @@ class LoopAnalysis(Value):
         if self.target is not None:
             return self.target
         if not isinstance(self.of, Run):
-            raise InputError("the target model is not known.")
+            raise InputError("the target model is not known; give it as target=.")
         targets = []
         for settings in controllers_of(self.run.settings):
             if isinstance(settings, ControllerSettings):
@@ -178,7 +181,7 @@ class LoopAnalysis(Value):
         """The controller beside the exact prediction."""
         if self.obstacle:
             raise InputError(f"there is no exact comparison here: {self.obstacle}.")
-        return compare_exactly(self.plant, self.compensator, self._target)
+        return comparison_of(self.plant, self.compensator, self._target)
 
     @cached_property
     def zeros(self) -> dict[str, ComplexArray]:
@@ -216,9 +219,48 @@ class LoopAnalysis(Value):
             y = np.hstack([y, w @ plant.D_2[self.plant.l_y :].T if r is None else r])
         return split_residual(plant, self.compensator, target, u=u, y=y, z=z, w=w)
 
+    def report(self) -> str:
+        """The loop beside theory: poles and zeros, the intercalated match, the split residual."""
+        return report_of(self)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def __repr__(self) -> str:
+        return f"LoopAnalysis({self.of!r})"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report and the sheet of pictures."""
+        return notebook_of(self, self.plot)
+
     def plot(self, title: str = "") -> figures.Figure:
-        """One sheet: response, coefficients, poles and zeros, and the intercalated match."""
+        """One sheet: response, coefficients, poles and zeros, the intercalated match."""
         return picture_of(self, title)
+
+
+def closed_loop(of: ClosedLoop | LoopAnalysis | Run | tuple[AnyPlant, Compensator]) -> ClosedLoop:
+    """The closed loop of a run with its last controller, or of a plant and a compensator.
+
+    Examples
+    --------
+    >>> from rcac_numeric import Compensator
+    >>> from rcac_numeric.analysis.loop_analysis import closed_loop
+    >>> compensator = Compensator(past_u=[[[-2.0]]], past_y=[[[0.0]], [[-4.0]]])
+    >>> closed_loop(("1/(q - 2)", compensator)).is_stable
+    True
+    """
+    if isinstance(of, ClosedLoop):
+        return of
+    if isinstance(of, LoopAnalysis):
+        return of.loop
+    if isinstance(of, Run):
+        return LoopAnalysis(of).loop
+    if isinstance(of, tuple) and len(of) == 2:
+        return ClosedLoop(linear_plant(of[0]), instance_of(of[1], "compensator", Compensator))
+    raise InputError(
+        f"a {type(of).__name__} is not a loop; give a Run, a ClosedLoop, or a pair of a plant and "
+        "a Compensator."
+    )
 
 
 def attempted(analysis: Callable[[], Result]) -> tuple[Result | None, str]:
@@ -227,3 +269,65 @@ def attempted(analysis: Callable[[], Result]) -> tuple[Result | None, str]:
         return analysis(), ""
     except CompensatorError as error:
         return None, str(error).rstrip(".")
+
+
+def compare_exactly(
+    of: Run | AnyPlant, compensator: Compensator | None = None, target: TargetModel | None = None
+) -> ExactComparison:
+    """Hold what RCAC converged to, or any compensator, against the exact prediction.
+
+    The closed-loop polynomial D D_c - N_yu N_c of the float64 coefficients, which are dyadic
+    rationals, is exact. Beside it stand the polynomial at which the intercalated transfer function
+    (4.18) equals the target model G_f, and every compensator of this order that places it.
+
+    Parameters
+    ----------
+    of : Run, Plant, or a system that `plant_of` reads
+        Of a run it is the plant of its last step with the controller after it. u, y and z are
+        scalar.
+    compensator : Compensator
+        With a plant; of a run its last controller.
+    target : TargetModel, optional
+        With exact data: built by `fir_target`, `pole_placement_target` or `target_model`. Of a run
+        by default the one that it adapted to.
+
+    Raises
+    ------
+    InputError
+        Where a signal is not scalar, or there is no compensator or no target model.
+
+    Examples
+    --------
+    >>> from rcac_numeric import (
+    ...     UD, Compensator, ControllerSettings, Step, compare_exactly, exogenous, iir,
+    ...     pole_placement_target, simulate, standard_plant)
+    >>> plant = standard_plant("1/(q - 2)")
+    >>> target = pole_placement_target(plant, ["1/2", "1/4"])
+    >>> converged = Compensator(past_u=[[[-1.25]]], past_y=[[[0.0]], [[-2.625 + 1e-6]]])
+    >>> comparison = compare_exactly(plant, converged, target)
+    >>> comparison.asked
+    Poly(q**2 - 3/4*q + 1/8, q, domain='QQ')
+    >>> round(comparison.worst_distance, 8), round(comparison.controller_distance, 8)
+    (4e-06, 1e-06)
+
+    Of a run nothing else is needed:
+
+    >>> plant = standard_plant("(q**2 - 1.44*q + 0.81)/((q - 0.9)*(q**2 - 1.71*q + 0.903))")
+    >>> target = pole_placement_target(plant, ["1/2", "-1/2", "4j/5", "-4j/5"])
+    >>> settings = ControllerSettings(
+    ...     structure=iir(n_c=4), target=target, update=UD(R_theta=1e-10), k_w=50)
+    >>> run = simulate(plant, settings, exogenous([Step()], steps=100))
+    >>> compare_exactly(run)  # doctest: +ELLIPSIS
+    ExactComparison(worst_distance=...e-06)
+    >>> compare_exactly(run).report().splitlines()[2].strip()
+    'Characteristic polynomial D D_c - N_yu N_c:'
+    """
+    if isinstance(of, Run):
+        if compensator is not None:
+            raise InputError("a run has its own controller; leave compensator out.")
+        return LoopAnalysis(of, target).comparison
+    if compensator is None:
+        raise InputError("a plant alone is no loop; give a Run, or a plant and its Compensator.")
+    plant = linear_plant(of)
+    instance_of(compensator, "compensator", Compensator)
+    return LoopAnalysis((plant, compensator), target).comparison

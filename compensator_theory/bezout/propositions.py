@@ -29,7 +29,7 @@ class PropositionCheck(ExactValue):
 
     Examples
     --------
-    >>> from compensator_theory import check_proposition_3
+    >>> from compensator_theory.bezout import check_proposition_3
     >>> print(check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=4, m_hat=1))
     holds: M = M1(D, N) is True, m_hat = n - 1 is True
     as printed (with n_c <= n): does not hold
@@ -98,7 +98,7 @@ def check_proposition_3(
 
     Examples
     --------
-    >>> from compensator_theory import check_proposition_3
+    >>> from compensator_theory.bezout import check_proposition_3
     >>> found = check_proposition_3("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1)
     >>> found.left, found.holds, found.printed_holds
     (True, True, True)
@@ -137,7 +137,7 @@ def check_proposition_4(
 
     Examples
     --------
-    >>> from compensator_theory import check_proposition_4
+    >>> from compensator_theory.bezout import check_proposition_4
     >>> print(check_proposition_4("s**2 + 3*s + 2", "s + 5", n_c=2, m_hat=1))
     holds: M = M2(D, N) is True, m_hat = n - 1 and n_c = n is True
     """

@@ -19,7 +19,7 @@ from compensator_theory.systems.foreign import is_foreign
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import complex_number, integer, real_array
 from rcac_numeric.arrays.values import Value
-from rcac_numeric.plants.foreign.reading import linear_plant
+from rcac_numeric.plants.foreign import linear_plant
 from rcac_numeric.plants.linear import Plant
 from rcac_numeric.plants.transmission_zeros import rosenbrock_matrix
 from rcac_numeric.targets.filters import target_model
@@ -53,7 +53,7 @@ class DirectionInformation(Value):
 
     Examples
     --------
-    >>> from rcac_numeric import DirectionInformation
+    >>> from rcac_numeric.targets import DirectionInformation
     >>> DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])]).delays
     (1, 1)
     """
@@ -121,7 +121,7 @@ def zero_direction_target(
 
     Examples
     --------
-    >>> from rcac_numeric import DirectionInformation, zero_direction_target
+    >>> from rcac_numeric.targets import DirectionInformation, zero_direction_target
     >>> known = DirectionInformation(H=[[1, 0], [0, 2]], zeros=[(1.5, [1, -1])])
     >>> zero_direction_target(known).numerator[2]
     array([[-0.75,  1.5 ],
@@ -168,7 +168,8 @@ def direction_information(plant: Plant, squaring: ArrayLike | None = None) -> Di
 
     Examples
     --------
-    >>> from rcac_numeric import Plant, direction_information
+    >>> from rcac_numeric import Plant
+    >>> from rcac_numeric.targets import direction_information
     >>> plant = Plant(A=[[0.5, 0.0], [0.0, 0.0]], B=[[1.0, 1.0], [0.5, 2.0]],
     ...               D_1=[[1.0], [0.0]], C=[[1.0, 0.0], [0.0, 1.0]], E_1=[[1.0, 0.0], [1.0, -1.0]])
     >>> direction_information(plant).zeros
@@ -193,7 +194,7 @@ def directed_zeros(plant: Plant, left: Matrix, right: Matrix) -> tuple[DirectedZ
     --------
     >>> from sympy import Matrix
     >>> from rcac_numeric import standard_plant
-    >>> from rcac_numeric.targets.directions.zero_directions import directed_zeros
+    >>> from rcac_numeric.targets.zero_directions import directed_zeros
     >>> directed_zeros(standard_plant("(q - 2)/(q*(q - 0.5))"), Matrix([1]), Matrix([1]))
     (((2+0j), ((1+0j),)),)
     """

@@ -5,7 +5,8 @@ import pytest
 
 from benchmarks.yardsticks.directed_plants import cost_ratio, plant_of_fractions
 from compensator_theory.errors import InputError
-from rcac_numeric import directions_from_data, zero_direction_target
+from rcac_numeric.identification import directions_from_data
+from rcac_numeric.targets import zero_direction_target
 from tests.support.directed_plants import directions
 
 H = np.array([[1.0, 0.5], [-0.3, 1.2]])

@@ -12,11 +12,11 @@ from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import instance_of, number
 from rcac_numeric.arrays.values import Value
 from rcac_numeric.plants.linear import Plant
-from rcac_numeric.targets.directions.zero_directions import (
+from rcac_numeric.targets.model import TargetModel
+from rcac_numeric.targets.zero_directions import (
     DirectionInformation,
     direction_information,
 )
-from rcac_numeric.targets.model import TargetModel
 
 # Beside the norm of G_f: below it a singular value counts as zero.
 SINGULAR = 1e-6
@@ -104,7 +104,8 @@ def check_directions(
 
     Examples
     --------
-    >>> from rcac_numeric import DirectionInformation, TargetModel, check_directions
+    >>> from rcac_numeric import TargetModel
+    >>> from rcac_numeric.targets import DirectionInformation, check_directions
     >>> known = DirectionInformation(H=[[1, 0], [0, 1]], zeros=[(1.5, [1, 1])])
     >>> delay = TargetModel([[[0, 0], [0, 0]], [[1, 0], [0, 1]]])
     >>> check_directions(delay, known).forms

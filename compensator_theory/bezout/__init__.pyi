@@ -1,0 +1,10 @@
+from .bezout_matrices import bezout_matrix as bezout_matrix
+from .bezout_matrices import cauchy_index as cauchy_index
+from .null_spaces import gcd_from_null_space as gcd_from_null_space
+from .propositions import check_proposition_3 as check_proposition_3
+from .propositions import check_proposition_4 as check_proposition_4
+from .resultants import number_of_common_roots as number_of_common_roots
+from .subresultant_chains import subresultants as subresultants
+from .sylvester import sylvester_m as sylvester_m
+from .sylvester import sylvester_m1 as sylvester_m1
+from .sylvester import sylvester_m2 as sylvester_m2

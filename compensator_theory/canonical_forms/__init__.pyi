@@ -1,0 +1,9 @@
+from .frobenius import frobenius_form as frobenius_form
+from .jordan import jordan_form as jordan_form
+from .kronecker import kronecker_form as kronecker_form
+from .minimal_bases import minimal_basis as minimal_basis
+from .popov import popov_form as popov_form
+from .row_forms import hermite_form as hermite_form
+from .row_forms import row_reduced_form as row_reduced_form
+from .smith import smith_form as smith_form
+from .smith_mcmillan import smith_mcmillan_form as smith_mcmillan_form

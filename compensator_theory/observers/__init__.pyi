@@ -1,0 +1,6 @@
+from .counting import count_observer_forms as count_observer_forms
+from .optimality import is_lqg_suboptimal as is_lqg_suboptimal
+from .questions import pair_is_observer_based as pair_is_observer_based
+from .questions import transfer_function_is_observer_based as transfer_function_is_observer_based
+from .realisation_question import realisation_is_observer_based as realisation_is_observer_based
+from .youla import youla_forms as youla_forms

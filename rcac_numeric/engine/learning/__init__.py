@@ -1,1 +1,0 @@
-"""Runs that learn about their plant from their own data."""

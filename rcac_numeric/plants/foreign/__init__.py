@@ -1,1 +1,0 @@
-"""Systems of python-control, SciPy and SymPy as plants of ours."""

@@ -1,0 +1,10 @@
+from .direction_checks import check_directions as check_directions
+from .high_authority import high_authority_target_model as high_authority_target_model
+from .markov import markov_parameters as markov_parameters
+from .markov import markov_target as markov_target
+from .modelling import modelling_information as modelling_information
+from .output_subspaces import output_subspace_target as output_subspace_target
+from .output_subspaces import output_subspace_zeros as output_subspace_zeros
+from .zero_directions import DirectionInformation as DirectionInformation
+from .zero_directions import direction_information as direction_information
+from .zero_directions import zero_direction_target as zero_direction_target

@@ -1,1 +1,0 @@
-"""Target models for several inputs and outputs, whose zeros have directions."""

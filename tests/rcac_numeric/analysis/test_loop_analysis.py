@@ -1,0 +1,116 @@
+"""The analyses of a run and of a log are the same ones."""
+
+import numpy as np
+import pytest
+
+from compensator_theory.errors import InputError
+from rcac_numeric import (
+    ClosedLoop,
+    LoopAnalysis,
+    TargetModel,
+    check_controller,
+    compare_exactly,
+    h2_cost,
+    multivariable_disk_margin,
+    numeric_observer_forms,
+    simulate,
+    stability_margins,
+    target_model,
+)
+from rcac_numeric.analysis.loop_analysis import attempted
+from rcac_numeric.dissertation import load_example
+
+
+@pytest.fixture(scope="module")
+def run():
+    return load_example("4.7").main_run.execute().first.run
+
+
+def test_a_run_and_its_log_have_the_same_analyses(run):
+    of_run = LoopAnalysis(run)
+    of_log = check_controller(
+        run.u, run.y, z=run.z, w=run.w, compensator=run.compensator, plant=of_run.plant,
+        target=of_run.compared_with,
+    )  # fmt: skip
+    assert of_log.comparison.reached == of_run.comparison.reached
+    assert np.array_equal(of_log.loop.poles(), of_run.loop.poles())
+    assert of_log.match.worst == of_run.match.worst
+    assert np.array_equal(of_log.split.residual, of_run.split.residual)
+
+
+def test_the_target_that_is_given_goes_before_that_of_the_settings(run):
+    other = target_model("1/q")
+    given = LoopAnalysis(run, other)
+    assert given.compared_with == other and given.match.worst > 1e-2
+    assert LoopAnalysis(run).compared_with == run.settings.target
+
+
+def test_without_a_target_there_is_a_loop_and_nothing_to_compare_it_with(run):
+    alone = LoopAnalysis((run.plant, run.compensator))
+    assert alone.loop.is_stable and alone.zeros.keys() == {"w"} and not alone.obstacle
+    for ask in (lambda: alone.match, lambda: alone.comparison):
+        assert attempted(ask) == (None, "the target model is not known; give it as target=")
+    with pytest.raises(InputError, match="not known"):
+        alone.split_of(u=run.u, y=run.y, z=run.z, w=run.w)
+    for ask in (lambda: alone.run, lambda: alone.split, lambda: alone.until(50)):
+        with pytest.raises(InputError, match="no run is known"):
+            ask()
+
+
+def test_a_target_of_another_size_is_refused(run):
+    two = TargetModel(numerator=np.array([np.zeros((2, 2)), np.eye(2)]))
+    wide = LoopAnalysis((run.plant, run.compensator), two)
+    with pytest.raises(InputError, match="2 x 2; the plant's G_zu is 1 x 1"):
+        _ = wide.match
+
+
+def test_a_run_is_a_loop_to_every_function_of_loops(run):
+    loop = ClosedLoop(run.plant, run.compensator)
+    pair = (run.plant, run.compensator)
+    assert compare_exactly(run).reached == compare_exactly(*pair, run.settings.target).reached
+    for of in (run, pair, LoopAnalysis(run)):
+        assert stability_margins(of) == stability_margins(loop)
+        assert multivariable_disk_margin(of) == multivariable_disk_margin(loop)
+    assert h2_cost(run).value == h2_cost(*pair).value
+    forms, again = numeric_observer_forms(run), numeric_observer_forms(*pair)
+    assert len(forms) and np.array_equal(forms.K, again.K)
+
+
+def test_a_plant_may_be_a_text_or_a_transfer_function(run):
+    G = run.plant.problem.transfer_function("yu")
+    for plant in (str(G.as_expr()), G):
+        again = simulate(plant, run.settings, run.w)
+        assert np.array_equal(again.theta, run.theta)
+        compared = compare_exactly(plant, again.compensator, run.settings.target)
+        assert compared.reached == compare_exactly(run).reached
+
+
+@pytest.mark.parametrize(
+    ("ask", "words"),
+    [
+        (lambda run: compare_exactly(run.plant), "a plant alone is no loop"),
+        (lambda run: compare_exactly(run, run.compensator), "a run has its own controller"),
+        (lambda run: compare_exactly(run.plant, run.compensator), "give it as target="),
+        (lambda run: compare_exactly(run.plant, 3), "compensator = 3 is not a Compensator"),
+        (lambda run: h2_cost(run.plant), "a plant alone is no loop"),
+        (lambda run: h2_cost(run, run.compensator), "a run has its own controller"),
+        (lambda run: stability_margins(run.plant), "a Plant is not a loop; give a Run"),
+        (lambda run: numeric_observer_forms(run.plant), "a plant alone is no loop"),
+        (lambda run: multivariable_disk_margin(3), "a int is not a loop; give a Run"),
+    ],
+)
+def test_what_is_no_loop_is_refused(run, ask, words):
+    with pytest.raises(InputError, match=words):
+        ask(run)
+
+
+def test_reports_begin_with_stability(run):
+    unstable = compare_exactly(run.plant, run.compensator, target_model("1/q"))
+    assert "stable, spectral radius" in str(compare_exactly(run)).splitlines()[1]
+    assert "NOT" not in str(unstable)  # all poles of 1/q at zero ask for no poles
+    gain = run.compensator.past_y * 3
+    worse = type(run.compensator)(past_u=run.compensator.past_u, past_y=gain)
+    lines = str(compare_exactly(run.plant, worse, run.settings.target)).splitlines()
+    assert "UNSTABLE" in lines[1] and "NOT reached" in lines[2]
+    assert "UNSTABLE" in LoopAnalysis((run.plant, worse)).report().splitlines()[1]
+    assert "completed after 100 steps" in LoopAnalysis(run).report().splitlines()[0]
