@@ -106,8 +106,10 @@ def plot_runs(
         axes = list(np.ravel(np.array(ax, dtype=object)))
         if len(axes) != len(panels):
             raise InputError(f"ax has {len(axes)} axes; {len(panels)} are drawn, one for each.")
-        _draw_panels(axes, panels, runs, names, period, 0.0)
-        return figure_of(axes[0])
+        figure = figure_of(axes[0])
+        room = axes[0].get_position().width * figure.get_figwidth()
+        _draw_panels(axes, panels, runs, names, period, room if room < NARROW else 0.0)
+        return figure
     longest = max(map(len, names)) if len(runs) > 1 else 0
     above = width if narrow or LETTER * longest > MOST_LEGEND * width else 0.0
     rows = len(panels)
