@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from dataclasses import replace as dataclass_replace
 from html import escape
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import attrs
 import numpy as np
@@ -44,6 +44,20 @@ class Value:
         if hasattr(self, "_repr_latex_"):  # a notebook would prefer HTML
             return None
         return html_table(type(self).__name__, _rows(self, depth=1))
+
+
+class Standing:
+    """What works on from step to step, shown by where it stands: the attributes in `SHOWN`."""
+
+    SHOWN: ClassVar[tuple[str, ...]] = ()
+
+    def __repr__(self) -> str:
+        fields = (f"{name}={_shown(getattr(self, name), 0)}" for name in self.SHOWN)
+        return f"{type(self).__name__}({', '.join(fields)})"
+
+    def _repr_html_(self) -> str:
+        rows = ((name, _shown(getattr(self, name), 0)) for name in self.SHOWN)
+        return html_table(type(self).__name__, rows)
 
 
 def equal(a: Any, b: Any) -> bool:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, items, number, one_of, real_array, vector
+from rcac_numeric.arrays.values import Standing
 from rcac_numeric.controllers.compensator import Compensator
 from rcac_numeric.controllers.stepwise import StepwiseController
 
@@ -178,7 +179,7 @@ class GainSchedule(StepwiseController):
                 )
 
 
-class ScheduledSteps:
+class ScheduledSteps(Standing):
     """A gain schedule at work; `GainSchedule.started` makes it.
 
     It pickles and copies, and goes on bit for bit.
@@ -187,6 +188,8 @@ class ScheduledSteps:
     ----------
     schedule : GainSchedule
     """
+
+    SHOWN = ("k", "theta")
 
     def __init__(self, schedule: GainSchedule) -> None:
         self.schedule = schedule

@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import instance_of
+from rcac_numeric.arrays.values import Standing
 from rcac_numeric.controllers.supervision import SupervisionWarning
 from rcac_numeric.engine.controller import Controller
 
 
-class Recorder:
+class Recorder(Standing):
     """Drives a controller and writes its steps to a .csv file that `rcac check` reads.
 
     A row is one write to the file, so that a process that is killed leaves no half row, and lacks
@@ -56,6 +57,8 @@ class Recorder:
     >>> log.steps, log.theta.shape
     (20, (20, 2))
     """
+
+    SHOWN = ("path", "controller", "failure")
 
     def __init__(self, controller: Controller, path: str | Path) -> None:
         self.controller = instance_of(controller, "controller", Controller)

@@ -9,7 +9,7 @@ import numpy as np
 from compensator_theory.errors import CompensatorError, InputError
 from rcac_numeric.arrays.array_types import Array, ComplexArray
 from rcac_numeric.arrays.validation import integer, number, one_of
-from rcac_numeric.arrays.values import Value
+from rcac_numeric.arrays.values import Standing, Value
 from rcac_numeric.engine.live.changes import COVARIANCES, ControllerChange
 from rcac_numeric.engine.runs import Run
 from rcac_numeric.identification.data_targets import DataTarget, target_from_data
@@ -42,7 +42,7 @@ class LearnedTarget(Value):
     reason: str = ""
 
 
-class TargetLearner:
+class TargetLearner(Standing):
     """A hook of `simulate` that identifies the NMP zeros of G_zu and gives RCAC their target model.
 
     Before every step at which it is asked it identifies the last `window` samples; where they carry
@@ -91,6 +91,8 @@ class TargetLearner:
     ...  for found in learner.windows]
     [(40, 'updated', [1.5]), (80, 'unchanged', [1.5])]
     """
+
+    SHOWN = ("mu", "n_mod", "order", "window")
 
     def __init__(
         self,

@@ -8,9 +8,10 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import integer, number, vector
+from rcac_numeric.arrays.values import Standing
 
 
-class RecursiveMarkov:
+class RecursiveMarkov(Standing):
     """The least squares of (3.8), one sample at a time, with exponential forgetting.
 
     minimise sum_k lambda^(K-k) norm(y(k) - theta phi(k))^2
@@ -49,6 +50,8 @@ class RecursiveMarkov:
     >>> (fit.H.ravel()[1:].round(9) + 0.0).tolist()
     [2.0, 0.0]
     """
+
+    SHOWN = ("mu", "n_mod", "lambda_", "samples")
 
     def __init__(
         self, l_u: int, l_y: int, mu: int, n_mod: int, lambda_: float = 1.0, lags: int = 10

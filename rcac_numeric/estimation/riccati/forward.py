@@ -9,9 +9,10 @@ from compensator_theory.errors import DivergedError, IllConditionedError, InputE
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.definite_matrices import constant_weight
 from rcac_numeric.arrays.validation import integer, matrix
+from rcac_numeric.arrays.values import Standing
 
 
-class ForwardRegulator:
+class ForwardRegulator(Standing):
     r"""The gain (8.95) with P propagated forward by (8.96).
 
     K(k) = -(R_2 + B'PB)^-1 B'PA and P(k+1) = (A + BK)'P(A + BK) + K'R_2 K + R_1, which is (8.96)
@@ -44,6 +45,8 @@ class ForwardRegulator:
     >>> K.round(6)  # P = (1 + sqrt(5))/2
     array([[-0.618034]])
     """
+
+    SHOWN = ("k", "P")
 
     def __init__(
         self, n: int, l_u: int, R_1: ArrayLike, R_2: ArrayLike, P_0: ArrayLike = 0.0
@@ -104,7 +107,7 @@ class ForwardRegulator:
         return K
 
 
-class ForwardEstimator:
+class ForwardEstimator(Standing):
     """The dual: the observer gain (8.99) with Q propagated forward by (8.100).
 
     F(k) = A Q C' (C Q C' + V_2)^-1 and Q(k+1) = (A - FC) Q (A - FC)' + F V_2 F' + V_1, for the
@@ -135,6 +138,8 @@ class ForwardEstimator:
     >>> F.round(6)
     array([[0.618034]])
     """
+
+    SHOWN = ("k", "Q")
 
     def __init__(
         self, n: int, l_y: int, V_1: ArrayLike, V_2: ArrayLike, Q_0: ArrayLike = 0.0

@@ -51,6 +51,8 @@ class RecursiveARX(RecursiveRegression):
     (1, True, 'nonminimum phase')
     """
 
+    SHOWN = ("k", "order", "lambda_", "b", "a")
+
     def __init__(self, order: int, *, R_theta: float = 1e-6, lambda_: float = 1.0) -> None:
         self.order = integer(order, "order", at_least=1, at_most=1000)
         self.R_theta, self.lambda_ = floor_of(R_theta), forgetting_factor(lambda_)

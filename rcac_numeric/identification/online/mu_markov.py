@@ -71,6 +71,8 @@ class RecursiveMuMarkov(RecursiveRegression):
     (('nonminimum phase',), True)
     """
 
+    SHOWN = ("k", "mu", "n_mod", "lambda_", "samples")
+
     def __init__(self, mu: int, n_mod: int, *, R_theta: float = 1e-6, lambda_: float = 1.0) -> None:
         self.mu = integer(mu, "mu", at_least=1, at_most=1000)
         self.n_mod = integer(n_mod, "n_mod", at_most=500)

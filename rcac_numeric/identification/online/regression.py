@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from compensator_theory.errors import DivergedError, InputError
 from rcac_numeric.arrays.array_types import Array
 from rcac_numeric.arrays.validation import number, real_array
+from rcac_numeric.arrays.values import Standing
 from rcac_numeric.engine.compiled.estimators import Arx
 
 
@@ -28,7 +29,7 @@ def floor_of(R_theta: float) -> float:
     return value
 
 
-class RecursiveRegression:
+class RecursiveRegression(Standing):
     """z(k) = phi(k) theta + e(k) by the controller's own update, UD recursive least squares.
 
     Parameters
@@ -47,6 +48,8 @@ class RecursiveRegression:
     >>> fit.k, fit.P.shape
     (2, (2, 2))
     """
+
+    SHOWN: ClassVar[tuple[str, ...]] = ("k",)
 
     def __init__(self, kernel: Arx, **settings: float) -> None:
         self._kernel, self._settings = kernel, settings

@@ -1,5 +1,7 @@
 """What notebooks show of results: numbers that are right, and systems that go out as they are."""
 
+import importlib
+import inspect
 import re
 
 import control
@@ -8,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from docs.reference_pages import PACKAGES, public_names, public_path
 from rcac_numeric import (
     ClosedLoop,
     Compensator,
@@ -89,3 +92,15 @@ def test_a_match_draws_itself():
     for axis in (gain, phase):
         wanted, reached = (line.get_ydata() for line in axis.lines)
         np.testing.assert_allclose(reached, wanted, atol=1e-9)
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_no_public_class_shows_itself_by_its_address(package):
+    shown = []
+    for name in public_names(package):
+        module, _, last = public_path(package, name).rpartition(".")
+        public = getattr(importlib.import_module(module), last, None)
+        if isinstance(public, type) and public.__repr__ is object.__repr__:
+            if not inspect.isabstract(public):
+                shown.append(name)
+    assert shown == ["ProgressLine"] * (package == "rcac_numeric")  # it is a line of the terminal
