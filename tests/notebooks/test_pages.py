@@ -18,7 +18,9 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 FOLDERS = ("guide", "coming-from")
 PAGES = sorted(page for folder in FOLDERS for page in (DOCS / folder).glob("*.md"))
 COMPARED = ("pyrcac", "rcac-cpp", "px4", "matlab")
-CELL = re.compile(r"^```\{code-cell\} python\n(?P<head>---\n.*?^---\n)?(?P<code>.*?)^```", re.S | re.M)
+CELL = re.compile(
+    r"^```\{code-cell\} python\n(?P<head>---\n.*?^---\n)?(?P<code>.*?)^```", re.S | re.M
+)
 
 
 def cells(page):
