@@ -285,9 +285,9 @@ def read_plant(plant: Any, sample_time: float | None, dead_time: float) -> Desig
         return _with_dead_time(_of_plant(instance_of(read, "plant", Plant)), late, steps)
     if sample_time is None:
         raise InputError(
-            "the plant is in continuous time, and RCAC runs in discrete time; say how often it is "
-            "sampled: design(plant, sample_time=0.01). About 10 to 30 samples in the rise time "
-            "that the loop is to have are usual."
+            "the plant is in continuous time, and RCAC runs in discrete time: say how often it is "
+            "sampled, in seconds, by sample_time (at a shell --sample-time). About 10 to 30 "
+            "samples in the rise time that the loop is to have are usual."
         )
     h = number(sample_time, "sample_time")
     if not h > 0:
