@@ -23,6 +23,7 @@ def plot_design(design: Design) -> Figure:
     """
     figure = Figure(figsize=(9, 7.5), layout="constrained")
     error, control, below = figure.subplots(3, 1, height_ratios=[1.2, 1, 1.4])
+    error.sharex(control)
     names = list(design.runs)
     for i, name in reversed(list(enumerate(names))):
         run = design.runs[name]
@@ -53,7 +54,7 @@ def plot_design(design: Design) -> Figure:
                 below.annotate(words, (place, 1.0), fontsize=7, color=style["color"], **top)
     below.set_yscale("log")
     below.set_xticks(range(len(plants)), plants, fontsize=7, rotation=15)
-    below.set_ylabel("rms of $e_0$, last quarter")
+    below.set(xlabel="plant", ylabel="rms of $e_0$, last quarter")
     for axis in figure.axes:
         axis.grid(alpha=0.25)
     return figure

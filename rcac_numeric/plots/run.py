@@ -63,6 +63,8 @@ def plot_sheet(repetition: LoopAnalysis, title: str = "") -> Figure:
     draw_control(axes[1, 0], run)
     draw_theta(axes[2, 0], run, above=WIDE / 2)
     axes[2, 0].set_xlabel("step $k$")
+    for axis in axes[:2, 0]:
+        axis.sharex(axes[2, 0])
     if run.outcome != "completed":
         for axis in axes[:, 0]:
             if axis.get_yscale() == "linear":
@@ -94,6 +96,7 @@ def _draw_match(above: Axes, below: Axes, analysis: LoopAnalysis) -> None:
         words = label_words(shortened(obstacle, 60))
         above.set_title(f"no intercalated match: {words}", fontsize=10)
         return
+    above.sharex(below)
     draw_magnitude(above, match)
     draw_phase(below, match)
 
