@@ -8,8 +8,9 @@ import subprocess
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
 
-from compensator_theory.errors import BudgetError, InputError
+from compensator_theory.errors import BudgetError, DivergedError, InputError
 from rcac_numeric import (
     UD,
     Compensator,
@@ -37,6 +38,7 @@ from rcac_numeric.export import building, folder
 from rcac_numeric.export.recording import recorded
 from rcac_numeric.export.tables import core_tables
 from tests.support import core_builds
+from tests.support.core_cases import core_settings
 from tests.support.signals import noise
 
 SETTINGS = ControllerSettings(
@@ -81,7 +83,7 @@ def test_a_machine_without_a_compiler_writes_the_same(tmp_path, monkeypatch):
         SETTINGS,
         replace(SETTINGS, update=UD(1e-12, lambda_=0.99), form="filter"),
         ControllerSettings(
-            structure=feedforward(2, l_u=2, l_y=1, l_r=1), update=UD(0.1),
+            structure=feedforward(2, l_u=2, l_y=1, l_r=2), update=UD(0.1),
             target=TargetModel(
                 np.array([np.zeros((1, 2)), [[1.0, 0.5]]]), [np.eye(1), 0.1 * np.eye(1)]
             ),
@@ -132,6 +134,20 @@ def test_a_run_with_its_saturation(tmp_path):
     assert found.is_verified and "the run" in (tmp_path / "README.md").read_text()
     vector = (tmp_path / "test" / "rcac_vector.h").read_text()
     assert "0.1" in vector and "held within its bounds" in (tmp_path / "README.md").read_text()
+
+
+@settings(max_examples=20)
+@given(core_settings())
+def test_every_controller_of_the_core_has_a_vector(case):
+    given_settings, _ = case
+    try:
+        found = recorded(given_settings, core_tables(given_settings))
+    except DivergedError:
+        return
+    sizes = [a.shape for a in (found.y, found.z, found.r, found.u)]
+    widths = [given_settings.structure.l_y, given_settings.target.l_z, given_settings.l_r]
+    assert sizes == [(found.steps, width) for width in [*widths, given_settings.structure.l_u]]
+    assert np.isfinite(found.u).all() and found.steps > 0
 
 
 def test_the_vector_of_a_run_is_a_closed_loop():
