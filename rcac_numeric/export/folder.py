@@ -330,9 +330,10 @@ def _largest_row(settings: ControllerSettings, recording: Recording) -> float:
     with np.errstate(all="ignore"):
         for model in settings.targets:
             for signal in np.hstack([recording.u, recording.y, recording.r]).T:
-                largest = max(largest, float(np.abs(_filtered(model, signal)).max()))
+                row = np.nan_to_num(np.abs(_filtered(model, signal)), nan=np.inf)
+                largest = max(largest, float(row.max()))
     weights = [R for R in (settings.R_z, settings.R_u) if isinstance(R, np.ndarray)]
-    root = min(largest, 1e150) if np.isfinite(largest) else 1e150
+    root = min(largest, 1e150)
     return max([1.0, *(float(np.abs(R).max()) for R in weights)]) * root * root
 
 
