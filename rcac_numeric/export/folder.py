@@ -279,18 +279,17 @@ def _in_float32(tables: CoreTables, source: Recording, run: Run | None) -> tuple
         sources = [place / "rcac.c", place / "driver.c"]
         program = compiled(sources, place / "driver", includes=[place])
         found = compiled_recording(program, tables, run, source.steps)
-    # A fixed controller reads no z, and its theta is given.
-    signal, what = ("z", "theta") if tables.adapts else ("u", "u")
-    rms, rms_64 = (
-        float(np.sqrt(np.mean(np.square(getattr(r, signal), dtype=np.float64))))
-        for r in (found, source)
-    )
+    if tables.adapts:
+        names, signals, reached = ("z", "theta"), (found.z, source.z), (found.theta, source.theta)
+    else:  # it reads no z, and its theta is given
+        names, signals = ("u", "u"), (found.u, source.u[: found.steps])
+        reached = signals
+    rms, rms_64 = (float(np.sqrt(np.mean(np.square(s, dtype=np.float64)))) for s in signals)
     ratio = rms / rms_64 if rms_64 > 0 else float(rms == 0)
-    reached = getattr(source, what)
-    gap = float(np.abs(getattr(found, what) - reached[: len(getattr(found, what))]).max())
     said = (
-        f"rms {signal} {rms:.4g}, in float64 {rms_64:.4g}; {what} differs by {gap:.2g} where its "
-        f"largest entry is {float(np.abs(reached).max()):.2g}"
+        f"rms {names[0]} {rms:.4g}, in float64 {rms_64:.4g}; {names[1]} differs by "
+        f"{float(np.abs(reached[0] - reached[1]).max()):.2g} where its largest entry is "
+        f"{float(np.abs(reached[1]).max()):.2g}"
     )
     largest = max(float(np.abs(s).max(initial=0.0)) for s in (source.y, source.u))
     if ratio > WORST_RATIO and rms - rms_64 > 1e-6 * largest:
@@ -331,9 +330,10 @@ def _largest_row(settings: ControllerSettings, recording: Recording) -> float:
     with np.errstate(all="ignore"):
         for model in settings.targets:
             for signal in np.hstack([recording.u, recording.y, recording.r]).T:
-                largest = max(largest, float(np.abs(_filtered(model, signal)).max()))
+                row = np.nan_to_num(np.abs(_filtered(model, signal)), nan=np.inf)
+                largest = max(largest, float(row.max()))
     weights = [R for R in (settings.R_z, settings.R_u) if isinstance(R, np.ndarray)]
-    root = min(largest, 1e150) if np.isfinite(largest) else 1e150
+    root = min(largest, 1e150)
     return max([1.0, *(float(np.abs(R).max()) for R in weights)]) * root * root
 
 

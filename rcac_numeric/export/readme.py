@@ -101,7 +101,11 @@ def readme(
             "the state; `rcac_save` keeps it. It acts on none of this: your program does.",
         ]
     if "arduino" in layouts:
-        said += ["", "Arduino: this folder is a library; the sketch is in examples/."]
+        said += [
+            "",
+            "Arduino: this folder is a library; the sketch is in examples/. An AVR keeps the "
+            "constants in RAM, too, and its double is a float: it needs float32.",
+        ]
     if "wasm" in layouts:
         said += ["", "A page: `sh wasm/build.sh` makes the module, wasm/rcac.js loads it."]
     if "mex" in layouts:

@@ -85,7 +85,7 @@ class _StandIn(_Given):
         column = np.arange(max(t.l_y, t.l_z, t.l_r))
         self.y = draws[:, 1 + column[: t.l_y] % 3] / 8192
         self.z = draws[:, 4 + column[: t.l_z] % 2] / 8192
-        self.r = draws[:, 6 + column[: t.l_r] % 3] / 2048
+        self.r = np.ascontiguousarray(draws[:, 6 + column[: t.l_r] % 3]) / 2048
 
     def measured(self, k: int, u: Array | None) -> tuple[Array, Array, Array]:
         return self.y[k] + self.x, self.z[k] + self.x, self.r[k]
@@ -148,7 +148,7 @@ def recorded(
         if answer is None:
             if rows:
                 break
-            raise InputError("the run's first signals are not finite, or do not fit.")
+            raise InputError("the first signals are not finite, or do not fit the controller.")
         u = limits.applied(answer[0])
         if (
             not answer[1]

@@ -8,8 +8,9 @@ import subprocess
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from hypothesis import given, settings
 
-from compensator_theory.errors import BudgetError, InputError
+from compensator_theory.errors import BudgetError, DivergedError, InputError
 from rcac_numeric import (
     UD,
     Compensator,
@@ -37,6 +38,7 @@ from rcac_numeric.export import building, folder
 from rcac_numeric.export.recording import recorded
 from rcac_numeric.export.tables import core_tables
 from tests.support import core_builds
+from tests.support.core_cases import core_settings
 from tests.support.signals import noise
 
 SETTINGS = ControllerSettings(
@@ -81,7 +83,7 @@ def test_a_machine_without_a_compiler_writes_the_same(tmp_path, monkeypatch):
         SETTINGS,
         replace(SETTINGS, update=UD(1e-12, lambda_=0.99), form="filter"),
         ControllerSettings(
-            structure=feedforward(2, l_u=2, l_y=1, l_r=1), update=UD(0.1),
+            structure=feedforward(2, l_u=2, l_y=1, l_r=2), update=UD(0.1),
             target=TargetModel(
                 np.array([np.zeros((1, 2)), [[1.0, 0.5]]]), [np.eye(1), 0.1 * np.eye(1)]
             ),
@@ -132,6 +134,20 @@ def test_a_run_with_its_saturation(tmp_path):
     assert found.is_verified and "the run" in (tmp_path / "README.md").read_text()
     vector = (tmp_path / "test" / "rcac_vector.h").read_text()
     assert "0.1" in vector and "held within its bounds" in (tmp_path / "README.md").read_text()
+
+
+@settings(max_examples=20)
+@given(core_settings())
+def test_every_controller_of_the_core_has_a_vector(case):
+    given_settings, _ = case
+    try:
+        found = recorded(given_settings, core_tables(given_settings))
+    except DivergedError:
+        return
+    sizes = [a.shape for a in (found.y, found.z, found.r, found.u)]
+    widths = [given_settings.structure.l_y, given_settings.target.l_z, given_settings.l_r]
+    assert sizes == [(found.steps, width) for width in [*widths, given_settings.structure.l_u]]
+    assert np.isfinite(found.u).all() and found.steps > 0
 
 
 def test_the_vector_of_a_run_is_a_closed_loop():
@@ -333,16 +349,13 @@ PX4 = """
 #define __EXPORT
 #define PX4_ERR(...) say(__VA_ARGS__)
 #define PX4_INFO(...) say(__VA_ARGS__)
-#define ORB_ID(name) &orb_##name
+#define ORB_ID(name) #name
 #define WITHOUT_ITS_BRACKETS(...) __VA_ARGS__
 #define DEFINE_PARAMETERS(a, b) \\
     WITHOUT_ITS_BRACKETS a; WITHOUT_ITS_BRACKETS b; void updateParams() {}
 void say(const char *, ...) __attribute__((format(printf, 1, 2)));
 void px4_usleep(unsigned);
 uint64_t hrt_absolute_time();
-struct orb_metadata;
-extern const orb_metadata orb_vehicle_angular_velocity, orb_parameter_update;
-extern const orb_metadata orb_vehicle_torque_setpoint;
 struct vehicle_angular_velocity_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
 struct vehicle_torque_setpoint_s { uint64_t timestamp, timestamp_sample; float xyz[3]; };
 struct parameter_update_s { uint64_t timestamp; };
@@ -356,52 +369,117 @@ struct WorkItem {
     virtual void Run() = 0;
 };
 struct atomic_bool {
-    atomic_bool(bool);
-    bool load() const;
-    void store(bool);
+    bool value;
+    atomic_bool(bool first) : value(first) {}
+    bool load() const { return value; }
+    void store(bool now) { value = now; }
 };
 }
-struct ModuleParams { explicit ModuleParams(ModuleParams *); virtual ~ModuleParams(); };
+struct ModuleParams {
+    explicit ModuleParams(ModuleParams *) {}
+    virtual ~ModuleParams() {}
+};
 namespace uORB {
 struct Subscription {
-    Subscription(const orb_metadata *);
+    Subscription(const char *) {}
     bool updated();
-    bool copy(void *);
-    bool update(void *);
+    bool copy(parameter_update_s *);
+    bool update(vehicle_angular_velocity_s *);
 };
 struct SubscriptionCallbackWorkItem : Subscription {
-    SubscriptionCallbackWorkItem(px4::WorkItem *, const orb_metadata *);
+    SubscriptionCallbackWorkItem(px4::WorkItem *, const char *name) : Subscription(name) {}
     bool registerCallback();
     void unregisterCallback();
 };
 template <class T> struct Publication {
-    Publication(const orb_metadata *);
+    Publication(const char *) {}
     bool publish(const T &);
 };
 }
 template <px4::params> struct ParamInt { int32_t get() const; };
 template <px4::params> struct ParamFloat { float get() const; };
 """
+# Starts the module, gives it rates and other parameters, and holds its torques against the core's.
+PX4_RUNS = """
+#include <string.h>
+#include "px4.h"
+#include "roll.h"
+static px4::WorkItem *item;
+static bool fresh, changed, listens;
+static float rate, torque, lambda = 1;
+static int32_t adapts = 1;
+void say(const char *, ...) {}
+void px4_usleep(unsigned) {}
+uint64_t hrt_absolute_time() { return 0; }
+px4::WorkItem::WorkItem(const char *, int) { item = this; }
+px4::WorkItem::~WorkItem() { item = nullptr; }
+void px4::WorkItem::ScheduleNow() { Run(); }
+bool uORB::Subscription::updated() { return changed; }
+bool uORB::Subscription::copy(parameter_update_s *) { changed = false; return true; }
+bool uORB::Subscription::update(vehicle_angular_velocity_s *rates) {
+    const bool was = fresh;
+    rates->xyz[0] = rate;
+    fresh = false;
+    return was;
+}
+bool uORB::SubscriptionCallbackWorkItem::registerCallback() { return listens = true; }
+void uORB::SubscriptionCallbackWorkItem::unregisterCallback() { listens = false; }
+template <> bool uORB::Publication<vehicle_torque_setpoint_s>::publish(
+    const vehicle_torque_setpoint_s &now) { torque = now.xyz[0]; return true; }
+template <> int32_t ParamInt<px4::params::ROLL_SW>::get() const { return adapts; }
+template <> float ParamFloat<px4::params::ROLL_LAMBDA>::get() const { return lambda; }
+extern "C" int roll_main(int argc, char *argv[]);
+static int ask(const char *command) {
+    char name[] = "roll", word[8];
+    char *words[] = {name, strcpy(word, command)};
+    return roll_main(2, words);
+}
+int main() {
+    roll_state s;
+    roll_init(&s);
+    if (ask("stop") || ask("start") || ask("start") || ask("status") || !listens) return 1;
+    for (int k = 0; k < 200; ++k) {
+        const float y[] = {(k % 7) * 0.1f - 0.3f};
+        float u[1];
+        if (k == 30) changed = true; // another parameter, within the planned freeze
+        if (k == 100) changed = true, roll_set_lambda(&s, lambda = 0.95f);
+        if (k == 150) changed = true, roll_freeze(&s, !(adapts = 0));
+        roll_step(&s, y, y, nullptr, u);
+        rate = y[0], fresh = true;
+        item->Run();
+        if (memcmp(u, &torque, sizeof torque)) return 2;
+    }
+    if (ask("stop") || item || listens) return 3;
+    return ask("sing") == 0 || s.theta[0] == 0 ? 4 : 0;
+}
+"""
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no C compiler on this machine")
-def test_the_module_of_px4_is_c_plus_plus(tmp_path):
-    """Against declarations of what it uses, and with the warnings that PX4 makes errors."""
-    export_controller(SETTINGS, tmp_path, layout="px4", prefix="roll", real="float32")
+def test_the_module_of_px4(tmp_path):
+    """Against what it uses of PX4, and with the warnings that PX4 makes errors."""
+    planned = replace(SETTINGS, freeze=((20, 40),))
+    export_controller(planned, tmp_path, layout="px4", prefix="roll", real="float32")
     px4 = tmp_path / "px4"
     module = (px4 / "roll_module.cpp").read_text()
     for header in re.findall(r"#include <(\S+/\S+)>", module):
         (tmp_path / "stubs" / header).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / "stubs" / header).write_text(f'#include "{tmp_path}/px4.h"\n')
     (tmp_path / "px4.h").write_text(PX4)
+    (tmp_path / "runs.cpp").write_text(PX4_RUNS)
     parameters = re.findall(r"PARAM_DEFINE_\w+\((\w+)", (px4 / "roll_params.c").read_text())
     assert parameters == re.findall(r"px4::params::(\w+)", module) == ["ROLL_SW", "ROLL_LAMBDA"]
     names = re.findall(r"\S+\.c(?:pp)?\b", (px4 / "CMakeLists.txt").read_text())
     assert names == ["roll_module.cpp", "roll.c"]  # beside each other, as the README copies them
-    command = [
-        "g++", "-std=gnu++14", "-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wdouble-promotion",
-        "-Wfloat-equal", "-Wno-unused-parameter", "-fno-exceptions", "-fno-rtti", "-fsyntax-only",
-        '-DMODULE_NAME="roll"', f"-I{tmp_path / 'stubs'}", f"-I{tmp_path / 'src'}",
-        px4 / "roll_module.cpp",
+    options = [
+        "-Wall", "-Wextra", "-Werror", "-Wshadow", "-Wdouble-promotion", "-Wfloat-equal",
+        "-Wno-unused-parameter", '-DMODULE_NAME="roll"', f"-I{tmp_path / 'stubs'}",
+        f"-I{tmp_path / 'src'}", "-c",
     ]  # fmt: skip
-    subprocess.run(command, check=True)
+    plus = ["g++", "-std=gnu++14", "-fno-exceptions", "-fno-rtti", *options]
+    subprocess.run([*plus, px4 / "roll_module.cpp"], check=True, cwd=tmp_path)
+    subprocess.run([*plus, "-Wno-float-equal", "runs.cpp"], check=True, cwd=tmp_path)
+    subprocess.run(["gcc", "-std=gnu11", *options, "src/roll.c"], check=True, cwd=tmp_path)
+    objects = ["roll_module.o", "runs.o", "roll.o"]
+    subprocess.run(["g++", *objects, "-o", "runs"], check=True, cwd=tmp_path)
+    assert subprocess.run([tmp_path / "runs"], check=False, timeout=20).returncode == 0
