@@ -239,7 +239,7 @@ CASES: dict[str, tuple[Callable[..., Any], Template, Callable[[Any], Any]]] = {
     "decouple": (
         exact.geometry.decouple,
         lambda p, q, r, t: _plain(
-            ([[p, "1"], ["0", q]], [["1", r], ["0", "1"]], [["1", "0"], [t, "1"]]), None, "s"
+            ([[p, "1"], ["0", q]], [["1", r], ["0", "1"]], [["1", "0"], [t, "1"]]), variable="s"
         ),
         invariants("relative_degrees", "matrix"),
     ),
